@@ -1,7 +1,5 @@
 """What the report shows, read from the store of runs: what it lacks is computed on all cores, then timed alone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace

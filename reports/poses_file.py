@@ -1,7 +1,5 @@
 """Times and poses on the disk, whole or not at all: of a run or an ensemble, as .npz, .csv or .parquet."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Callable, Mapping

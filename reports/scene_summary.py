@@ -1,7 +1,5 @@
 """What a scene is, counted: said before a run, so that a forgotten joint or millimetres for metres are seen."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """An ensemble whose runs other processes share: each makes a part of the design, and the parts are joined."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

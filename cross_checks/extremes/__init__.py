@@ -1,7 +1,5 @@
 """Extreme scenes along an axis from mild to hopeless: one file a family, found by listing `families`."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from functools import cache

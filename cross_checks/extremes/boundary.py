@@ -5,8 +5,6 @@ as a rule; an axis that is not monotone recovers behind it. A run agrees with th
 its own odds that it is handled. Wanted is where the stretch begins.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 

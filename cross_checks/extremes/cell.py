@@ -1,7 +1,5 @@
 """One cell of the matrix of extremes: an engine's method along one axis, as a line of JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import takewhile

@@ -1,7 +1,5 @@
 """What an extreme is: a scene driven along an axis, and how its answer is measured."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

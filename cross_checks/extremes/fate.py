@@ -11,8 +11,6 @@ The odds of an error come from the posterior of convergence of this one run: its
 truth's uncertainty and rounding. Errors are in units of the motion's size.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from enum import StrEnum

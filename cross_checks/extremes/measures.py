@@ -1,7 +1,5 @@
 """How far an answer is from right, in units of the motion's own size."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rods, sleds and closed forms of their motion that several families share."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Run the matrix: each run in a child process, two children at a time, cell after cell."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Every method on every scene, side by side: truths, and answers that are provisional while a truth is refined."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

@@ -1,7 +1,5 @@
 """What every method must reach, how much work a run may take, and every threshold of verdicts and searches."""
 
-from __future__ import annotations
-
 TARGETS = (1e-3, 1e-6, 1e-9)  # errors over the scene's scales
 MOST_STEPS = 100_000  # that a run may take
 AGREEMENT = 1e-6  # of the scene: an error at or below this is agreement

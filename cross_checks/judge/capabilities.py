@@ -1,7 +1,5 @@
 """What every engine can do, derived from the adapters themselves: no hand-written table."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """A cell of the validation matrix: what one method does on one scene, from the store's runs alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 

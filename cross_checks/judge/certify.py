@@ -1,7 +1,5 @@
 """Certificates of truths, computed afresh and confirmed by the reference solver."""
 
-from __future__ import annotations
-
 import math
 import platform
 from datetime import UTC, datetime

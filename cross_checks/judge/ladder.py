@@ -1,7 +1,5 @@
 """The one number that a method's accuracy depends on, its step or its tolerance, and the grid of a judged run."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Runs and verdicts for a program: what `mbs-ref simulate` and `check` do, returned instead of printed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every metric of one run, as the fields of a Record."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One run, judged: (scene, engine, settings) -> Record. An engine's failure is an answer, not an exception."""
 
-from __future__ import annotations
-
 import platform
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Runs of scenes, each computed once: what the store lacks is computed in this process or another, and stored."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import Any
 

@@ -7,8 +7,6 @@ as wrong only after a run plainly finer than all others, even beyond the work li
 for every engine, so that the choice does not depend on how busy a machine is.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """One method on one scene as the search sees it: its runs, their errors and their gaps, from the store."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

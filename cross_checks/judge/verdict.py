@@ -1,7 +1,5 @@
 """The verdict on a method: what the posterior of its runs states, in one word, one sentence and its odds."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple

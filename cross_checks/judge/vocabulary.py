@@ -3,8 +3,6 @@
 Pages, JSON, commands and documents refer to these definitions. Codes are stable: others may cite them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum

@@ -3,8 +3,6 @@
 Answers come in groups, and a system is prepared for a group when it is needed, so that nothing else is compiled.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import cache
 from typing import Any

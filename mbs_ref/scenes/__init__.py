@@ -1,7 +1,5 @@
 """The scenes of the project: the public functions of this folder's modules that return a Scene."""
 
-from __future__ import annotations
-
 import difflib
 import importlib
 import inspect

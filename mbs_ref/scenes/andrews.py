@@ -1,7 +1,5 @@
 """Andrews' squeezer: seven bodies in the plane, three loops, one freedom."""
 
-from __future__ import annotations
-
 import math
 
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, SpringDamper, Torque

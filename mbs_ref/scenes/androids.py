@@ -1,7 +1,5 @@
 """The androids of the papers in a crash: simplified and vertebral in the plane, and the simplified one in space."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

@@ -1,7 +1,5 @@
 """The uncontrolled bicycle: four rigid bodies, two knife-edged wheels that roll without slipping."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

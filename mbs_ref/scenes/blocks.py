@@ -1,7 +1,5 @@
 """A block on rough ground: resting on an incline, sliding to rest, and rocking from edge to edge."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """A body that bounces off a floor or between walls, by any contact law, in the plane and in space."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

@@ -1,7 +1,5 @@
 """Bricard's mechanism, problem A04 of the IFToMM benchmark library: overconstrained, and yet it moves."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

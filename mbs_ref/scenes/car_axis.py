@@ -1,7 +1,5 @@
 """The car axis of the test set for initial value problem solvers: stiffly sprung, on a road that moves one wheel."""
 
-from __future__ import annotations
-
 from mbs_ref.scene import (
     GROUND,
     CoordinateDrive,

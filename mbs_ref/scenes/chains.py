@@ -1,7 +1,5 @@
 """Chains of rods: hinged in the plane, on ball joints in space, and the N-four-bar mechanism with its loops."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from typing import Annotated, Any

@@ -1,7 +1,5 @@
 """Bodies that collide: Newton's cradle laid flat, and two spheres in space."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

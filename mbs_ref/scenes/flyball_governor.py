@@ -3,8 +3,6 @@
 # Vectors are built as tuples of floats whose length the checker cannot see.
 # pyright: reportArgumentType=false
 
-from __future__ import annotations
-
 import math
 
 from mbs_ref.scene import GROUND, Prismatic, Revolute, Scene, SpatialBody, SpringDamper

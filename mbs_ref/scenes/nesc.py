@@ -1,7 +1,5 @@
 """NASA's check cases of atmospheric flight: spheres that fall over a turning Earth, and a tumbling brick."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Particles under Newton's attraction: Kepler's orbit and classical test problems."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Pendulums: on a rod in the plane and in space, on a spring, on a driven pivot, and two in a row."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated
 

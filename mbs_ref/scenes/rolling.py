@@ -1,7 +1,5 @@
 """Round bodies on rough ground: a disc and a sphere that begin to roll, and an oblique impact."""
 
-from __future__ import annotations
-
 import math
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """Artificial satellites of the Earth: a point mass with each force on its own switch, and a body that librates."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Any, Literal
 

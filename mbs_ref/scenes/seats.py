@@ -1,7 +1,5 @@
 """A ball on a seat that moves: shaken up and down, or free and turning."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 from mbs_ref.scene import CoordinateDrive, PlanarBody, Scene

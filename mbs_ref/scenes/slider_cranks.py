@@ -1,7 +1,5 @@
 """Slider-cranks: one closed loop with a prismatic joint, in the plane and in space."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

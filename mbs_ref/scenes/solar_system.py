@@ -1,7 +1,5 @@
 """The Sun, eight planets, the Moon and Pluto, with selectable physics."""
 
-from __future__ import annotations
-
 import datetime
 import math
 from typing import Annotated, Any, Literal, NamedTuple

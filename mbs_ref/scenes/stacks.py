@@ -1,7 +1,5 @@
 """Bodies in contact under gravity: stacks in the plane and in space, and grains that fall into a box."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Annotated, Any
 

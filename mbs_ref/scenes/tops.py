@@ -1,7 +1,5 @@
 """Spinning bodies: Euler's top, Lagrange's top and two gyroscopes in a row."""
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, Literal
 

@@ -1,7 +1,5 @@
 """Assemble the Trajectory of a run: poses, reactions, counts, notes and the estimate of its error."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from dataclasses import replace

@@ -3,8 +3,6 @@
 The output samples are examined after the run. A passage between two samples is detected only as far as they show it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem

@@ -19,8 +19,6 @@ largest errors; a third run is then two decades tighter. If a companion does not
 it, whose errors are the larger ones, so that d bounds them. If that fails too, another method is used.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import replace

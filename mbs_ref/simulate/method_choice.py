@@ -13,8 +13,6 @@ implicit method takes some steps from the same state: these grow as fast motions
 that the choice is reproducible.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """simulate(scene, settings) -> Trajectory: a plan, a consistent start, the legs, an estimate of the error."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

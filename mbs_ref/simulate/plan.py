@@ -1,7 +1,5 @@
 """Resolve settings against a scene and an integrator: output times, tolerances, combinations that are refused."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

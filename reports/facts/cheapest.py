@@ -2,8 +2,6 @@
 profiles of engines over all scenes.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Compile the solver's kernels before anything is run or timed: plane, space and particles side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

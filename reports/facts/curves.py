@@ -1,7 +1,5 @@
 """Lines over a common axis and films of a motion, as plain data, and the plots that they make."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

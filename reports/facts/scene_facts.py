@@ -1,7 +1,5 @@
 """What a scene is, in words and numbers, and a film of its motion: the head of its page."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from mbs_ref import scenes

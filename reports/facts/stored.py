@@ -1,7 +1,5 @@
 """Facts and judged cells that the store of runs holds as JSON, by the dataclass that they fill."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields

@@ -1,7 +1,5 @@
 """What the report says of each scene's truth, and of the certificate kept of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Metres on the paper as pixels of a picture."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures of a motion as files: a GIF or an MP4 that plays it, a filmstrip of moments (Fox 1999, Figs. 1 and 2)."""
 
-from __future__ import annotations
-
 import base64
 import importlib
 import io

@@ -1,7 +1,5 @@
 """One line an engine that an engineer can act on: what to trust it for, at which setting, and where it goes wrong."""
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Chromium without a window: it draws a page as a picture, or prints it."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import tempfile

@@ -1,7 +1,5 @@
 """Build the report: query the store, compute what is missing, render and write the files; each whole or not at all."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The report's plain companions: Markdown, CSV and JSON lines."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

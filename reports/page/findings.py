@@ -1,7 +1,5 @@
 """Findings: what went wrong, in sentences derived from the data, each by one rule that names no engine."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

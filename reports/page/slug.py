@@ -1,7 +1,5 @@
 """Names of the report's files, and the command line that repeats a record's run."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import shlex

@@ -1,7 +1,5 @@
 """python -m reports.site FOLDER: what mkdocs is to build the documentation from."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import sys

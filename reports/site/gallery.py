@@ -1,7 +1,5 @@
 """The gallery: each scene's film, what it is made of, who can run it at what cost, how well its truth is known."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection
 from pathlib import Path
 

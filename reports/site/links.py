@@ -3,8 +3,6 @@
 Nothing is fetched: what leads outside is counted, and has to be a well-formed address.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser

@@ -4,8 +4,6 @@ A cell that raises ends it. Figures are drawn by plotly's own script, which is w
 fetched. Needs the extra `notebooks`.
 """
 
-from __future__ import annotations
-
 import html
 import json
 import os

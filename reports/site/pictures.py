@@ -1,7 +1,5 @@
 """python -m reports.site.pictures [REPORT]: the pictures of the README, from the files of a report (reports/out)."""
 
-from __future__ import annotations
-
 import base64
 import io
 import shlex

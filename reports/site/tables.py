@@ -1,7 +1,5 @@
 """Tables of the documentation, asked of the adapters and of the kept certificates."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from cross_checks.judge.capabilities import Capability, capabilities

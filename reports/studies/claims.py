@@ -4,8 +4,6 @@
 words where the figure is None. A format is one of FORMATS or Python's own.
 """
 
-from __future__ import annotations
-
 import operator
 import re
 from collections.abc import Callable, Iterable, Mapping

@@ -1,7 +1,5 @@
 """The crash of both androids, measured by one module for the studies of the crashes, the androids and the papers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -19,8 +19,6 @@ criteria of `where` hold. `layout` is `pairs`, or `details`: a part to open, tit
 open where that contains `open`. `study` names another study, whose facts a block shows.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections import Counter

@@ -4,8 +4,6 @@ Beside a study's study.toml stands measure.py, whose `measure()` returns a Measu
 `make(part)`: runs that the store holds once they are computed, in any order and side by side, for `measure()` to read.
 """
 
-from __future__ import annotations
-
 import pkgutil
 import tomllib
 from collections.abc import Callable

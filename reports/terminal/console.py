@@ -1,7 +1,5 @@
 """Printing: JSON without NaN, numbers and tables for people, progress on stderr; and the exit codes of `mbs-ref`."""
 
-from __future__ import annotations
-
 import json
 import math
 import sys

@@ -1,7 +1,5 @@
 """What the commands share that ask one question of every method of every engine: options, and how they answer."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable
 from pathlib import Path

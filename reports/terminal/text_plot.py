@@ -1,7 +1,5 @@
 """Small plots in characters, for a terminal."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

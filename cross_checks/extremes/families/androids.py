@@ -1,7 +1,5 @@
 """The crash android: ever harder pulses, stiffer belts, none of them, and ever heavier or lighter occupants."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 A start breaks a joint by a wrong place or speed; Euler parameters with a norm other than 1 are no rotation.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

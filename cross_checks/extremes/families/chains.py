@@ -1,7 +1,5 @@
 """Chains: many links, mass ratios from 1 to 1e14, a tip that draws a chain taut, and chaos for long."""
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

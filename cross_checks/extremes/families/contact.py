@@ -1,7 +1,5 @@
 """Contact at the edge: stiff floors, thin plates at speed, deep starts, heavy on light, endless bouncing, grip."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

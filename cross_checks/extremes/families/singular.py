@@ -1,7 +1,5 @@
 """Singular poses and redundant constraints: flat parallelograms, dead centres, a driven lock, hinges made twice."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 Errors of planets and satellites are shares of how far they go in the span, as a run's own estimate counts them.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 

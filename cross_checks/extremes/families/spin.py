@@ -1,7 +1,5 @@
 """Rotation: fast spin to 1e5 rad/s, the drift of Euler parameters, inertia near zero, and needles."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

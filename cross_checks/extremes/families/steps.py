@@ -1,7 +1,5 @@
 """Steps from below roundoff to seconds, clocks that stand still, short pulses, and tolerances nobody can meet."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Springs from 1e2 to 1e14 N/m: quiet, where only stability is at stake, and ringing, where the motion is fast."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

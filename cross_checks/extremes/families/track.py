@@ -4,8 +4,6 @@ Without ground and gravity nothing acts from outside: whatever the track does, m
 and so they are judged, by the poses alone. On a slope energy may only fall, and no faster than the fall allows.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """One statistical model of convergence: every verdict, observed order and choice of a next setting queries it."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from pathlib import Path

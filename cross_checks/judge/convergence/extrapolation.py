@@ -1,7 +1,5 @@
 """Where runs of fixed steps lead: the leading term of their error taken away (Richardson, Phil. Trans. A 226, 1927)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The error to expect at a setting that was not run, from the posterior of the runs that were."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whether a truth lies in a proven enclosure, to the uncertainty that it states."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

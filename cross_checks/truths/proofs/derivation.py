@@ -1,7 +1,5 @@
 """A scene on its way to formulas: its numbers as rationals, in units of the proof, and what its bodies still need."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction

@@ -5,8 +5,6 @@ of one joint: what the bodies beyond it need, along its freedom. Closures enter 
 the start alone decides where they are closed.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterator
 from fractions import Fraction

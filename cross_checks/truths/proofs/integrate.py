@@ -1,7 +1,5 @@
 """The prover: it proposes a polynomial for every step and lets the checker's bounds decide; the log has what holds."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Places, velocities and accelerations of bodies along a tree of joints, written on a tape."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """Logs of proofs on disk: JSON, compressed."""
 
-from __future__ import annotations
-
 import gzip
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Taylor polynomials of y' = f(y, z), 0 = g(y, z) in fixed-point integers: what the prover proposes, unproven."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from operator import mul

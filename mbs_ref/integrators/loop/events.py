@@ -10,8 +10,6 @@ search aims between, at AIM, by the cubic through values and rates at both ends 
 rates are unknown.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -13,8 +13,6 @@ step is to end there, so that the method itself decides. Where that error is as 
 beyond the limit of stability, the interpolant shows nothing, and the step is halved.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

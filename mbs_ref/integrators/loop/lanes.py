@@ -5,8 +5,6 @@ constraint rows and events. A lane whose run has ended takes the next one that w
 last have begun. What a lane holds never depends on its neighbours.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

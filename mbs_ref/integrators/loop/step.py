@@ -1,7 +1,5 @@
 """A step of the compiled loops, whatever the method: its size, its end, the events in it, and the outputs."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ Their prototypes are those of the manual, SUNDIALS 7: sunrealtype is double, sun
 int. The Python package's extension holds the library and exports it.
 """
 
-from __future__ import annotations
-
 from ctypes import CDLL, POINTER, byref, c_double, c_int, c_int64, c_long, c_void_p, cast
 from functools import cache
 from typing import Any

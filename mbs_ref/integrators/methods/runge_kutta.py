@@ -1,7 +1,5 @@
 """Explicit Runge-Kutta methods, DOP853 with its error estimates and dense output among them."""
 
-from __future__ import annotations
-
 from mbs_ref.integrators.loop.explicit import explicit
 from mbs_ref.integrators.loop.leg import Integrator
 from mbs_ref.integrators.stages.tableau import DOP853, EULER, RK4, Tableau, stability_polynomial

@@ -1,7 +1,5 @@
 """The stages of an explicit Runge-Kutta step, its error estimate, and outputs inside it, compiled."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

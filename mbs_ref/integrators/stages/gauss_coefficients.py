@@ -1,7 +1,5 @@
 """Gauss-Legendre collocation with eight stages, order 16, computed to fifty digits and split in two doubles."""
 
-from __future__ import annotations
-
 from decimal import Decimal, localcontext
 from functools import cache
 from typing import Annotated, NamedTuple

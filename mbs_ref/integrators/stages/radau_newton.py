@@ -3,8 +3,6 @@
 Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, sec. IV.8.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ The coefficients of DOP853 are those of Dormand and Prince as Hairer's code has 
 Ordinary Differential Equations I, 2nd ed., Springer 1993, sec. II.6 and II.10), which SciPy carries.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ Integrators ask most of them. The last ones a core asks itself: many of its func
 each would link the dynamics.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from numba import types

@@ -5,8 +5,6 @@ mode holds a little beyond its root, by its roundoff, or contacts at rest exactl
 or a speed is `noise`, that of a force what the noise makes of it. Functions are in units of their roundoff.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.contact.laws import (
     MODE_BEHIND,
     MODE_CLOSED,

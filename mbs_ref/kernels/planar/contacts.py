@@ -1,7 +1,5 @@
 """Shapes of the plane (mbs_ref.kernels.rigid.shapes): lines, circles and the walls between a sprocket's teeth."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

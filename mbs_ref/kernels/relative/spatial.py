@@ -4,8 +4,6 @@ State y = [q, u]: R, theta0..theta3 and R', omega of a free body; an angle a rev
 ball carries its body's orientation, theta0..theta3 and omega. omega is in body axes, as in the redundant core.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl

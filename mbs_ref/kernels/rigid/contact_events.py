@@ -3,8 +3,6 @@
 Three functions a contact: the gap's, the force's (of a constraint, the multiplier's) and friction's.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.border import questions as ask

@@ -5,8 +5,6 @@ the row gap = 0 while contact lasts, and none otherwise. The row's multiplier is
 together; the contact pushes with its negative.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.contact.laws import FRICTION_NONE, MODE_CLOSED, MODE_PLAIN, PAIR_FLAT, RELEASE_FORCE, normal_force

@@ -5,8 +5,6 @@ All functions are positive while the frozen modes hold. Each holds a little beyo
 rest exactly at d = 0 would chatter.
 """
 
-from __future__ import annotations
-
 from mbs_ref.kernels.contact.laws import RATE, ROOTS_EACH, SPEED, TURN, UNKNOWN, VALUE
 from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
 from mbs_ref.kernels.jit import jit

@@ -3,8 +3,6 @@
 The slip velocities' rates are linear in the friction forces, which are probed one direction of search at a time.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.border.questions import derivative, slip_velocities

@@ -6,8 +6,6 @@ solved by principal pivoting: a contact that pulls opens, one that closes in is 
 least index if that goes on (Murty 1974), which ends. Accelerations are unique even where forces are not.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.border.questions import accelerate, project

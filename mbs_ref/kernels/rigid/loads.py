@@ -4,8 +4,6 @@ Springs that only pull have events: where they go slack, or their damper would p
 is stretched, but its damper outweighs the spring and it gives nothing.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.border.calls import call_user

@@ -1,7 +1,5 @@
 """Shapes of space (mbs_ref.kernels.rigid.shapes): planes, rectangles and spheres."""
 
-from __future__ import annotations
-
 import math
 
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT

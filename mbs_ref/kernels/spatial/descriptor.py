@@ -5,8 +5,6 @@ theta exp(turn / 2), a turn in body axes (Bruls and Cardona, J. Comput. Nonlinea
 norm stays one, and needs no multiplier.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.jit import jit

@@ -4,8 +4,6 @@ A = I + 2 th0 [e~] + 2 [e~]^2 with e = (th1, th2, th3) (Fox 1999, appendix), div
 rotation results whatever the norm; theta' = E^T omega / 2 with the world angular velocity.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from mbs_ref.kernels.jit import jit

@@ -1,7 +1,5 @@
 """A small planar tracked vehicle: the papers' third system, with a track of any length."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from functools import cache

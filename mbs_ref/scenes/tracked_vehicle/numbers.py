@@ -1,7 +1,5 @@
 """The numbers of which the vehicle is built, with their origin in scenes/data/tracked_vehicle.json."""
 
-from __future__ import annotations
-
 import json
 import math
 from importlib.resources import files

@@ -1,7 +1,5 @@
 """What turns on the hull: sprocket, idler and rollers, on axles of the hull or on sprung trailing arms."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Every shape's contact is continuous: a bump is the top of a buried circle, a slo
 surface with a solid end. So they may touch one foot at once, as ground and kerb do.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 from mbs_ref.scene import GROUND

@@ -9,8 +9,6 @@ to Mechanics and Symmetry, 2nd ed., 1999, relative equilibria.)
 The matrix is restricted to perturbations that satisfy the constraints.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

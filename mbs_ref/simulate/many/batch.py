@@ -1,7 +1,5 @@
 """Many runs in one call: many starts of one scene, or many scenes, shared among threads or side by side in lanes."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Integrate several runs at once in vector lanes: of one scene from many starts, or of scenes with one structure."""
 
-from __future__ import annotations
-
 import itertools
 import threading
 import time

@@ -1,7 +1,5 @@
 """Run many pieces of work in threads. Compiled loops of DOP853, Radau, Gauss and generalized-alpha release the GIL."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor

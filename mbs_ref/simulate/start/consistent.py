@@ -1,7 +1,5 @@
 """Consistency of the initial conditions with the constraints: check, projection, rank, and rates fitted to joints."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Check a run before its first step: the numbers of its parts and its start, the clock, the branch of the motion."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from itertools import pairwise

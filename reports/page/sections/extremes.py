@@ -1,7 +1,5 @@
 """Extremes: up to where each engine's methods can be trusted, and who goes wrong without a word."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from collections import Counter

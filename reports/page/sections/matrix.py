@@ -1,7 +1,5 @@
 """The validation matrix, every method of every engine against every truth, and what each engine can model."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from typing import Any
 

@@ -1,7 +1,5 @@
 """How this report judges and times, the truths that it measures errors from, and where it was made."""
 
-from __future__ import annotations
-
 import re
 from inspect import getsource
 from typing import Any

@@ -1,7 +1,5 @@
 """The first screen: engine by scene, what accuracy costs each engine over all scenes, and what went wrong."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from statistics import median

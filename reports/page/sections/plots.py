@@ -1,7 +1,5 @@
 """A figure for each scene whose runs hold the data: convergence, compliance and error, energy, and time split."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """Cost at equal error on one scene: each engine's cheapest setting at each target, and the box that picks one."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from cross_checks.judge.vocabulary import ANSWERS, OURS

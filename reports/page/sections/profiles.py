@@ -1,7 +1,5 @@
 """Performance profiles of the engines over all scenes, at three accuracies, each with its table."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from cross_checks.judge.vocabulary import OURS

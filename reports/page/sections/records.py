@@ -1,7 +1,5 @@
 """Every run with its figures and the command that makes it again."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from cross_checks.records.numbers import ABSENT, duration, joules, metres, of_scene, setting

@@ -1,7 +1,5 @@
 """The androids under the papers' integrators and others: compliance, work, stable steps, convergence, engines."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from importlib.util import find_spec
 from itertools import product

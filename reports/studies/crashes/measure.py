@@ -1,7 +1,5 @@
 """The two crash occupants from the front and from the rear, run once for a full report."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 

@@ -1,7 +1,5 @@
 """The least model of a scene's family that reaches an error, from the ladders of this study."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Ladders of models, each rung run by the same method: what it costs and what it buys."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any

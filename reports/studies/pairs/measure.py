@@ -3,8 +3,6 @@
 Each engine enters every method that it offers for a scene; its row is that of its cheapest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial

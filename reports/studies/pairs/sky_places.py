@@ -1,7 +1,5 @@
 """Where things in the sky are by our runs and by the ephemeris that Astropy brings along, without any download."""
 
-from __future__ import annotations
-
 import importlib
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Cartesian against relative coordinates in our own solver: the same motion, and the time of a right-hand side."""
 
-from __future__ import annotations
-
 from time import process_time
 
 import numpy as np

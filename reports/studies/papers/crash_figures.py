@@ -1,7 +1,5 @@
 """The androids' crash as the first paper ran it: figures 1 to 5, its methods, and what its sentences add."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

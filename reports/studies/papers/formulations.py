@@ -3,8 +3,6 @@
 Small solvers of their own, of plain arrays: what is shown belongs to the forms, not to this project's solver.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.integrate import solve_ivp
 

@@ -57,7 +57,7 @@ def step_rules() -> dict[str, Value]:
         scene = scenes.make(f"android_{kind}")
         stiff, path = stiffness_at_start(scene), finished(scene)
         system = compile_scene(scene)
-        mobility = system.contact_oscillators(0.0, system.initial_state())[:, 0]
+        mobility = system.contact_oscillators(0.0, system.initial_state(), 0.0)[:, 0]
         laws = [part.law.numbers() for part in scene.contacts]
         damped = [
             law.damping * float(path.contacts[part.name][:, 0].max()) * kw / law.stiffness

@@ -1,7 +1,5 @@
 """The papers' claims, measured: the crash, the track, the planets, and two forms of the equations."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The tracked vehicle of the second paper: compliance under its integrators, wheels that slide and roll, engines."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

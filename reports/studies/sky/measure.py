@@ -1,7 +1,5 @@
 """The sky, measured: digits against physics, races against IAS15 and heyoka, what Euler parameters cost."""
 
-from __future__ import annotations
-
 import statistics
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """What Euler parameters do and cost: three small measurements for the report."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The tables that `mbs-ref calibrate`, `symmetry` and `repeatability` write with --table, as they stand in the tree."""
 
-from __future__ import annotations
-
 import json
 from importlib.resources import files
 from typing import Any

@@ -1,7 +1,5 @@
 """Balls, floats that bound them, and what is refused."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Bounds of polynomial matrices on a step, in floats: flows, their defects and inverses."""
 
-from __future__ import annotations
-
 from math import comb
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The formulas of a log with their derivatives, run on any kind of number."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any

@@ -3,8 +3,6 @@
 Every derivative is a coefficient of a series in time: closures, energies and stretches are evaluated on motions.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """A log's formulas beside the scene: start values, and equality with the absolute coordinates."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from fractions import Fraction

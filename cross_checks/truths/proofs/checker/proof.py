@@ -1,7 +1,5 @@
 """The proof of a log, step by step."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any

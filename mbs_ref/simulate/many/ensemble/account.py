@@ -1,7 +1,5 @@
 """Report an ensemble: sentences on its runs, corrections and resolved spread; plain data for JSON."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """The varied numbers, their laws, and the values of every run: a Latin hypercube at each point of the grids."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

@@ -1,7 +1,5 @@
 """The numbers of a scene by name, as its TOML has them: `load.stiffness`, `ball.position.y`, `gravity.x`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin

@@ -1,7 +1,5 @@
 """Run an ensemble in portions, and store its samples."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections import Counter

@@ -1,7 +1,5 @@
 """Statistics of an ensemble: mean, spread and quantiles of every coordinate over time, with their standard errors."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The scene and the start of every run: other numbers, parameters or initial conditions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
