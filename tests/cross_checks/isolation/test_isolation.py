@@ -52,6 +52,7 @@ def test_what_is_lost_is_named_and_the_next_call_works(isolated, call, trouble, 
     assert call(troubles.add, 1.0, 1.0) == 2.0
 
 
+@pytest.mark.slow
 def test_time_spent_compiling_is_not_the_calls(isolated, call):
     isolated.timeout = troubles.BRIEF
     assert call(troubles.compile_slowly, troubles.BRIEF + 1.0) == "compiled"
@@ -59,6 +60,7 @@ def test_time_spent_compiling_is_not_the_calls(isolated, call):
         call(troubles.compile_and_hang)
 
 
+@pytest.mark.slow
 def test_who_waits_for_a_compiler_is_waited_for(isolated):
     isolated.timeout = troubles.PATIENCE
     assert isolated(troubles.start_inner) == 2.0

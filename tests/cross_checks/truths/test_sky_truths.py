@@ -59,9 +59,11 @@ ALLOWED = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("folder", ["certify", "truths"])
+@pytest.mark.parametrize("folder", ["of", "made_by", "proofs"])
 def test_no_truth_is_made_by_the_solver(folder):
-    for file in (Path(cross_checks.__file__).parent / folder).rglob("*.py"):
+    files = list((Path(cross_checks.__file__).parent / "truths" / folder).rglob("*.py"))
+    assert files
+    for file in files:
         for node in ast.walk(ast.parse(file.read_text())):
             names = [node.module] if isinstance(node, ast.ImportFrom) else []
             names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []

@@ -61,7 +61,13 @@ SMALLER = {  # quicker to solve, or slow enough to be differenced
     "spatial_chain": {"links": 3},
     "double_gyroscope": {"spin": 20.0, "second_spin": -10.0},
 }
-SLOW = {"bricard", "double_gyroscope", "spatial_chain", "spatial_slider_crank"}  # to step onto every millisecond
+SLOW = {
+    "bricard",
+    "cardan_joint",
+    "double_gyroscope",
+    "spatial_chain",
+    "spatial_slider_crank",
+}  # to step onto every millisecond
 
 IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: speeds jump, energy is lost
     "ball_on_driven_seat", "bouncing_ball", "box_stack", "disc_between_walls", "incline", "newtons_cradle",
@@ -70,7 +76,8 @@ IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: 
 }  # fmt: skip
 
 
-ELSEWHERE = {"driven_pendulum", "andrews", "car_axis"}  # judged below, and in test_published_problems.py
+# driven or published: judged below, in test_linkages.py and in test_published_problems.py
+ELSEWHERE = {"driven_pendulum", "straight_line_linkage", "andrews", "car_axis"}
 
 
 @pytest.mark.parametrize("name", sorted(set(known()) - ELSEWHERE - IN_CONTACT - IN_THE_SKY - DAMPED))

@@ -242,7 +242,7 @@ def test_beyond_the_time_until_which_digits_hold_the_estimate_is_the_motion_itse
     """A body leaves its unstable axis, and turns upside down."""
     body = SpatialBody(name="top", mass=1.0, inertia=(1.0, 2.0, 3.0, 0.0, 0.0, 0.0), angular_velocity=(1e-3, 1.0, 5e-4))
     scene = Scene(name="top", gravity=(0.0, 0.0, 0.0), bodies=(body,))
-    estimate = of(simulate(scene, Settings(method="dop853", rtol=1e-3), np.linspace(0.0, 120.0, 13)))
+    estimate = of(simulate(scene, Settings(method="dop853", rtol=1e-2), np.linspace(0.0, 120.0, 13)))
     assert estimate.holds_until is not None
     lost = estimate.times > estimate.holds_until
     assert np.all(estimate.components[lost, 1] > 3.0)

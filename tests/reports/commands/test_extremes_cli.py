@@ -28,6 +28,7 @@ def test_a_small_extreme_prints_a_line_of_json_a_cell():
     assert all(cell["points"] for cell in cells)
 
 
+@pytest.mark.slow
 def test_shards_of_the_extremes_are_disjoint_and_complete():
     asked = ["extremes", "--json", "--only", "orbits", "--engine", "rebound", "--shard"]
     parts = [CliRunner().invoke(main, [*asked, f"{k}/3"], prog_name="mbs-ref") for k in (1, 2, 3)]

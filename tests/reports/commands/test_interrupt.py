@@ -68,6 +68,7 @@ def test_a_run_keeps_its_outputs(tmp_path):
     assert np.load(file)["times"][-1] == record["t_end"]
 
 
+@pytest.mark.slow
 def test_a_sweep_keeps_its_records(tmp_path):
     file = tmp_path / "records.jsonl"
     child = begin("sweep", "pendulum", "--engine", "mbs_ref", "-o", str(file))

@@ -82,6 +82,7 @@ def test_without_a_browser_a_pdf_is_refused_before_anything_is_computed(folder, 
     assert f"install one of {', '.join(browser.BROWSERS)}" in " ".join(done.output.split())
 
 
+@pytest.mark.slow
 def test_a_pdf_holds_the_pages(folder):
     if browser.browser() is None:
         pytest.skip(f"no browser is installed; needs one of {', '.join(browser.BROWSERS)}")

@@ -103,6 +103,7 @@ def test_compare_files(tmp_path):
     assert run("compare", a, file_of(tmp_path, "c.jsonl", replace(RECORD, engine="x"))).exit_code == 5
 
 
+@pytest.mark.slow
 def test_parts_of_a_check_are_disjoint_and_complete(tmp_path):
     words = ["check", "pendulum", "--engine", "mbs_ref", "--json", "--store", str(tmp_path / "s.sqlite"), "--shard"]
     whole, *parts = [json.loads(run(*words, part).stdout) for part in ("1/1", "1/2", "2/2")]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from cross_checks.contact.request import ContactModel
 
 
-@click.command(name="contact")
+@click.command(name="contact", epilog="Example: mbs-ref contact --rebound 0.5 --friction 0.7 --stiffness 1e5 --mass 2")
 @click.option("--rebound", type=float, help="Restitution of a free impact (-).")
 @click.option("--friction", type=float, help="Coulomb's coefficient (-).")
 @click.option("--stiffness", type=float, help="Of the contact (N/m).")
@@ -30,10 +30,11 @@ if TYPE_CHECKING:
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(figures: bool, only: tuple[str, ...], holding: bool, chosen: tuple[str, ...], as_json: bool, **request):
-    """Translate a contact into each engine's own parameters, and measure what each engine makes of it.
+    """Translate a contact into the parameters of each engine.
 
-    The parameters hold for one pair of the given effective mass. --figures runs the library's scenes with contact by
-    each engine's own contact model, --holding a block that Coulomb's law holds on a slope.
+    Small experiments measure what each engine makes of them. They hold for one pair of the given effective mass.
+    --figures runs the library's scenes with contact by each engine's own contact model, --holding a block that
+    Coulomb's law holds on a slope.
     """
     from cross_checks import contact
     from cross_checks.contact import by_figure
