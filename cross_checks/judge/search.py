@@ -14,19 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from cross_checks.judge.bounds import (
-    AIM,
-    BELOW,
-    DOUBTFUL,
-    FAIR,
-    FINER,
-    LEVELS,
-    LIKELY,
-    MOST_RUNS,
-    PRICE,
-    RESOLVED,
-    WINDOW,
-)
+from cross_checks.judge import bounds
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.convergence.prediction import error_range, expected_log_error, odds_below, outcomes
@@ -128,7 +116,7 @@ class Search:
         """Make runs until every target is reached from within its window, or has no fair odds."""
         tries = dict.fromkeys(targets, 0)
         given_up: set[float] = set()
-        while len(self.points) < MOST_RUNS:
+        while len(self.points) < bounds.MOST_RUNS:
             choice = self._best(targets, tries, given_up)
             if choice is None:
                 return
@@ -151,25 +139,25 @@ class Search:
         for target in targets:
             reaching = [point for point in self.good if point.error is not None and point.error <= target]
             at_most = runs * odds_below(shown, knobs, target)
-            within = at_most - runs * odds_below(shown, knobs, target / AIM)
+            within = at_most - runs * odds_below(shown, knobs, target / bounds.AIM)
             if reaching:
                 cheapest = reaching[0]
                 cheaper = (knobs > cheapest.knob) & (10.0**steps < 0.8 * max(cheapest.steps, 1))
                 gain = np.where(cheaper, within, 0.0)
-                if (cheapest.error or 0.0) >= target / WINDOW or gain.max() < LIKELY or tries[target] > 2:
+                if (cheapest.error or 0.0) >= target / bounds.WINDOW or gain.max() < bounds.LIKELY or tries[target] > 2:
                     continue
                 worth += gain
-                able |= gain >= LIKELY
+                able |= gain >= bounds.LIKELY
             else:
-                if at_most.max() < (FAIR if tries[target] < 3 else LIKELY) or tries[target] > 4:
+                if at_most.max() < (bounds.FAIR if tries[target] < 3 else bounds.LIKELY) or tries[target] > 4:
                     continue
-                worth += within if served else within + BELOW * (at_most - within)  # the loosest target leads
+                worth += within if served else within + bounds.BELOW * (at_most - within)  # the loosest target leads
                 able |= at_most >= 0.5 * at_most.max()
             served.append(target)
         if not served:
             return None
-        best = int(np.argmax(np.where(able, worth - PRICE * steps, -np.inf)))
-        near = [t for t in served if odds_below(shown, knobs[best : best + 1], t)[0] > FAIR]
+        best = int(np.argmax(np.where(able, worth - bounds.PRICE * steps, -np.inf)))
+        near = [t for t in served if odds_below(shown, knobs[best : best + 1], t)[0] > bounds.FAIR]
         return float(knobs[best]), near or served[:1]
 
     def _candidates(self) -> np.ndarray:
@@ -258,8 +246,8 @@ class Search:
             judged = self.judgement()
             if judged.verdict in SILENT and self.good and not confirmed:
                 confirmed = True
-                finer = self.subject.typed(self.good[-1].knob / FINER[self.subject.kind])
-                if finer not in self.points and self._is_able(finer, FINER["fixed"]):
+                finer = self.subject.typed(self.good[-1].knob / bounds.FINER[self.subject.kind])
+                if finer not in self.points and self._is_able(finer, bounds.FINER["fixed"]):
                     self.try_(finer)
                     continue
             if judged.verdict is Verdict.NOT_SHOWN:
@@ -274,10 +262,12 @@ class Search:
     def _most_runs(self) -> int:
         """Return how many runs a verdict is worth: more where a failure is likely and not certain."""
         shown = self.shown()
-        is_lost = self.reference is not None and (self.good[-1].error or 0.0) > RESOLVED
-        if shown is None or (not is_lost and (len(shown.ladder) < LEVELS or shown.weights["right"] < 1.0 - DOUBTFUL)):
-            return MOST_RUNS
-        return MOST_RUNS // 2
+        is_lost = self.reference is not None and (self.good[-1].error or 0.0) > bounds.RESOLVED
+        if shown is None or (
+            not is_lost and (len(shown.ladder) < bounds.LEVELS or shown.weights["right"] < 1.0 - bounds.DOUBTFUL)
+        ):
+            return bounds.MOST_RUNS
+        return bounds.MOST_RUNS // 2
 
     def _settling(self) -> float | None:
         """Return the setting that is most informative: the middle of the widest gap; None where none remains.
@@ -289,7 +279,9 @@ class Search:
         if not len(good) or not len(knobs):
             return None
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array(self.knobs))).min(axis=1)
-        knobs = knobs[(apart > math.log(FINER[self.subject.kind]) / 4.0) & (self._odds_to_run(knobs) >= LIKELY)]
+        knobs = knobs[
+            (apart > math.log(bounds.FINER[self.subject.kind]) / 4.0) & (self._odds_to_run(knobs) >= bounds.LIKELY)
+        ]
         if not len(knobs):
             return None
         middle, shown = math.sqrt(good.min() * good.max()), self.shown()
@@ -298,7 +290,7 @@ class Search:
             best = above_rounding(shown.ladder)
             if best < len(shown.ladder) - 1:
                 wished = knobs > shown.ladder.settings[best]
-            elif shown.weights["right"] < 1.0 - DOUBTFUL:
+            elif shown.weights["right"] < 1.0 - bounds.DOUBTFUL:
                 wished = knobs < middle
         knobs = knobs[wished] if wished.any() else knobs
         ends = [self.subject.finest] if self.subject.kind == "adaptive" else []  # a tolerance's steps are extrapolated
@@ -309,12 +301,12 @@ class Search:
         """Whether a setting is within the work limit, and no failure lies between it and the runs."""
         knobs = np.array([knob])
         enough = self.steps(knobs)[0] <= 1.01 * allowance * self.subject.most_steps
-        return bool(enough and self._odds_to_run(knobs)[0] >= LIKELY)
+        return bool(enough and self._odds_to_run(knobs)[0] >= bounds.LIKELY)
 
     def _has_new_reference(self) -> bool:
         """Run a reference method where runs are as far off as motions go; return whether there is one."""
         good = self.good
-        if self.reference is not None or not good or not (good[-1].error or 0.0) > RESOLVED:
+        if self.reference is not None or not good or not (good[-1].error or 0.0) > bounds.RESOLVED:
             return False
         error = self.subject.reference(good[-1].knob)
         self.reference = None if error is None else (good[-1].knob, error)

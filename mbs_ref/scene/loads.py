@@ -5,19 +5,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, SkipValidation, model_validator
 
+from mbs_ref.scene.base import part
 from mbs_ref.scene.base.attached import Attached, AttachedPair
 from mbs_ref.scene.base.directions import require_perpendicular
-from mbs_ref.scene.base.part import (
-    BodyName,
-    Direction,
-    Direction3,
-    NonNegative,
-    Point,
-    Point3,
-    SixNonNegative,
-    Vector,
-    Vector3,
-)
 from mbs_ref.scene.celestial import CelestialLoad
 from mbs_ref.scene.joints import axis_complaints
 from mbs_ref.scene.signals import Constant, Signal
@@ -27,9 +17,9 @@ class Force(Attached):
     """A force at a point of a body: vector times a signal, along fixed world or body axes."""
 
     type: Literal["force"] = "force"
-    body: BodyName
-    point: Point  # m, world, t = 0
-    vector: Vector  # N
+    body: part.BodyName
+    point: part.Point  # m, world, t = 0
+    vector: part.Vector  # N
     frame: Literal["world", "body"] = "world"  # axes of the vector
     factor: Signal = Constant()  # times the load
 
@@ -42,7 +32,7 @@ class Torque(Attached):
     TURNS: ClassVar[bool] = True
 
     type: Literal["torque"] = "torque"
-    body: BodyName
+    body: part.BodyName
     torque: float  # N m
     factor: Signal = Constant()  # times the load
 
@@ -55,8 +45,8 @@ class TorqueVector(Attached):
     TURNS: ClassVar[bool] = True
 
     type: Literal["torque_vector"] = "torque_vector"
-    body: BodyName
-    vector: Vector3  # N m
+    body: part.BodyName
+    vector: part.Vector3  # N m
     frame: Literal["world", "body"] = "world"  # axes of the vector
     factor: Signal = Constant()  # times the load
 
@@ -65,11 +55,11 @@ class SpringDamper(AttachedPair):
     """A point-to-point spring and damper: F = k (l - l0) + c dl/dt, optionally in tension only."""
 
     type: Literal["spring_damper"] = "spring_damper"
-    point_a: Point  # m, world, t = 0
-    point_b: Point  # m, world, t = 0
-    stiffness: NonNegative  # N/m
-    damping: NonNegative = 0.0  # N s/m
-    rest_length: NonNegative | None = None  # m; the distance at t = 0 unless given
+    point_a: part.Point  # m, world, t = 0
+    point_b: part.Point  # m, world, t = 0
+    stiffness: part.NonNegative  # N/m
+    damping: part.NonNegative = 0.0  # N s/m
+    rest_length: part.NonNegative | None = None  # m; the distance at t = 0 unless given
     tension_only: bool = False  # slack below the rest length, and never pushing
 
 
@@ -83,10 +73,10 @@ class TorsionSpring(AttachedPair):
     TURNS: ClassVar[bool] = True
 
     type: Literal["torsion_spring"] = "torsion_spring"
-    stiffness: NonNegative  # N m/rad
-    damping: NonNegative = 0.0  # N m s/rad
+    stiffness: part.NonNegative  # N m/rad
+    damping: part.NonNegative = 0.0  # N m s/rad
     rest_angle: float | None = None  # rad, of b relative to a; the initial one unless given
-    axis: Direction | None = None  # direction, world, t = 0; required in space, forbidden in the plane
+    axis: part.Direction | None = None  # direction, world, t = 0; required in space, forbidden in the plane
 
     def complaints(self, dimension: int) -> Iterator[str]:
         yield from axis_complaints(self.type, self.axis, dimension)
@@ -103,11 +93,11 @@ class Bushing(AttachedPair):
     TURNS: ClassVar[bool] = True
 
     type: Literal["bushing"] = "bushing"
-    point: Point3  # m, world, t = 0
-    stiffness: SixNonNegative  # N/m, N m/rad
-    damping: SixNonNegative = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # N s/m, N m s/rad
-    x_axis: Direction3 = (1.0, 0.0, 0.0)  # direction, world, t = 0
-    y_axis: Direction3 = (0.0, 1.0, 0.0)  # direction, world, t = 0; perpendicular to x_axis
+    point: part.Point3  # m, world, t = 0
+    stiffness: part.SixNonNegative  # N/m, N m/rad
+    damping: part.SixNonNegative = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # N s/m, N m s/rad
+    x_axis: part.Direction3 = (1.0, 0.0, 0.0)  # direction, world, t = 0
+    y_axis: part.Direction3 = (0.0, 1.0, 0.0)  # direction, world, t = 0; perpendicular to x_axis
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -125,9 +115,9 @@ class PointBushing(AttachedPair):
     DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
 
     type: Literal["point_bushing"] = "point_bushing"
-    point: Point  # m, world, t = 0
-    stiffness: NonNegative  # N/m
-    damping: NonNegative = 0.0  # N s/m
+    point: part.Point  # m, world, t = 0
+    stiffness: part.NonNegative  # N/m
+    damping: part.NonNegative = 0.0  # N s/m
 
     def refuses_particle(self, end: str, dimension: int) -> str:
         return "and cannot bear the bushing's couple; let it be body_b" if end == "body_a" else ""

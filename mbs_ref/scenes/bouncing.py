@@ -6,20 +6,9 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from mbs_ref.scene import PlanarBody, Scene, SpatialBody
+from mbs_ref.scene import PlanarBody, Scene, SpatialBody, contact
 from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.bodies import sphere_inertia
-from mbs_ref.scene.contact import (
-    CircleOnLine,
-    ContactLaw,
-    FloresLaw,
-    HuntCrossleyLaw,
-    LankaraniNikraveshLaw,
-    ProgressiveLaw,
-    RigidLaw,
-    SphereOnPlane,
-    SpringDamperLaw,
-)
 
 Law = Literal[
     "spring_damper", "spring_damper_force", "progressive", "hunt_crossley", "lankarani_nikravesh", "flores", "rigid"
@@ -64,7 +53,7 @@ def bouncing_ball(
             ),
         ),
         contacts=(
-            CircleOnLine(
+            contact.CircleOnLine(
                 name="floor", body_a="ball", center=(0.0, RADIUS + height), radius=RADIUS,
                 point_1=(-1.0, 0.0), point_2=(1.0, 0.0), law=_law(law, stiffness, damping, exponent, restitution),
                 thickness=plate or None,
@@ -73,15 +62,17 @@ def bouncing_ball(
     )  # fmt: skip
 
 
-def _law(law: Law, stiffness: float, damping: float, exponent: float, restitution: float) -> ContactLaw:
-    laws: dict[str, ContactLaw] = {
-        "spring_damper": SpringDamperLaw(stiffness=stiffness, damping=damping),
-        "spring_damper_force": SpringDamperLaw(stiffness=stiffness, damping=damping, release="force"),
-        "progressive": ProgressiveLaw(stiffness=stiffness, damping=damping),
-        "hunt_crossley": HuntCrossleyLaw(stiffness=stiffness, damping=damping, exponent=exponent),
-        "lankarani_nikravesh": LankaraniNikraveshLaw(stiffness=stiffness, restitution=restitution, exponent=exponent),
-        "flores": FloresLaw(stiffness=stiffness, restitution=restitution, exponent=exponent),
-        "rigid": RigidLaw(restitution=restitution),
+def _law(law: Law, stiffness: float, damping: float, exponent: float, restitution: float) -> contact.ContactLaw:
+    laws: dict[str, contact.ContactLaw] = {
+        "spring_damper": contact.SpringDamperLaw(stiffness=stiffness, damping=damping),
+        "spring_damper_force": contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force"),
+        "progressive": contact.ProgressiveLaw(stiffness=stiffness, damping=damping),
+        "hunt_crossley": contact.HuntCrossleyLaw(stiffness=stiffness, damping=damping, exponent=exponent),
+        "lankarani_nikravesh": contact.LankaraniNikraveshLaw(
+            stiffness=stiffness, restitution=restitution, exponent=exponent
+        ),
+        "flores": contact.FloresLaw(stiffness=stiffness, restitution=restitution, exponent=exponent),
+        "rigid": contact.RigidLaw(restitution=restitution),
     }
     return laws[law]
 
@@ -124,7 +115,7 @@ def bouncing_sphere(
             ),
         ),
         contacts=(
-            SphereOnPlane(
+            contact.SphereOnPlane(
                 name="floor", body_a="ball", center=center, radius=RADIUS, point=(0.0, 0.0, 0.0),
                 normal=tuple(normal.tolist()), thickness=plate or None,
                 law=_law(law, stiffness, damping, exponent, restitution),
@@ -154,7 +145,9 @@ def disc_between_walls(
     law: an undamped spring of the stiffness (N/m), or rigid; speed (m/s), mass (kg). A period lasts
     2 ((width - 2 r)/v + pi sqrt(m/k)).
     """
-    chosen: ContactLaw = RigidLaw(restitution=1.0) if law == "rigid" else SpringDamperLaw(stiffness=stiffness)
+    chosen: contact.ContactLaw = (
+        contact.RigidLaw(restitution=1.0) if law == "rigid" else contact.SpringDamperLaw(stiffness=stiffness)
+    )
     walls = {"left": (0.0, 1.0, 0.0), "right": (WALL_DISTANCE, 0.0, 1.0)}  # m: x, then y from and to
     return Scene(
         name="disc_between_walls",
@@ -168,7 +161,7 @@ def disc_between_walls(
             ),
         ),
         contacts=tuple(
-            CircleOnLine(
+            contact.CircleOnLine(
                 name=name, body_a="disc", center=(0.5 * WALL_DISTANCE, 0.0), radius=DISC_RADIUS,
                 point_1=(x, y1), point_2=(x, y2), law=chosen,
             )

@@ -6,18 +6,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from mbs_ref.scene import PointMass, Scene, SpatialBody
+from mbs_ref.scene import PointMass, Scene, SpatialBody, celestial
 from mbs_ref.scene.base.part import Positive
-from mbs_ref.scene.celestial import (
-    DAY_S,
-    Drag,
-    Epoch,
-    GravityGradient,
-    Newton,
-    Oblateness,
-    RadiationPressure,
-    ThirdBody,
-)
 from mbs_ref.scene.euler_parameters import from_axis_angle
 
 Orbit = Literal["leo", "gps", "geo", "molniya", "sun_synchronous"]
@@ -54,13 +44,13 @@ def satellite(
         name="satellite",
         description=f"A satellite of {MASS:g} kg on the orbit {orbit}, about an Earth at rest, from J2000.",
         source="EGM2008 for the field; O. Montenbruck, E. Gill, Satellite Orbits, Springer 2000, for the other forces",
-        duration=days * DAY_S,
+        duration=days * celestial.DAY_S,
         bodies=(
             PointMass(name="earth", mass=5.9722e24, position=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0)),
             PointMass(name="satellite", mass=MASS, position=tuple(place), velocity=tuple(rate)),
         ),
         loads=(
-            Epoch(), Newton(name="newton", gm=(GM_EARTH, 0.0), radius=(R_EARTH, 0.0)),
+            celestial.Epoch(), celestial.Newton(name="newton", gm=(GM_EARTH, 0.0), radius=(R_EARTH, 0.0)),
             *_forces(j2, zonals, third_bodies, drag, radiation),
         ),
     )  # fmt: skip
@@ -71,7 +61,7 @@ def elements(orbit: str) -> tuple[float, float, float]:
     a, e, degrees = ORBITS[orbit]
     if orbit != "sun_synchronous":
         return a, e, math.radians(degrees)
-    wanted = 2.0 * math.pi / (YEAR_D * DAY_S)  # rad/s, the mean Sun's motion
+    wanted = 2.0 * math.pi / (YEAR_D * celestial.DAY_S)  # rad/s, the mean Sun's motion
     return a, e, math.acos(wanted / nodal_rate(a, e, 0.0))
 
 
@@ -94,14 +84,16 @@ def state(orbit: str) -> tuple[list[float], list[float]]:
 def _forces(j2: bool, zonals: bool, third_bodies: bool, drag: bool, radiation: bool) -> list[Any]:
     parts: list[Any] = []
     if j2 or zonals:
-        parts.append(Oblateness(name="earth_j", body="earth", radius=R_EARTH, zonal=ZONAL if zonals else ZONAL[:1]))
+        parts.append(
+            celestial.Oblateness(name="earth_j", body="earth", radius=R_EARTH, zonal=ZONAL if zonals else ZONAL[:1])
+        )
     if third_bodies:
-        parts.append(ThirdBody(name="sun", body="satellite", source="sun", gm=GM_SUN))
-        parts.append(ThirdBody(name="moon", body="satellite", source="moon", gm=GM_MOON))
+        parts.append(celestial.ThirdBody(name="sun", body="satellite", source="sun", gm=GM_SUN))
+        parts.append(celestial.ThirdBody(name="moon", body="satellite", source="moon", gm=GM_MOON))
     if drag:
         density, altitude, scale = AIR
         parts.append(
-            Drag(
+            celestial.Drag(
                 name="air", body="satellite", planet="earth", coefficient=DRAG_COEFFICIENT * AREA / MASS,
                 density=density, altitude=altitude, scale_height=scale, radius=R_EARTH,
             )
@@ -109,7 +101,9 @@ def _forces(j2: bool, zonals: bool, third_bodies: bool, drag: bool, radiation: b
     if radiation:
         ratio = LIGHT_COEFFICIENT * AREA / MASS
         parts.append(
-            RadiationPressure(name="light", body="satellite", planet="earth", coefficient=ratio, radius=R_EARTH)
+            celestial.RadiationPressure(
+                name="light", body="satellite", planet="earth", coefficient=ratio, radius=R_EARTH
+            )
         )
     return parts
 
@@ -151,7 +145,7 @@ def librating_satellite(
             ),
         ),
         loads=(
-            Newton(name="newton", gm=(GM_EARTH, 0.0)),
-            GravityGradient(name="gradient", body="satellite", planet="earth", gm=GM_EARTH),
+            celestial.Newton(name="newton", gm=(GM_EARTH, 0.0)),
+            celestial.GravityGradient(name="gradient", body="satellite", planet="earth", gm=GM_EARTH),
         ),
     )  # fmt: skip

@@ -2,16 +2,8 @@
 
 from typing import Literal
 
-from mbs_ref.scene import CoordinateDrive, PlanarBody, Scene
+from mbs_ref.scene import CoordinateDrive, PlanarBody, Scene, contact
 from mbs_ref.scene.base.part import NonNegative, Positive
-from mbs_ref.scene.contact import (
-    CircleOnLine,
-    ConstraintLaw,
-    ContactLaw,
-    ProgressiveLaw,
-    RegularisedCoulomb,
-    SpringDamperLaw,
-)
 from mbs_ref.scene.signals import Constant, Harmonic
 
 RADIUS = 0.05  # m
@@ -33,10 +25,10 @@ def ball_on_driven_seat(
     amplitude (m), omega (rad/s), mass (kg) of the ball, stiffness (N/m) and damping (N s/m) of the
     spring-damper, gravity (m/s^2).
     """
-    chosen: ContactLaw = (
-        ConstraintLaw()
+    chosen: contact.ContactLaw = (
+        contact.ConstraintLaw()
         if law == "constraint"
-        else SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
+        else contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
     )
     speed = (0.0, amplitude * omega)
     drives = {"x": Constant(value=0.0), "y": Harmonic(amplitude=amplitude, omega=omega), "angle": Constant(value=0.0)}
@@ -57,7 +49,7 @@ def ball_on_driven_seat(
             for axis, motion in drives.items()
         ),
         contacts=(
-            CircleOnLine(
+            contact.CircleOnLine(
                 name="seat", body_a="ball", center=(0.0, RADIUS), radius=RADIUS, body_b="seat",
                 point_1=(-0.5, 0.0), point_2=(0.5, 0.0), extent="segment", law=chosen,
             ),
@@ -80,8 +72,8 @@ def ball_on_moving_seat(
     contact law, stiffness (N/m), damping (N s/m, or N s/m^2 if progressive), friction (mu), where the ball
     starts along the seat (m, from its middle; the seat ends at 0.5), mass (kg) and spin (rad/s) of the seat.
     """
-    kinds = {"spring_damper": SpringDamperLaw, "progressive": ProgressiveLaw}
-    chosen: ContactLaw = kinds[law](stiffness=stiffness, damping=damping)
+    kinds = {"spring_damper": contact.SpringDamperLaw, "progressive": contact.ProgressiveLaw}
+    chosen: contact.ContactLaw = kinds[law](stiffness=stiffness, damping=damping)
     start = (offset, RADIUS + 0.1)
     return Scene(
         name="ball_on_moving_seat",
@@ -93,10 +85,10 @@ def ball_on_moving_seat(
             PlanarBody(name="seat", mass=seat_mass, inertia=0.5, position=(0.0, -0.1), angular_velocity=spin),
         ),
         contacts=(
-            CircleOnLine(
+            contact.CircleOnLine(
                 name="seat", body_a="ball", center=start, radius=RADIUS, body_b="seat", point_1=(-0.5, 0.0),
                 point_2=(0.5, 0.0), extent="capped", law=chosen,
-                friction=RegularisedCoulomb(coefficient=friction, speed=0.05) if friction else None,
+                friction=contact.RegularisedCoulomb(coefficient=friction, speed=0.05) if friction else None,
             ),
         ),
     )  # fmt: skip

@@ -6,21 +6,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop.crossing import is_near_singular, leap
 from mbs_ref.integrators.loop.events import EVENT, H_NEXT, RETRY, event_tables, has_events, settle, watch
 from mbs_ref.integrators.loop.exclusion import step_ends
-from mbs_ref.integrators.loop.leg import (
-    FEWEST,
-    MESSAGES,
-    RUNNING,
-    SINGULAR,
-    STALLED,
-    STATUS,
-    Leg,
-    Options,
-    Pace,
-    Progress,
-)
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -39,7 +28,7 @@ class Ending(NamedTuple):
 class ContactEvents:
     """Watches the event functions of a system along the steps of a multistep code."""
 
-    def __init__(self, system: System, options: Options, run: Progress) -> None:
+    def __init__(self, system: System, options: leg.Options, run: leg.Progress) -> None:
         self.system, self.most, self.run = system, options.max_events, run
         self.search, self.table = event_tables(system.model)
         self.watched, self.at_event = bool(has_events(self.table)), False
@@ -47,7 +36,7 @@ class ContactEvents:
     def settle(self, t: float, y: np.ndarray) -> int:
         """Change modes, and y at impacts, until all hold; return RUNNING, STOP_EVENT or ENDLESS_EVENTS."""
         if not self.watched:
-            return RUNNING
+            return leg.RUNNING
         return settle(self.system.model, self.system.work, t, y, self.table, self.run, self.most)
 
     def locate(self, before: float, then: np.ndarray, solver: Any) -> tuple[float, np.ndarray]:
@@ -75,17 +64,19 @@ class ContactEvents:
 class MultistepLeg:
     """A leg under way."""
 
-    def __init__(self, system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> None:
+    def __init__(
+        self, system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray
+    ) -> None:
         self.system, self.options, self.run, self.y, self.times = system, options, run, y, times
         self.states, self.worst = np.empty((len(times), len(y))), np.zeros(len(times))
         self.states[0] = y
         self.t, self.now, self.reached = float(times[0]), y.copy(), 1  # s, state, outputs filled
-        self.longest = float(times[-1] - times[0]) / FEWEST  # s, step
+        self.longest = float(times[-1] - times[0]) / leg.FEWEST  # s, step
         run.span = times[-1] - times[0]
         self.events = ContactEvents(system, options, run)
         self.loops = system.n_closure_rows > 0
         self.drift = 0.0  # |C| at the last step, over the scene's length
-        self.pace = Pace(self.t, float(times[-1]), options.max_steps, LOOK_EVERY)
+        self.pace = leg.Pace(self.t, float(times[-1]), options.max_steps, LOOK_EVERY)
         self.ending: Ending | None = None
         self.carried = 0.0  # s, passed by DOP853
         self._settle()
@@ -110,7 +101,7 @@ class MultistepLeg:
         """Return whether the end is within reach of the steps that are left."""
         steps = int(self.run.steps)
         if self.pace.is_hopeless(self.t, steps):
-            self.stop(Status.STEP_TOO_SMALL, MESSAGES[STALLED])
+            self.stop(Status.STEP_TOO_SMALL, leg.MESSAGES[leg.STALLED])
         elif steps >= self.options.max_steps:
             self.stop(Status.TOO_MANY_STEPS, "the limit on steps was reached")
         return self.ending is None
@@ -139,8 +130,8 @@ class MultistepLeg:
     def _settle(self) -> None:
         """Change modes, and the state at impacts, until all hold."""
         code = self.events.settle(self.t, self.now)
-        if code != RUNNING:
-            self.stop(STATUS[code], MESSAGES[code])
+        if code != leg.RUNNING:
+            self.stop(leg.STATUS[code], leg.MESSAGES[code])
 
     def _leap(self) -> None:
         """Pass a singular pose."""
@@ -160,11 +151,13 @@ class MultistepLeg:
         """
         if self.system.regularity() < max(self.drift, float(np.finfo(float).eps)):
             drift = f"|C| has drifted to {self.drift:.2g} of the scene's length"
-            self.stop(Status.SINGULAR, f"{MESSAGES[SINGULAR]}: {drift}; stabilization = 'projection' carries it past")
+            self.stop(
+                Status.SINGULAR, f"{leg.MESSAGES[leg.SINGULAR]}: {drift}; stabilization = 'projection' carries it past"
+            )
 
-    def finish(self) -> Leg:
+    def finish(self) -> leg.Leg:
         """Leave clock and state where the leg ended, and return it."""
         self.run.t = self.t
         self.y[:] = self.now
         status, message = self.ending or (Status.SUCCESS, "")
-        return Leg(self.states, self.worst, self.reached, status, message, self.carried)
+        return leg.Leg(self.states, self.worst, self.reached, status, message, self.carried)

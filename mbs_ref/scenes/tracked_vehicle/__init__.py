@@ -12,6 +12,7 @@ from mbs_ref.scene import PlanarBody, Revolute, Scene, Torque
 from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, Contact, PinOnSprocket
 from mbs_ref.scene.signals import Table
+from mbs_ref.scenes.tracked_vehicle import running_gear as gear
 from mbs_ref.scenes.tracked_vehicle.numbers import (
     AXLE_HEIGHT,
     DATA,
@@ -21,14 +22,6 @@ from mbs_ref.scenes.tracked_vehicle.numbers import (
     TEETH,
     contact_law,
     friction,
-)
-from mbs_ref.scenes.tracked_vehicle.running_gear import (
-    Wheel,
-    gear_bodies,
-    gear_joints,
-    tensioners,
-    torsion_bars,
-    wheels_of,
 )
 from mbs_ref.scenes.tracked_vehicle.terrain import foot
 
@@ -104,7 +97,7 @@ def _drawn(links, rollers, upper_rollers, law, gravity, wheel_friction, preload,
     """Return the vehicle without its torque: chain straight and tangent, every contact at depth 0."""
     track = _pins(links)
     base = (links - TEETH) // 2 * PITCH
-    wheels = wheels_of(base, rollers, upper_rollers, suspension, preload > 0.0)
+    wheels = gear.wheels_of(base, rollers, upper_rollers, suspension, preload > 0.0)
     hull = _chassis(base)
     front = base + PITCH_RADIUS
     return Scene(
@@ -113,9 +106,9 @@ def _drawn(links, rollers, upper_rollers, law, gravity, wheel_friction, preload,
         source="Fox 2001, tracked off-highway vehicle; numbers and their origin in scenes/data/tracked_vehicle.json",
         duration=2.0,
         gravity=(0.0, -gravity),
-        bodies=(hull, *gear_bodies(wheels), *_links(track)),
-        joints=(*gear_joints(wheels), *_chain(track)),
-        loads=(*torsion_bars(wheels, hull.mass * gravity), *tensioners(wheels, preload)),
+        bodies=(hull, *gear.gear_bodies(wheels), *_links(track)),
+        joints=(*gear.gear_joints(wheels), *_chain(track)),
+        loads=(*gear.torsion_bars(wheels, hull.mass * gravity), *gear.tensioners(wheels, preload)),
         contacts=(
             *(part for k in range(links) for part in _link_contacts(k, track, wheels, law, wheel_friction)),
             *_ground_contacts(track, law, ground, height, front),
@@ -182,7 +175,7 @@ def _drive(torque: float, ramp: float) -> tuple[Torque, ...]:
     )
 
 
-def _link_contacts(k: int, pins: np.ndarray, wheels: list[Wheel], law: str, rub: float) -> Iterator[Contact]:
+def _link_contacts(k: int, pins: np.ndarray, wheels: list[gear.Wheel], law: str, rub: float) -> Iterator[Contact]:
     """Yield what wheels and sprocket touch of link k."""
     a, b = pins[k], pins[(k + 1) % len(pins)]
     along = (b - a) / PITCH

@@ -11,17 +11,7 @@ from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene import Scene
 from reports import inputs
 from reports.query import STORE, open_runs
-from reports.terminal.console import (
-    Failed,
-    NothingSelected,
-    amount,
-    awaited,
-    echo_json,
-    number,
-    show,
-    show_table,
-    table,
-)
+from reports.terminal import console
 
 
 @click.command(name="judge", epilog="Example: mbs-ref judge run.csv pendulum --map map.toml --error 1e-4")
@@ -79,7 +69,7 @@ def command(
         read = read_motion(Path(file), chosen, _path(map_file))
         with open_runs([chosen], store) as runs:
             if against is None:
-                with awaited(f"computing the truth of {chosen.name} at the times of {file}, once"):
+                with console.awaited(f"computing the truth of {chosen.name} at the times of {file}, once"):
                     result = judged(chosen, read, truth_at(runs, chosen), limit)
             else:
                 other = read_motion(Path(against), chosen, _path(against_map or map_file))
@@ -110,35 +100,35 @@ def _begin_map(file: Path, scene: Scene, target: str) -> None:
 
 def _answer(result: Judgement, as_json: bool) -> None:
     if as_json:
-        echo_json(result.to_dict())
+        console.echo_json(result.to_dict())
     else:
         _show(result)
     if result.verdict == "departs":
-        raise Failed(f"{result.verdict}: {result.reason}")
+        raise console.Failed(f"{result.verdict}: {result.reason}")
     if result.verdict == "not-judged":
-        raise NothingSelected(f"not judged: {result.reason}")
+        raise console.NothingSelected(f"not judged: {result.reason}")
 
 
 def _show(result: Judgement) -> None:
-    facts = table(f"{result.scene}", "", "")
+    facts = console.table(f"{result.scene}", "", "")
     facts.add_row("verdict", f"{result.verdict}: {result.reason}")
     if result.error is not None:
         facts.add_row("compared with", result.error.truth)
-        known = f"{number(result.error.uncertainty)} of the scene"
-        facts.add_row("known to", f"{known}; the scene's length is {number(result.error.length)} m")
+        known = f"{console.number(result.error.uncertainty)} of the scene"
+        facts.add_row("known to", f"{known}; the scene's length is {console.number(result.error.length)} m")
     for sentence in result.suspicions:
         facts.add_row("suspicion", sentence)
     for name, metric in metrics.every().items():
         if result.measures.get(name) is not None:
-            facts.add_row(metric.label, amount(result.measures[name], metric.unit))
+            facts.add_row(metric.label, console.amount(result.measures[name], metric.unit))
     for sentence in (*result.missing, *result.notes):
         facts.add_row("note", sentence)
-    show(facts)
+    console.show(facts)
     rows = []
     for part in result.parts:
-        size = amount(part.largest, part.unit, part.below) or "unknown"
-        rows.append((part.body, part.component, size, *map(number, (part.relative, part.at, part.final))))
-    show_table("\nErrors", ("body", "component", "largest", "of the scene", "at t, s", "at the end"), rows)
+        size = console.amount(part.largest, part.unit, part.below) or "unknown"
+        rows.append((part.body, part.component, size, *map(console.number, (part.relative, part.at, part.final))))
+    console.show_table("\nErrors", ("body", "component", "largest", "of the scene", "at t, s", "at the end"), rows)
 
 
 def _draw(result: Judgement, target: Path) -> None:

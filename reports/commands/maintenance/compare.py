@@ -13,16 +13,7 @@ import click
 
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
-from reports.terminal.console import (
-    Failed,
-    Incomplete,
-    NothingSelected,
-    complain,
-    echo_json,
-    number,
-    progress,
-    show_table,
-)
+from reports.terminal import console
 
 if TYPE_CHECKING:
     from benchmarks.trees.regression import Case, Finding
@@ -59,9 +50,9 @@ def command(baseline: str, current: str, only: str, slowed: float | None, as_jso
     findings = findings_of("compare", baseline, current, cases, slowed)
     verdict = regression.overall(findings)
     if as_json:
-        echo_json({"verdict": verdict, "cases": [finding.to_dict() for finding in findings]})
+        console.echo_json({"verdict": verdict, "cases": [finding.to_dict() for finding in findings]})
     else:
-        show_table("", ("case", "verdict", ""), ((f.case, f.verdict, f.sentence) for f in findings))
+        console.show_table("", ("case", "verdict", ""), ((f.case, f.verdict, f.sentence) for f in findings))
     end(findings)
 
 
@@ -81,7 +72,7 @@ def findings_of(
             turns, share = copies.calibrate(after, cases[0], slowed / 100.0) if slowed > 0.0 else (0, 0.0)
             sentence = f"B takes {share:.1%} longer on {cases[0].name}, by {turns} square roots a right-hand side"
             click.echo(sentence, err=True)
-        report = stack.enter_context(progress(title))
+        report = stack.enter_context(console.progress(title))
         try:
             return list(regression.regressions(before, after, cases, report))
         except ValueError as error:
@@ -96,9 +87,9 @@ def end(findings: Sequence[Finding], worse: int = 0) -> None:
     named = ", ".join(finding.case for finding in findings if finding.verdict == verdict)
     reasons = [f"slower: {named}"] * (verdict == "slower") + [f"{worse} runs worse than last night"] * bool(worse)
     if reasons:
-        raise Failed("; ".join(reasons))
+        raise console.Failed("; ".join(reasons))
     if verdict in (regression.NOT_MEASURED, "inconclusive"):
-        raise Incomplete(f"{verdict}: {named}")
+        raise console.Incomplete(f"{verdict}: {named}")
 
 
 def _compare_files(files: list[Path], only: str, as_json: bool) -> None:
@@ -110,29 +101,31 @@ def _compare_files(files: list[Path], only: str, as_json: bool) -> None:
     before, after = (_records(file) for file in files)
     result = [change for change in record_changes.changes(before, after) if only in change.run]
     if not result:
-        raise NothingSelected(f"{files[0]} and {files[1]} share no run{f' named {only!r}' if only else ''}")
+        raise console.NothingSelected(f"{files[0]} and {files[1]} share no run{f' named {only!r}' if only else ''}")
     verdict, ratio = record_changes.overall(result), record_changes.median_ratio(result)
     left, right = record_changes.alone(before, after)
     if as_json:
         facts = {"verdict": verdict, "median_time_ratio": ratio, "only_in_a": left, "only_in_b": right}
-        echo_json(facts | {"runs": [change.to_dict() for change in result]})
+        console.echo_json(facts | {"runs": [change.to_dict() for change in result]})
     else:
-        changed = [(c.run, c.move, c.sentence, number(c.ratio)) for c in result if c.move is not Move.SAME]
-        show_table("", ("run", "verdict", "", "loop, B/A"), changed)
+        changed = [(c.run, c.move, c.sentence, console.number(c.ratio)) for c in result if c.move is not Move.SAME]
+        console.show_table("", ("run", "verdict", "", "loop, B/A"), changed)
         counts = ", ".join(f"{sum(c.move is move for c in result)} {move}" for move in Move)
         click.echo(f"{len(result)} runs in both: {counts}. {left} only in A, {right} only in B.")
-        click.echo(f"The median ratio of loop times, B/A, is {number(ratio)}; times of two jobs decide nothing.")
+        click.echo(
+            f"The median ratio of loop times, B/A, is {console.number(ratio)}; times of two jobs decide nothing."
+        )
     if verdict is Move.WORSE:
-        raise Failed(f"worse: {sum(c.move is Move.WORSE for c in result)} of {len(result)} runs")
+        raise console.Failed(f"worse: {sum(c.move is Move.WORSE for c in result)} of {len(result)} runs")
     if verdict is Move.NOT_MEASURED:
-        raise Incomplete("some runs could not be compared")
+        raise console.Incomplete("some runs could not be compared")
 
 
 def _records(file: Path) -> list[Record]:
     if not file.is_file():
         raise click.UsageError(f"{file}: there is no such file")
     records, problems = record_file.read(file)
-    complain(problems)
+    console.complain(problems)
     return records
 
 

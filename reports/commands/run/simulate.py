@@ -18,20 +18,7 @@ from reports import inputs
 from reports.poses_file import FORMATS, write_poses
 from reports.query import STORE, store_path
 from reports.scene_summary import summary
-from reports.terminal.console import (
-    EngineAbsent,
-    Failed,
-    Incomplete,
-    amount,
-    awaited,
-    compiling,
-    echo_json,
-    number,
-    show,
-    show_table,
-    table,
-    writing,
-)
+from reports.terminal import console
 from reports.terminal.text_plot import text_plot
 
 
@@ -65,7 +52,7 @@ def command(
 
     The result is printed at once, then its error. A truth is computed once and stored.
     """
-    click.get_current_context().with_resource(compiling())
+    click.get_current_context().with_resource(console.compiling())
     target = inputs.output(output, tuple(FORMATS))
     chosen_scene = inputs.scene(scene, parameters, keep_rates)
     chosen = inputs.settings(method=method, **options)
@@ -80,7 +67,7 @@ def command(
 
     record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=NOT_COMPARED)
     if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
-        with writing(f"-o {output}"):
+        with console.writing(f"-o {output}"):
             write_poses(trajectory, chosen_scene.body_names, target)
     if not as_json:
         _show(record)
@@ -90,22 +77,25 @@ def command(
         if not as_json:
             _show_error(record, record.notes[text:])
     if as_json:
-        echo_json(record.to_dict())
+        console.echo_json(record.to_dict())
     if trajectory is not None and not as_json:
         _show_path(chosen_scene, trajectory, record, plot)
     if record.status == "engine-missing":
-        raise EngineAbsent(record.message)
+        raise console.EngineAbsent(record.message)
     if record.status == "interrupted":
-        raise Incomplete(record.message)
+        raise console.Incomplete(record.message)
     if record.status not in ("success", "stop-event"):
-        raise Failed(f"{record.status}: {record.message}")
+        raise console.Failed(f"{record.status}: {record.message}")
 
 
 def _judged(scene: Scene, record: Record, path: Trajectory, store: str | None) -> Record:
     """Return the record with its error from the scene's truth, which the store keeps."""
     from cross_checks.judge.runs import Runs, against
 
-    with Store(store_path(store)) as opened, awaited(f"computing the truth of {scene.name}, once: --no-truth omits it"):
+    with (
+        Store(store_path(store)) as opened,
+        console.awaited(f"computing the truth of {scene.name}, once: --no-truth omits it"),
+    ):
         truth = Runs(opened).truth(scene, path.times)
     return against(scene, Run(record, path), truth)
 
@@ -124,57 +114,57 @@ MOST_TIMES = 12  # of a declared event that are printed; --json has them all
 
 
 def _show(record: Record) -> None:
-    facts = table(f"{record.scene} by {record.engine}, {record.method}", "", "")
+    facts = console.table(f"{record.scene} by {record.engine}, {record.method}", "", "")
     facts.add_row("status", f"{record.status} {record.message}".rstrip())
     facts.add_row("reached", f"{record.t_end:g} s in {record.steps} steps, {record.rhs_calls} right-hand sides")
     if record.estimate is not None:
         facts.add_row("estimated error", _estimate(record.estimate))
     _add_figures(facts, record, metrics.every().values())
-    facts.add_row("times", ", ".join(f"{key} {number(value)}" for key, value in record.times.items()))
+    facts.add_row("times", ", ".join(f"{key} {console.number(value)}" for key, value in record.times.items()))
     for name, value in record.contact.items():
-        facts.add_row(name, number(value))
+        facts.add_row(name, console.number(value))
     for name, times in record.events.items():
         facts.add_row(f"event {name}", f"{len(times)}: {_digits(times[:MOST_TIMES])} s" if times else "never")
     for note in record.notes:
         facts.add_row("note", note)
-    show(facts)
+    console.show(facts)
     _show_final(record)
 
 
 def _show_error(record: Record, notes: tuple[str, ...]) -> None:
     """Show what the truth tells of the run, with the notes that came of it."""
-    facts, error = table("\nAgainst the truth", "", ""), record.error
+    facts, error = console.table("\nAgainst the truth", "", ""), record.error
     if error is None:
         facts.add_row("error", "no truth known")
     else:
-        off = amount(error.value if error.is_judged else None, "of the scene", error.bound)
+        off = console.amount(error.value if error.is_judged else None, "of the scene", error.bound)
         facts.add_row("error", f"{off} ({error.worst})")
-        known = f"{number(error.uncertainty)} of the scene, whose length is {number(error.length)} m"
+        known = f"{console.number(error.uncertainty)} of the scene, whose length is {console.number(error.length)} m"
         facts.add_row("truth", f"{error.truth}, known to {known}")
     _add_figures(facts, record, COMPONENTS)
     for note in notes:
         facts.add_row("note", note)
     if error is None:
         facts.add_row("next", "mbs-ref check computes a consensus truth from unlike engines, and judges by it")
-    show(facts)
+    console.show(facts)
 
 
 def _add_figures(facts: Table, record: Record, listed: Iterable[Metric]) -> None:
     for metric in listed:
-        if figure := amount(record.measure(metric.name), metric.unit, record.bounds.get(metric.name)):
+        if figure := console.amount(record.measure(metric.name), metric.unit, record.bounds.get(metric.name)):
             facts.add_row(metric.label, figure)
 
 
 def _estimate(estimate: dict[str, Any]) -> str:
-    value = "not bounded" if estimate["value"] is None else f"{number(estimate['value'])} {estimate['unit']}"
-    return f"{value}: {estimate['how']}; it took {number(estimate['cost_s'])} s"
+    value = "not bounded" if estimate["value"] is None else f"{console.number(estimate['value'])} {estimate['unit']}"
+    return f"{value}: {estimate['how']}; it took {console.number(estimate['cost_s'])} s"
 
 
 def _show_final(record: Record) -> None:
     states = record.final.items()
     poses = ((body, s.get("position"), s.get("angle", s.get("orientation")), s.get("velocity")) for body, s in states)
     head = ("body", "position, m", "angle or orientation", "velocity, m/s")
-    show_table("\nAt the end", head, ((body, *map(_digits, values)) for body, *values in poses))
+    console.show_table("\nAt the end", head, ((body, *map(_digits, values)) for body, *values in poses))
 
 
 def _digits(value: Any) -> str:

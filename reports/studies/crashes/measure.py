@@ -10,19 +10,9 @@ from mbs_ref.crash.results import CrashResults, crash_results, sign_changes
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, film, plain
-from reports.studies.crash import (
-    BELIEVABLE,
-    IMPACTS,
-    NAMES,
-    SIMPLIFIED,
-    VERTEBRAL,
-    figures,
-    finished,
-    forces,
-    imbalance,
-)
+from reports.studies import crash
 
-SHOWN = {SIMPLIFIED: ("head", "thorax", "bottom", "thigh"), VERTEBRAL: ("head", "C1", "C3", "C6")}
+SHOWN = {crash.SIMPLIFIED: ("head", "thorax", "bottom", "thigh"), crash.VERTEBRAL: ("head", "C1", "C3", "C6")}
 KINDS = {"External forces Q_e": "external", "Constraint forces Q_c": "constraint"}
 FILMED = 10  # samples a picture
 
@@ -30,11 +20,11 @@ FILMED = 10  # samples a picture
 def measure() -> Measured:
     """Return both androids in both impacts. RuntimeError where a run does not reach its end."""
     measured = Measured()
-    for impact, name in product(IMPACTS, NAMES):
+    for impact, name in product(crash.IMPACTS, crash.NAMES):
         scene = scenes.make(name, impact=impact)
-        add_crash(measured, scene, finished(scene))
-        solid = scenes.make(name, impact=impact, **BELIEVABLE)
-        add_figures(measured, solid, finished(solid), ".solid")
+        add_crash(measured, scene, crash.finished(scene))
+        solid = scenes.make(name, impact=impact, **crash.BELIEVABLE)
+        add_figures(measured, solid, crash.finished(solid), ".solid")
     return measured
 
 
@@ -42,7 +32,7 @@ def add_figures(measured: Measured, scene: Scene, path: Trajectory, kind: str = 
     """Add the figures and the film of a run; return its results."""
     result, impact = crash_results(scene, path), scene.parameters["impact"]
     prefix = f"{scene.name.removeprefix('android_')}.{impact}{kind}"
-    own = figures(scene, path, result)
+    own = crash.figures(scene, path, result)
     measured.figures.update({f"{prefix}.{name}": value for name, value in own.items()})
     measured.films[f"{scene.name}, {impact}{', stops and contacts' if kind else ''}"] = film(scene, path, FILMED)
     return result
@@ -53,7 +43,7 @@ def add_crash(measured: Measured, scene: Scene, path: Trajectory) -> None:
     result, label = add_figures(measured, scene, path), f"{scene.name}, {scene.parameters['impact']}"
     drawn = _plots(path, result)
     for kind, field in KINDS.items():
-        drawn |= forces(kind, scene, path.times, getattr(result.forces, field), SHOWN[scene.name])
+        drawn |= crash.forces(kind, scene, path.times, getattr(result.forces, field), SHOWN[scene.name])
     measured.curves.update({f"{label}: {name}": lines for name, lines in drawn.items()})
     for name, (values, unit) in _compared(result).items():
         name = f"impact from the {scene.parameters['impact']}: {name}"
@@ -68,7 +58,7 @@ def add_crash(measured: Measured, scene: Scene, path: Trajectory) -> None:
 def _plots(path: Trajectory, result: CrashResults) -> dict[str, Curves]:
     times = path.times
     works = {f"work of {name}": work for name, work in result.works.items()}
-    balance = {"energy": result.energy - result.energy[0], **works, "energy less works": imbalance(result)}
+    balance = {"energy": result.energy - result.energy[0], **works, "energy less works": crash.imbalance(result)}
     places = {
         f"{name} {axis}": history[:, k]
         for name, history in (("head", result.head_excursion), ("hip", result.hip_excursion))
