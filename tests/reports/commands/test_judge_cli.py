@@ -119,7 +119,7 @@ def test_a_scene_of_the_users_own_is_judged_by_what_engines_agree_on(tmp_path):
 
 def test_who_waits_for_a_truth_is_told_so(own_file, monkeypatch):
     said = []
-    monkeypatch.setattr(command_file, "awaited", lambda what: said.append(what) or nullcontext())
+    monkeypatch.setattr(command_file.console, "awaited", lambda what: said.append(what) or nullcontext())
     assert run(str(own_file), "pendulum").exit_code == 0
     (sentence,) = said
     assert sentence.startswith("computing the truth of pendulum")
