@@ -45,7 +45,7 @@ INTEGRATORS = {
     "euler": "svIntegratorEuler", "rk2": "svIntegratorRK2", "rk4": "svIntegratorRK4", HELD: "svIntegratorRK4",
     "rkf45": "svIntegratorRKF45", "rkf78": "svIntegratorRKF78",
 }  # fmt: skip
-UNCOUNTED = "Basilisk does not tell how many steps an adaptive method took"
+UNCOUNTED = "Basilisk does not report how many steps an adaptive method took"
 METHODS = (
     Method("rk4", "fixed", 4, "classical Runge-Kutta, the default", STEPS, stability=exponential(4)),
     Method("rk2", "fixed", 2, "Heun's method", STEPS, stability=exponential(2)),
@@ -223,5 +223,5 @@ class _Schedule:
 
 def _read(model: Built, row: np.ndarray) -> None:
     for at, craft in enumerate(model.spacecraft.values()):
-        told = craft.scStateOutMsg.read()
-        row[at] = told.r_BN_N, told.v_BN_N
+        message = craft.scStateOutMsg.read()
+        row[at] = message.r_BN_N, message.v_BN_N

@@ -105,5 +105,5 @@ def _install(python: Path, requirements: Sequence[str], pins: Path | None) -> No
     held = [] if pins is None else ["--constraint", str(pins)]
     done = subprocess.run([*command, *held, *requirements], capture_output=True, text=True, check=False)
     if done.returncode:
-        told = [line for line in done.stderr.splitlines() if line.strip()]
-        raise NotMade(f"pip could not install {', '.join(requirements)}: {told[-1] if told else 'it did not say why'}")
+        lines = [line for line in done.stderr.splitlines() if line.strip()]
+        raise NotMade(f"pip could not install {', '.join(requirements)}: {lines[-1] if lines else 'it gave no reason'}")

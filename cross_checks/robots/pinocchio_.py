@@ -48,8 +48,8 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
         raise RobotError(f"-p base={base}: allowed: fixed, free")
     ignored = [word for word in str(asked.pop("ignore", "")).split(",") if word]
     refuse(path, (f"-p ignore={word}: allowed: {', '.join(IGNORABLE)}" for word in ignored if word not in IGNORABLE))
-    told = {element.name: element for element in _elements(path)}
-    elements = {name: element._replace(**dict.fromkeys(ignored, 0.0)) for name, element in told.items()}
+    named = {element.name: element for element in _elements(path)}
+    elements = {name: element._replace(**dict.fromkeys(ignored, 0.0)) for name, element in named.items()}
     movable = [name for name, element in elements.items() if element.kind != "fixed"]
     refuse(path, (unknown(name, movable, OPTIONS) for name in asked if name.removesuffix(robot.RATE) not in movable))
     locked = [name for name, value in asked.items() if value == robot.LOCKED]
@@ -68,7 +68,7 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
             gravity=(0.0, 0.0, -gravity), bodies=tuple(map(moving.body, moving.joints)),
             joints=tuple(moving.constraints()), loads=tuple(moving.dampers()), parameters=dict(given or {}),
         )  # fmt: skip
-    return Robot(scene, (*_assumptions(elements.values(), base), *_left_out(told.values(), ignored)))
+    return Robot(scene, (*_assumptions(elements.values(), base), *_left_out(named.values(), ignored)))
 
 
 def _model(path: Path, locked: list[str], free: bool) -> Any:
@@ -115,8 +115,8 @@ def _refusals(elements) -> Iterator[str]:
         if element.mimics:
             yield f"joint {element.name!r} mimics another; -p {element.name}={robot.LOCKED} holds it still"
         if element.friction:
-            told = f"joint {element.name!r} has dry friction of {element.friction:g}; scenes have none in joints"
-            yield f"{told}; -p ignore=friction leaves it out"
+            what = f"joint {element.name!r} has dry friction of {element.friction:g}; scenes have none in joints"
+            yield f"{what}; -p ignore=friction leaves it out"
 
 
 def _assumptions(elements, base: str) -> Iterator[str]:

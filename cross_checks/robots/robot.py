@@ -43,9 +43,9 @@ class Axis(NamedTuple):
 
 def plain(name: str) -> str:
     """Return a name of a file as scenes allow names: without spaces and slashes, a letter first, none of ground's."""
-    told = re.sub(r"[^A-Za-z0-9_.\-]", "_", name)[:LONGEST]
-    told = told if re.match(r"[A-Za-z]", told) else f"n{told}"[:LONGEST]
-    return f"{told}_" if told == GROUND else told
+    plain = re.sub(r"[^A-Za-z0-9_.\-]", "_", name)[:LONGEST]
+    plain = plain if re.match(r"[A-Za-z]", plain) else f"n{plain}"[:LONGEST]
+    return f"{plain}_" if plain == GROUND else plain
 
 
 def read_start(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -55,12 +55,12 @@ def read_start(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     what stands above them are the reader's options. RobotError where it cannot be read or holds another table.
     """
     try:
-        told = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise RobotError(f"{path}: cannot be read: {error}") from error
-    tables = {name: value for name, value in told.items() if isinstance(value, dict)}
+    tables = {name: value for name, value in content.items() if isinstance(value, dict)}
     refuse(path, (f"[{name}] is no table here; allowed: {', '.join(TABLES)}" for name in tables if name not in TABLES))
-    given = {name: value for name, value in told.items() if name not in tables} | tables.get("joints", {})
+    given = {name: value for name, value in content.items() if name not in tables} | tables.get("joints", {})
     return given | {f"{name}{RATE}": value for name, value in tables.get("rates", {}).items()}, tables.get("drives", {})
 
 
@@ -84,9 +84,9 @@ def _drive(hinge: Revolute, motion: Mapping[str, Any]) -> dict[str, Any]:
 
 def refuse(path: Path, reasons: Iterable[str]) -> None:
     """Raise RobotError where there is a reason."""
-    told = list(reasons)
-    if told:
-        raise RobotError(f"{path}: {'; '.join(told)}")
+    given = list(reasons)
+    if given:
+        raise RobotError(f"{path}: {'; '.join(given)}")
 
 
 def unknown(name: str, joints: list[str], options: str) -> str:
@@ -102,8 +102,8 @@ def of_file(path: Path) -> Iterator[None]:
     try:
         yield
     except ValidationError as error:
-        told = (f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
-        raise RobotError(f"{path}: {'; '.join(told)}") from error
+        problems = (f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
+        raise RobotError(f"{path}: {'; '.join(problems)}") from error
 
 
 def own_forces(axis: Axis, stiffness: float, damping: float, rest: float = 0.0) -> Iterator[TorsionSpring | Bushing]:

@@ -99,7 +99,7 @@ class AngularVelocity(Stated):
 
 
 class Body(Stated):
-    """What the file tells of one body."""
+    """What the file states of one body."""
 
     position: Position | None = None
     orientation: Orientation | None = None

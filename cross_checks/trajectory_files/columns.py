@@ -98,8 +98,8 @@ def _checked_header(path: Path, line: int, names: list[str]) -> list[str]:
 
 def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> Iterator[float]:
     if len(row) != len(names):
-        told = f"{len(row)} cells; expected: {len(names)}, as in the header"
-        raise FileError(f"{path.name}: line {line} has {told}")
+        problem = f"{len(row)} cells; expected: {len(names)}, as in the header"
+        raise FileError(f"{path.name}: line {line} has {problem}")
     for name, cell in zip(names, row, strict=True):
         value = _number(cell)
         if value is None:
@@ -156,8 +156,8 @@ def _parquet(path: Path) -> Columns:
 def _of_one_length(path: Path, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     lengths = {name: len(column) for name, column in values.items()}
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{name}: {length}" for name, length in lengths.items())
-        raise FileError(f"{path}: columns differ in length ({told})")
+        problem = ", ".join(f"{name}: {length}" for name, length in lengths.items())
+        raise FileError(f"{path}: columns differ in length ({problem})")
     return values
 
 

@@ -64,15 +64,15 @@ class Judgement:
         return {**vars(self), "error": error, "parts": [part._asdict() for part in self.parts]}
 
 
-def judgement(scene: Scene, told: DescribedMotion, truth: Truth | NoTruth, asked: float) -> Judgement:
-    """Return the verdict on a motion: it agrees where no told component is off by more than `asked` of the scene."""
-    figures = measure(Judged(scene, told.path, truth))
+def judgement(scene: Scene, motion: DescribedMotion, truth: Truth | NoTruth, asked: float) -> Judgement:
+    """Return the verdict on a motion: it agrees where no stated component is off by more than `asked` of the scene."""
+    figures = measure(Judged(scene, motion.path, truth))
     verdict, reason = _verdict(figures["error"], truth, asked)
     own = {name: figures["measures"][name] for name in metrics.every() if name not in _ERRORS}
-    parts = tuple(_parts(scene, told.path, truth)) if isinstance(truth, Truth) else ()
-    curves = _curves(scene, told.path, truth) if isinstance(truth, Truth) else {}
+    parts = tuple(_parts(scene, motion.path, truth)) if isinstance(truth, Truth) else ()
+    curves = _curves(scene, motion.path, truth) if isinstance(truth, Truth) else {}
     return Judgement(
-        scene.name, verdict, reason, asked, figures["error"], parts, own, told.missing, figures["notes"], curves
+        scene.name, verdict, reason, asked, figures["error"], parts, own, motion.missing, figures["notes"], curves
     )
 
 

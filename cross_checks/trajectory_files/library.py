@@ -49,11 +49,11 @@ def judge(
 
 def judged(scene: Scene, read: Read, at: TruthAt, error: float) -> Judgement:
     """Return the verdict on a motion that is read, with the mistakes that would explain its error."""
-    truth = at(read.told.path.times)
-    verdict = judgement(scene, read.told, truth, error)
+    truth = at(read.motion.path.times)
+    verdict = judgement(scene, read.motion, truth, error)
     if verdict.verdict != "departs" or not isinstance(truth, Truth):
         return verdict
-    case = Case(scene, read.columns, read.stated, read.told.path, truth)
+    case = Case(scene, read.columns, read.stated, read.motion.path, truth)
     return replace(verdict, suspicions=tuple(suspicions(case, error)))
 
 

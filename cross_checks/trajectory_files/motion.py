@@ -25,7 +25,7 @@ class DescribedMotion(NamedTuple):
 
 
 def described_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> DescribedMotion:
-    """Return what a file tells of a scene's motion.
+    """Return what a file states of a scene's motion.
 
     Raises FileError: a body or column that does not exist, times that do not increase or leave the scene's duration, a
     convention that does not fit the scene's dimension, Euler parameters or matrices that are no rotation.
@@ -47,12 +47,12 @@ def described_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> Descr
 def _missing(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:
     sentences = []
     for body in scene.bodies:
-        told = stated.bodies.get(body.name)
-        left_out = list(POSES) if told is None else told.missing
+        own = stated.bodies.get(body.name)
+        left_out = list(POSES) if own is None else own.missing
         if isinstance(body, PointMass):  # has neither orientation nor spin
             left_out = [part for part in left_out if part in ("position", "velocity")]
         if left_out:
-            what = "anything" if told is None else ", ".join(left_out)
+            what = "anything" if own is None else ", ".join(left_out)
             sentences.append(f"the file does not state {what} of {body.name}")
     return tuple(sentences)
 
@@ -62,13 +62,13 @@ def _times(scene: Scene, columns: Columns, stated: ColumnMap) -> np.ndarray:
     times = _column(columns, name, "time") * units.factor("time", stated.time.unit)
     back = is_increasing(times)
     if back is not None:
-        told = f"{times[back]:g} s follows {times[back - 1]:g} s"
-        raise FileError(f"{columns.place(back, name)}: {told}; times must increase")
+        problem = f"{times[back]:g} s follows {times[back - 1]:g} s"
+        raise FileError(f"{columns.place(back, name)}: {problem}; times must increase")
     slack = 1e-9 * scene.duration
     outside = np.flatnonzero((times < -slack) | (times > scene.duration + slack))
     if len(outside):
-        told = f"{times[outside[0]]:g} s lies outside of the scene's 0 to {scene.duration:g} s; give --t-end"
-        raise FileError(f"{columns.place(int(outside[0]), name)}: {told}")
+        problem = f"{times[outside[0]]:g} s lies outside of the scene's 0 to {scene.duration:g} s; give --t-end"
+        raise FileError(f"{columns.place(int(outside[0]), name)}: {problem}")
     return np.clip(times, 0.0, scene.duration)
 
 
@@ -151,8 +151,8 @@ class _Reader:
     def _orientation(self, part: Orientation) -> np.ndarray:
         place = f"bodies.{self.body}.orientation"
         if (part.convention == "angle") != self.planar:
-            told = f"does not fit a scene in {self.dimension} dimensions"
-            raise FileError(f"{place}.convention = {part.convention!r} {told}")
+            problem = f"does not fit a scene in {self.dimension} dimensions"
+            raise FileError(f"{place}.convention = {part.convention!r} {problem}")
         if part.convention == "angle":
             tilt = np.arctan2(self.turn[1, 0], self.turn[0, 0])
             return self._numbers(part, "orientation", 1)[:, 0] * self._angle(part, place) + tilt
@@ -206,7 +206,7 @@ class Read(NamedTuple):
 
     columns: Columns
     stated: ColumnMap
-    told: DescribedMotion
+    motion: DescribedMotion
 
 
 def read_motion(source: Path | Mapping[str, np.ndarray], scene: Scene, map_path: Path | None = None) -> Read:

@@ -134,9 +134,9 @@ class System(ABC):
         """The system whose state shows whether a start keeps the joints; itself where it has constraint rows."""
         return self
 
-    def reduced(self, told: np.ndarray) -> np.ndarray:
+    def reduced(self, full: np.ndarray) -> np.ndarray:
         """Return this system's state of one of `redundant`."""
-        return told
+        return full
 
     @property
     def n_positions(self) -> int:

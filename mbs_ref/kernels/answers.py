@@ -119,7 +119,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
         MOTION: {
             **NO_ROWS,
             "derivative": relative_planar.relative_planar_derivative,
-            "tell": relative_planar.tell_planar,
+            "expand": relative_planar.expand_planar,
             "take_velocities": relative_planar.take_planar_velocities,
         },
         EVENTS: {
@@ -132,7 +132,7 @@ ANSWERS: dict[str, dict[str, dict[str, Callable[..., Any]]]] = {
         MOTION: {
             **NO_ROWS,
             "derivative": relative_spatial.relative_spatial_derivative,
-            "tell": relative_spatial.tell_spatial,
+            "expand": relative_spatial.expand_spatial,
             "take_velocities": relative_spatial.take_spatial_velocities,
             "compliance": relative_spatial.relative_spatial_compliance,
             "project": relative_spatial.relative_spatial_project,

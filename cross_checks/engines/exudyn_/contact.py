@@ -126,7 +126,7 @@ def pair_contact_refusals(scene: Scene) -> list[Refusal]:
         if not isinstance(contact.law, SpringDamperLaw):
             reasons.append(f"{where}: the connectors take spring_damper_law, not {contact.law.type}")
         elif contact.law.damping and contact.law.release != "gap":
-            reasons.append(f"{where}: the connectors let go by release = 'gap'")
+            reasons.append(f"{where}: the connectors release at gap = 0; give release = 'gap'")
         if isinstance(contact, SphereOnPlane) and (contact.extent != "plane" or contact.thickness is not None):
             reasons.append(f"{where}: only an endless plane is taught")
     return [Refusal(reason, permanent=False) for reason in reasons]

@@ -60,7 +60,7 @@ class Newton(LinkageEngine):
     def build(self, scene: Scene, plan: Plan) -> Built:
         linkage = linkage_of(scene)
         kind, options = SOLVERS[plan.method.name]
-        with trigger_event("numba:compile"):  # who waits for a run is told that it compiles
+        with trigger_event("numba:compile"):  # who waits for a run sees that it compiles
             model = model_of(linkage)
             solver = getattr(newton.solvers, kind)(model, **options)
             built = Built(linkage, model, solver, (model.state(), model.state()), Reader(linkage, model))

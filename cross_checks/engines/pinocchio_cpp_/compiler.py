@@ -53,7 +53,7 @@ def library() -> Path:
     name = hashlib.sha256(repr((described(), FLAGS, str(_prefix()), platform.machine())).encode()).hexdigest()[:20]
     kept = cache_folder() / f"pinocchio_cpp-{name}.so"
     if not kept.is_file():
-        with trigger_event("numba:compile"):  # who waits for a run is told that it compiles
+        with trigger_event("numba:compile"):  # who waits for a run sees that it compiles
             _compile(kept)
     return kept
 
@@ -82,8 +82,8 @@ def _compiler_version() -> str:
     compiler = _compiler()
     if compiler is None:
         return "no compiler"
-    told = subprocess.run([compiler, "-dumpfullversion", "-dumpversion"], capture_output=True, text=True).stdout
-    return f"{compiler.rsplit(os.sep, 1)[-1]} {told.strip()}"
+    version = subprocess.run([compiler, "-dumpfullversion", "-dumpversion"], capture_output=True, text=True).stdout
+    return f"{compiler.rsplit(os.sep, 1)[-1]} {version.strip()}"
 
 
 @cache

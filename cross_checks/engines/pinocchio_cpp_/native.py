@@ -24,7 +24,7 @@ _REALS, _WHOLE = _array(np.float64, flags="C"), _array(np.int32, flags="C")
 
 
 class Report(ctypes.Structure):
-    """What a loop of the program tells of itself."""
+    """What a loop of the program reports."""
 
     _fields_ = [
         ("seconds", ctypes.c_double), ("steps", ctypes.c_long), ("calls", ctypes.c_long),
@@ -56,11 +56,11 @@ class Tree:
         states[0] = start
         if plan.method.kind == "fixed":
             counts = np.array(plan.counts, dtype=np.int32)
-            told = self._program.run_rk4(self._tree, states, len(states), counts, plan.step)
+            report = self._program.run_rk4(self._tree, states, len(states), counts, plan.step)
         else:
             limits = plan.rtol, plan.atol, plan.max_steps
-            told = self._program.run_dop853(self._tree, states, len(states), plan.times, *limits, *TABLEAU)
-        return Loop(states, _end(told, plan), told.steps, told.calls, told.rejected)
+            report = self._program.run_dop853(self._tree, states, len(states), plan.times, *limits, *TABLEAU)
+        return Loop(states, _end(report, plan), report.steps, report.calls, report.rejected)
 
 
 def _numbers(joint: Any, placement: Any, inertia: Any) -> np.ndarray:
@@ -70,14 +70,14 @@ def _numbers(joint: Any, placement: Any, inertia: Any) -> np.ndarray:
     return np.concatenate([np.asarray(part, dtype=float).ravel() for part in parts])
 
 
-def _end(told: Report, plan: Plan) -> End:
-    if told.outcome == TOO_MANY_STEPS:
-        message = f"max_steps = {plan.max_steps} were used up at t = {told.t:g} s"
-        return End(told.reached, Status.TOO_MANY_STEPS, message)
-    if told.outcome == STEP_TOO_SMALL:
-        message = f"DOP853 stopped at t = {told.t:g} s: its step became too small"
-        return End(told.reached, Status.STEP_TOO_SMALL, message)
-    return End(told.reached)
+def _end(report: Report, plan: Plan) -> End:
+    if report.outcome == TOO_MANY_STEPS:
+        message = f"max_steps = {plan.max_steps} were used up at t = {report.t:g} s"
+        return End(report.reached, Status.TOO_MANY_STEPS, message)
+    if report.outcome == STEP_TOO_SMALL:
+        message = f"DOP853 stopped at t = {report.t:g} s: its step became too small"
+        return End(report.reached, Status.STEP_TOO_SMALL, message)
+    return End(report.reached)
 
 
 @cache

@@ -95,8 +95,8 @@ def _turned_bodies(case: Case, x: np.ndarray) -> Case:
 
 def _axes(names: list[str], x: np.ndarray) -> str:
     turns = [_rotation(row) for row in x.reshape(len(names), -1)]
-    told = (f"{name} by {_turn(turn)}" for name, turn in zip(names, turns, strict=True) if turn.magnitude() > NONE)
-    return f"body axes are turned: {', '.join(told)}"
+    parts = (f"{name} by {_turn(turn)}" for name, turn in zip(names, turns, strict=True) if turn.magnitude() > NONE)
+    return f"body axes are turned: {', '.join(parts)}"
 
 
 def _turn(turn: Rotation) -> str:
@@ -120,5 +120,5 @@ def _other_points(case: Case, x: np.ndarray, rates: bool) -> Case:
 
 def _points(names: list[str], x: np.ndarray, length: float) -> str:
     arms = zip(names, x.reshape(len(names), -1), strict=True)
-    told = (f"{name} at {vector(arm)} m in body axes" for name, arm in arms if not _small(arm / length))
-    return f"positions are not of the centre of mass, but of {', '.join(told)}"
+    parts = (f"{name} at {vector(arm)} m in body axes" for name, arm in arms if not _small(arm / length))
+    return f"positions are not of the centre of mass, but of {', '.join(parts)}"

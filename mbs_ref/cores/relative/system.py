@@ -13,7 +13,7 @@ from mbs_ref.cores.spatial.system import SpatialSystem
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.relative import model as arrays
-from mbs_ref.kernels.relative.events import take_velocities_over, tell_over
+from mbs_ref.kernels.relative.events import expand_over, take_velocities_over
 from mbs_ref.kernels.relative.lanes import Figures, Tree, tree_in_lanes
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.euler_parameters import conjugate, product
@@ -48,8 +48,8 @@ class RelativeSystem(System):
         lengths = {"n": n, "n + 1": n + 1, "rates": rates, "d": self.scene.dimension}
         links = empty(arrays.Links, **lengths)
         links.turns[:] = [kind not in UNTURNED for kind in self.layout.kind]
-        told = empty(arrays.Told, n_state=len(self.redundant.initial_state()))
-        return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), told)
+        full = empty(arrays.Full, n_state=len(self.redundant.initial_state()))
+        return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), full)
 
     def twin(self) -> Self:
         return type(self)(self.scene)
@@ -59,7 +59,7 @@ class RelativeSystem(System):
         """Return each body's orientation in its parent at t = 0, and the joints' axes as `Joints` has them."""
 
     @abstractmethod
-    def _places(self, told: np.ndarray) -> Any:
+    def _places(self, full: np.ndarray) -> Any:
         """Return the bodies' poses at a redundant state, as `_coordinate` reads them."""
 
     @abstractmethod
@@ -68,17 +68,17 @@ class RelativeSystem(System):
 
     # --- between the two states ---------------------------------------------------------------------
 
-    def told(self, y: np.ndarray) -> np.ndarray:
+    def full(self, y: np.ndarray) -> np.ndarray:
         """Return the redundant state of y."""
-        return self._all_told(y[None])[0]
+        return self._all_full(y[None])[0]
 
-    def reduced(self, told: np.ndarray) -> np.ndarray:
+    def reduced(self, full: np.ndarray) -> np.ndarray:
         """Return the state of a redundant one that keeps the joints."""
-        y, places = np.zeros(self.layout.n_state), self._places(told)
+        y, places = np.zeros(self.layout.n_state), self._places(full)
         for i, first in enumerate(self.layout.q[:-1]):
             found = self._coordinate(i, places)
             y[first : first + len(found)] = found
-        take_velocities_over(*self.own_handles, told[None], y[None])
+        take_velocities_over(*self.own_handles, full[None], y[None])
         return y
 
     def initial_state(self) -> np.ndarray:
@@ -98,19 +98,19 @@ class RelativeSystem(System):
 
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states (n_t, n_state) into world poses and velocities."""
-        return self.redundant.poses(self._all_told(states))
+        return self.redundant.poses(self._all_full(states))
 
     def states_of(self, poses: Poses) -> np.ndarray:
         return self.all_reduced(self.redundant.states_of(poses))
 
-    def all_reduced(self, told: np.ndarray) -> np.ndarray:
-        """Return the states (n, n_state) of redundant ones (n, n_told) that keep the joints."""
-        return np.array([self.reduced(y) for y in told])
+    def all_reduced(self, full: np.ndarray) -> np.ndarray:
+        """Return the states (n, n_state) of redundant ones (n, n_full) that keep the joints."""
+        return np.array([self.reduced(y) for y in full])
 
-    def _all_told(self, states: np.ndarray) -> np.ndarray:
-        told = np.empty((len(states), len(self.scratch.told.state)))
-        tell_over(*self.own_handles, np.ascontiguousarray(states), told)
-        return told
+    def _all_full(self, states: np.ndarray) -> np.ndarray:
+        full = np.empty((len(states), len(self.scratch.full.state)))
+        expand_over(*self.own_handles, np.ascontiguousarray(states), full)
+        return full
 
     def set_mode_time(self, t: float) -> None:
         """Choose the signals' segments: the ones that contain t (s)."""
@@ -121,25 +121,25 @@ class RelativeSystem(System):
         self.redundant.set_baumgarte(gain)
 
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        return self.redundant.residuals(t, self.told(y))
+        return self.redundant.residuals(t, self.full(y))
 
     def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        return self.redundant.reactions(t, self.told(y))
+        return self.redundant.reactions(t, self.full(y))
 
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        return self.redundant.reactions_over(times, self._all_told(states))
+        return self.redundant.reactions_over(times, self._all_full(states))
 
     def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
-        return self.redundant.accelerations(t, self.told(y))
+        return self.redundant.accelerations(t, self.full(y))
 
     def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
-        self.redundant.start_contacts(t, self.told(y), located)
+        self.redundant.start_contacts(t, self.full(y), located)
 
     def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        return self.redundant.contact_forces(times, self._all_told(states))
+        return self.redundant.contact_forces(times, self._all_full(states))
 
     def contact_oscillators(self, t: float, y: np.ndarray, speed: float) -> np.ndarray:
-        return self.redundant.contact_oscillators(t, self.told(y), speed)
+        return self.redundant.contact_oscillators(t, self.full(y), speed)
 
     def taut_strings(self) -> AbstractContextManager[bool]:
         return self.redundant.taut_strings()
@@ -160,12 +160,12 @@ class RelativePlanarSystem(RelativeSystem):
 
     CORE, REDUNDANT = "relative_planar", PlanarSystem
 
-    def all_reduced(self, told: np.ndarray) -> np.ndarray:
-        y, places = np.zeros((len(told), self.layout.n_state)), self._places(told.T)
+    def all_reduced(self, full: np.ndarray) -> np.ndarray:
+        y, places = np.zeros((len(full), self.layout.n_state)), self._places(full.T)
         for i, first in enumerate(self.layout.q[:-1]):
             found = self._coordinate(i, places).T
             y[:, first : first + found.shape[1]] = found
-        take_velocities_over(*self.own_handles, np.ascontiguousarray(told), y)
+        take_velocities_over(*self.own_handles, np.ascontiguousarray(full), y)
         return y
 
     @property
@@ -194,10 +194,10 @@ class RelativePlanarSystem(RelativeSystem):
             axes[i] = np.array([[c, s], [-s, c]]) @ self.layout.world_axis(i)
         return (own[:-1] - own[parents])[:, None], axes
 
-    def _places(self, told: np.ndarray) -> np.ndarray:
+    def _places(self, full: np.ndarray) -> np.ndarray:
         """Return places and angles (n, 3, ...) in the scene's order."""
         n = len(self.layout.kind)
-        return told[: 3 * n].reshape(n, 3, *told.shape[1:])
+        return full[: 3 * n].reshape(n, 3, *full.shape[1:])
 
     def _coordinate(self, i: int, places: np.ndarray) -> np.ndarray:
         kind, joints, n, q = self.layout.kind[i], self.groups.joints, len(self.layout.kind), places
@@ -224,9 +224,9 @@ class RelativeSpatialSystem(RelativeSystem):
 
     CORE, REDUNDANT = "relative_spatial", SpatialSystem
 
-    def _places(self, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _places(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return places (n + 1, 3) and Euler parameters (n + 1, 4) in elimination order, ground last."""
-        poses = self.redundant.poses(told[None])
+        poses = self.redundant.poses(full[None])
         order = self.layout.order
         place = np.vstack((poses.position[0, order], np.zeros(3)))
         return place, np.vstack((poses.orientation[0, order], (1.0, 0.0, 0.0, 0.0)))

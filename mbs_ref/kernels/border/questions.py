@@ -184,10 +184,10 @@ def solve(model, work, gamma) -> Any:
 
 
 @question(NOTHING, MODEL, WORK, VECTOR)
-def tell(model, work, y) -> Any:
-    """Place a tree at its relative coordinates y, and write the redundant system's state to `told`."""
+def expand(model, work, y) -> Any:
+    """Place a tree at its relative coordinates y, and write the redundant system's state to `full`."""
 
 
 @question(NOTHING, MODEL, WORK, VECTOR)
 def take_velocities(model, work, y) -> Any:
-    """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
+    """Write to y the rates that the velocities in `full` mean, at the places that were last written."""

@@ -1,4 +1,4 @@
-"""The events of trees in the plane and in space: the redundant system knows them, and is told the state."""
+"""The events of trees in the plane and in space: the redundant system evaluates them at the full state."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,7 +8,7 @@ import numpy as np
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.handles import Model, Work
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.relative.model import joints_of, redundant_of, told_of
+from mbs_ref.kernels.relative.model import full_of, joints_of, redundant_of
 
 
 @jit
@@ -35,48 +35,48 @@ def _root_count(model):
 
 @jit
 def _roots(model, work, t, y, duration, table):
-    ask.tell(model, work, y)
-    return ask.roots(_inner_model(model), _inner_work(model), t, told_of(work).state, duration, table)
+    ask.expand(model, work, y)
+    return ask.roots(_inner_model(model), _inner_work(model), t, full_of(work).state, duration, table)
 
 
 @jit
 def _transition(model, work, t, span, y, g, dy):
     """Let the redundant system change its modes, and take over the velocities that an impulse changed."""
-    ask.tell(model, work, y)
-    told = told_of(work)
-    answer = ask.transition(_inner_model(model), _inner_work(model), t, span, told.state, g, told.slope)
+    ask.expand(model, work, y)
+    full = full_of(work)
+    answer = ask.transition(_inner_model(model), _inner_work(model), t, span, full.state, g, full.slope)
     ask.take_velocities(model, work, y)
     return answer
 
 
 @jit
 def _start_modes(model, work, t, y, located):
-    ask.tell(model, work, y)
-    ask.start_modes(_inner_model(model), _inner_work(model), t, told_of(work).state, located)
+    ask.expand(model, work, y)
+    ask.start_modes(_inner_model(model), _inner_work(model), t, full_of(work).state, located)
 
 
 @jit
 def _contact_mobility(model, work, t, y, k):
-    ask.tell(model, work, y)
-    return ask.contact_mobility(_inner_model(model), _inner_work(model), t, told_of(work).state, k)
+    ask.expand(model, work, y)
+    return ask.contact_mobility(_inner_model(model), _inner_work(model), t, full_of(work).state, k)
 
 
 @jit
-def tell_over(model, work, states, out):
-    """Write the redundant system's state of each state (n, n_state) to out (n, n_told)."""
-    told = told_of(work).state
+def expand_over(model, work, states, out):
+    """Write the redundant system's state of each state (n, n_state) to out (n, n_full)."""
+    full = full_of(work).state
     for k in range(states.shape[0]):
-        ask.tell(model, work, states[k])
-        out[k] = told
+        ask.expand(model, work, states[k])
+        out[k] = full
 
 
 @jit
-def take_velocities_over(model, work, told, states):
-    """Write to each state (n, n_state), of given coordinates, the rates that the redundant ones (n, n_told) mean."""
-    place = told_of(work).state
+def take_velocities_over(model, work, full, states):
+    """Write to each state (n, n_state), of given coordinates, the rates that the redundant ones (n, n_full) mean."""
+    place = full_of(work).state
     for k in range(states.shape[0]):
-        ask.tell(model, work, states[k])
-        place[:] = told[k]
+        ask.expand(model, work, states[k])
+        place[:] = full[k]
         ask.take_velocities(model, work, states[k])
 
 

@@ -60,7 +60,7 @@ class Recursion(NamedTuple):
     acceleration: Annotated[Floats, "n + 1", "rates"]
 
 
-class Told(NamedTuple):
+class Full(NamedTuple):
     state: Annotated[Floats, "n_state"]  # of the redundant system
     slope: Annotated[Floats, "n_state"]
 
@@ -68,7 +68,7 @@ class Told(NamedTuple):
 class RelativeScratch(NamedTuple):
     links: Links
     recursion: Recursion
-    told: Told
+    full: Full
 
 
 TreeModel = handle_class(__name__, "TreeModel", RelativeGroups)
@@ -79,4 +79,4 @@ joints_of = accessor("joints")
 redundant_of = accessor("redundant")
 links_of = accessor("links")
 recursion_of = accessor("recursion")
-told_of = accessor("told")
+full_of = accessor("full")

@@ -18,11 +18,11 @@ from mbs_ref.kernels.relative.model import (
     HELD,
     PRISMATIC,
     REVOLUTE,
+    full_of,
     joints_of,
     links_of,
     recursion_of,
     redundant_of,
-    told_of,
 )
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
 
@@ -104,16 +104,16 @@ def _put_joined(joints, links, kin, y, i):
 
 
 @jit
-def tell_planar(model, work, y):
-    """Place the tree at y and write the redundant system's state to `told`."""
+def expand_planar(model, work, y):
+    """Place the tree at y and write the redundant system's state to `full`."""
     place_planar(model, work, y)
-    told, bodies, kin = told_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
+    full, bodies, kin = full_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
     n = bodies.mass.shape[0]
     for i in range(n):
         k = 3 * bodies.scene_index[i]
-        told.state[k], told.state[k + 1], told.state[k + 2] = kin.pose[i, 0], kin.pose[i, 1], kin.motion[i, 3]
+        full.state[k], full.state[k + 1], full.state[k + 2] = kin.pose[i, 0], kin.pose[i, 1], kin.motion[i, 3]
         for c in range(3):
-            told.state[3 * n + k + c] = kin.motion[i, c]
+            full.state[3 * n + k + c] = kin.motion[i, c]
 
 
 @inlined
@@ -214,13 +214,13 @@ def relative_planar_position_rate(model, y, rate, out):
 
 @jit
 def take_planar_velocities(model, work, y):
-    """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
-    joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(_redundant_model(model))
+    """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
+    joints, links, full, bodies = joints_of(model), links_of(work), full_of(work), bodies_of(_redundant_model(model))
     n = bodies.mass.shape[0]
     for i in range(n):
         k, parent, v, own = 3 * (n + bodies.scene_index[i]), joints.parent[i], joints.v[i], links.velocity[i]
         for c in range(3):
-            own[c] = told.state[k + c]
+            own[c] = full.state[k + c]
         for c in range(joints.freedoms[i]):
             y[v + c] = own[c]
         if joints.kind[i] == REVOLUTE:

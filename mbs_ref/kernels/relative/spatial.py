@@ -16,11 +16,11 @@ from mbs_ref.kernels.relative.model import (
     REVOLUTE,
     SPHERICAL,
     WELD,
+    full_of,
     joints_of,
     links_of,
     recursion_of,
     redundant_of,
-    told_of,
 )
 from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
 from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
@@ -139,16 +139,16 @@ def _put_joined(joints, links, kin, y, i):
 
 
 @jit
-def tell_spatial(model, work, y):
-    """Place the tree at y and write the redundant system's state to `told`."""
+def expand_spatial(model, work, y):
+    """Place the tree at y and write the redundant system's state to `full`."""
     place_spatial(model, work, y)
-    told, bodies, kin = told_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
+    full, bodies, kin = full_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
     for i in range(bodies.mass.shape[0]):
-        put(told.state, bodies.q[i], kin.position[i])
-        put(told.state, bodies.v[i], kin.velocity[i])
+        put(full.state, bodies.q[i], kin.position[i])
+        put(full.state, bodies.v[i], kin.velocity[i])
         if bodies.rigid[i] == 1:
-            put_parameters(told.state, bodies.q[i] + 3, parameters(kin.theta[i], 0))
-            put(told.state, bodies.v[i] + 3, turn_back(kin.turned[i], triple(kin.omega[i], 0)))
+            put_parameters(full.state, bodies.q[i] + 3, parameters(kin.theta[i], 0))
+            put(full.state, bodies.v[i] + 3, turn_back(kin.turned[i], triple(kin.omega[i], 0)))
 
 
 @jit
@@ -395,14 +395,14 @@ def relative_spatial_project(model, work, t, y, tolerance, most):
 
 @jit
 def take_spatial_velocities(model, work, y):
-    """Write to y the rates that the velocities in `told` mean, at the places that were last written."""
-    joints, links, told, bodies = joints_of(model), links_of(work), told_of(work), bodies_of(_redundant_model(model))
+    """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
+    joints, links, full, bodies = joints_of(model), links_of(work), full_of(work), bodies_of(_redundant_model(model))
     kin = kinematics_of(_redundant_work(model))
     for i in range(bodies.mass.shape[0]):
         own, of_parent, v = links.velocity[i], links.velocity[joints.parent[i]], joints.v[i]
-        put(own, 0, triple(told.state, bodies.v[i]))
+        put(own, 0, triple(full.state, bodies.v[i]))
         if bodies.rigid[i] == 1:
-            put(own, 3, turn(kin.turned[i], triple(told.state, bodies.v[i] + 3)))
+            put(own, 3, turn(kin.turned[i], triple(full.state, bodies.v[i] + 3)))
         kind, spin = joints.kind[i], triple(of_parent, 3)
         if kind == REVOLUTE:
             y[v] = dot(minus(triple(own, 3), spin), triple(links.freedom[i, 0], 3))

@@ -73,7 +73,7 @@ def command(
                     result = judged(chosen, read, truth_at(runs, chosen), limit)
             else:
                 other = read_motion(Path(against), chosen, _path(against_map or map_file))
-                result = judgement(chosen, *as_truth(chosen, read.told, other.told, Path(against).name), limit)
+                result = judgement(chosen, *as_truth(chosen, read.motion, other.motion, Path(against).name), limit)
     except FileError as error:
         raise click.UsageError(str(error)) from error
     if drawing is not None:

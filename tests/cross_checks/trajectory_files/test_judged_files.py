@@ -47,7 +47,7 @@ def right(scene_name: str) -> Trajectory:
     return simulate(scene, Settings(method="dop853", rtol=1e-12, samples=41, estimate="off"))
 
 
-def told_by(scene: Scene, columns: dict[str, np.ndarray], body: dict, world: dict | None = None) -> Case:
+def case_of(scene: Scene, columns: dict[str, np.ndarray], body: dict, world: dict | None = None) -> Case:
     """Return the case of a file with these columns, of the scene's only body."""
     stated = ColumnMap.model_validate({
         "time": {"column": "t", "unit": "s"}, "bodies": {scene.body_names[0]: body}, "world": world or {},
@@ -78,14 +78,14 @@ def test_a_file_of_simulate_judges_to_what_simulate_said(scene, suffix, tmp_path
     write_poses(path, list(scene.body_names), tmp_path / f"run{suffix}")
     read = read_motion(tmp_path / f"run{suffix}", scene)
     for part in ("times", "position", "velocity", "angular_velocity"):
-        np.testing.assert_array_equal(getattr(read.told.path, part), getattr(path, part))
-    np.testing.assert_allclose(read.told.path.orientation, path.orientation, rtol=0.0, atol=4e-16)
-    assert not read.told.missing
-    found = judgement(scene, read.told, at(scene)(path.times), ASKED)
+        np.testing.assert_array_equal(getattr(read.motion.path, part), getattr(path, part))
+    np.testing.assert_allclose(read.motion.path.orientation, path.orientation, rtol=0.0, atol=4e-16)
+    assert not read.motion.missing
+    found = judgement(scene, read.motion, at(scene)(path.times), ASKED)
     assert found.verdict == "agrees"
     assert found.error is not None
     assert found.error.value < 1e-10
-    itself, other = as_truth(scene, read.told, read.told, "itself")
+    itself, other = as_truth(scene, read.motion, read.motion, "itself")
     again = judgement(scene, itself, other, ASKED)
     assert again.error is not None
     assert again.error.value == 0.0
@@ -94,7 +94,7 @@ def test_a_file_of_simulate_judges_to_what_simulate_said(scene, suffix, tmp_path
 def test_aerospace_conventions_are_read_when_stated():
     columns = top_columns(right("torque_free_top"))
     for orientation in (QUATERNION, EULER):
-        case = told_by(TOP, columns, {"orientation": orientation, "angular_velocity": RATES})
+        case = case_of(TOP, columns, {"orientation": orientation, "angular_velocity": RATES})
         assert case.error < 1e-10
         assert suspicions(case, ASKED) == []
 
@@ -104,7 +104,7 @@ def test_a_matrix_and_an_inverse_are_read_when_stated():
     rows = Rotation.from_quat(path.orientation[:, 0], scalar_first=True).inv().as_matrix().reshape(-1, 9)
     columns = {"t": path.times} | {f"a{k}": rows[:, k] for k in range(9)}
     stated = {"columns": [f"a{k}" for k in range(9)], "convention": "matrix", "maps": "world to body"}
-    assert told_by(TOP, columns, {"orientation": stated}).error < 1e-10
+    assert case_of(TOP, columns, {"orientation": stated}).error < 1e-10
 
 
 def size_in(sentence: str, pattern: str) -> float:
@@ -124,7 +124,7 @@ def size_in(sentence: str, pattern: str) -> float:
     ({"orientation": QUATERNION, "angular_velocity": {**RATES, "axes": "world"}}, "look like body; world is stated"),
 ])  # fmt: skip
 def test_a_convention_that_is_stated_wrongly_is_named(stated, expected):
-    case = told_by(TOP, top_columns(right("torque_free_top")), stated)
+    case = case_of(TOP, top_columns(right("torque_free_top")), stated)
     assert case.error > 1e-2
     sentences = suspicions(case, ASKED)
     assert len(sentences) == 1
@@ -149,7 +149,7 @@ def test_a_length_in_another_unit_is_named(scale, word):
     columns = plane_columns(right("pendulum_chain"))
     for name in ("x", "y"):
         columns[name] = columns[name] * scale
-    case = told_by(PENDULUM, columns, PLANE)
+    case = case_of(PENDULUM, columns, PLANE)
     assert f"the position columns look like {word}; m is stated" in suspicions(case, ASKED)[0]
 
 
@@ -159,7 +159,7 @@ def test_a_clock_that_lags_is_named_with_its_size(lag):
     truth = truth_at("pendulum_chain", tuple((times - lag).tolist()))
     (x, y), angle = truth.position[:, 0].T, truth.orientation[:, 0]
     columns = dict(t=times, x=x, y=y, angle=angle)
-    case = told_by(PENDULUM, columns, {part: PLANE[part] for part in ("position", "orientation")})
+    case = case_of(PENDULUM, columns, {part: PLANE[part] for part in ("position", "orientation")})
     sentence = suspicions(case, ASKED)[0]
     assert ("late" if lag > 0.0 else "early") in sentence
     assert size_in(sentence, r"by ([\d.e-]+) s") == pytest.approx(abs(lag), rel=1e-3)
@@ -169,11 +169,11 @@ def test_a_turned_and_a_shifted_world_are_named_with_their_sizes():
     path = right("pendulum_chain")
     turn, away = np.radians(30.0), np.array([0.5, -0.25])
     matrix = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    told = Trajectory(path.times, path.position @ matrix.T + away, path.orientation + turn, path.velocity @ matrix.T,
+    seen = Trajectory(path.times, path.position @ matrix.T + away, path.orientation + turn, path.velocity @ matrix.T,
                       path.angular_velocity)  # fmt: skip
-    sentence = suspicions(told_by(PENDULUM, plane_columns(told), PLANE), ASKED)[0]
+    sentence = suspicions(case_of(PENDULUM, plane_columns(seen), PLANE), ASKED)[0]
     assert "world is turned by -30 deg" in sentence or "world is turned by 30 deg about (0, 0, -1)" in sentence
-    assert told_by(PENDULUM, plane_columns(path), PLANE).error < 1e-10
+    assert case_of(PENDULUM, plane_columns(path), PLANE).error < 1e-10
 
 
 def test_a_world_with_y_up_is_named_and_read_when_stated():
@@ -181,16 +181,16 @@ def test_a_world_with_y_up_is_named_and_read_when_stated():
     up = Rotation.from_euler("x", -90.0, degrees=True)  # scene's z is the file's y
     turned = (up * Rotation.from_quat(path.orientation[:, 0], scalar_first=True)).as_quat(scalar_first=True)
     columns = {"t": path.times} | dict(zip("wxyz", turned.T, strict=True))
-    wrong = told_by(TOP, columns, {"orientation": QUATERNION})
+    wrong = case_of(TOP, columns, {"orientation": QUATERNION})
     assert size_in(suspicions(wrong, ASKED)[0], r"world is turned by ([\d.]+) deg about \(1, 0, 0\)") == 90.0
-    assert told_by(TOP, columns, {"orientation": QUATERNION}, {"axes": ["x", "-z", "y"]}).error < 1e-10
+    assert case_of(TOP, columns, {"orientation": QUATERNION}, {"axes": ["x", "-z", "y"]}).error < 1e-10
 
 
 def test_body_axes_that_are_turned_are_named_with_their_angle():
     path = right("torque_free_top")
     frame = Rotation.from_euler("z", 10.0, degrees=True)
     turned = (Rotation.from_quat(path.orientation[:, 0], scalar_first=True) * frame).as_quat(scalar_first=True)
-    case = told_by(TOP, {"t": path.times} | dict(zip("wxyz", turned.T, strict=True)), {"orientation": QUATERNION})
+    case = case_of(TOP, {"t": path.times} | dict(zip("wxyz", turned.T, strict=True)), {"orientation": QUATERNION})
     assert size_in(suspicions(case, ASKED)[0], r"body axes are turned: \w+ by ([\d.]+) deg") == pytest.approx(10.0)
 
 
@@ -198,9 +198,9 @@ def test_positions_of_another_point_are_named_with_its_place():
     path = right("pendulum_chain")
     arm = 0.5 * np.stack([np.cos(path.orientation[:, 0]), np.sin(path.orientation[:, 0])], axis=-1)
     away = np.stack([-arm[:, 1], arm[:, 0]], axis=-1) * path.angular_velocity
-    told = Trajectory(path.times, path.position + arm[:, None], path.orientation, path.velocity + away[:, None],
+    seen = Trajectory(path.times, path.position + arm[:, None], path.orientation, path.velocity + away[:, None],
                       path.angular_velocity)  # fmt: skip
-    sentence = suspicions(told_by(PENDULUM, plane_columns(told), PLANE), ASKED)[0]
+    sentence = suspicions(case_of(PENDULUM, plane_columns(seen), PLANE), ASKED)[0]
     assert "at (0.5, 0) m in body axes" in sentence
 
 
@@ -209,7 +209,7 @@ def test_two_mistakes_are_named_both_the_larger_first():
     truth = truth_at("pendulum_chain", tuple((times - 5e-3).tolist()))
     (x, y), angle = 1e3 * truth.position[:, 0].T, truth.orientation[:, 0]
     stated = {part: PLANE[part] for part in ("position", "orientation")}
-    sentences = suspicions(told_by(PENDULUM, dict(t=times, x=x, y=y, angle=angle), stated), ASKED)
+    sentences = suspicions(case_of(PENDULUM, dict(t=times, x=x, y=y, angle=angle), stated), ASKED)
     assert "look like mm" in sentences[0]
     assert size_in(sentences[1], r"late by ([\d.e-]+) s") == pytest.approx(5e-3, rel=1e-3)
 
@@ -225,19 +225,19 @@ def test_a_term_that_was_left_out_is_named():
         columns, name = plane_columns(path), scene.body_names[0]
         stated = ColumnMap.model_validate({"time": {"column": "t", "unit": "s"}, "bodies": {name: PLANE}})
         table = Columns(Path("tool.csv"), columns)
-        told = described_motion(scene, table, stated)
-        case = Case(scene, table, stated, told.path, truth)
+        seen = described_motion(scene, table, stated)
+        case = Case(scene, table, stated, seen.path, truth)
         sentences = suspicions(case, ASKED)
         assert expected in sentences[0]
 
 
 def test_what_the_file_does_not_tell_is_said_and_not_counted():
     columns = plane_columns(right("pendulum_chain"))
-    case = told_by(PENDULUM, columns, {"position": PLANE["position"]})
-    told = described_motion(PENDULUM, case.columns, case.stated)
+    case = case_of(PENDULUM, columns, {"position": PLANE["position"]})
+    seen = described_motion(PENDULUM, case.columns, case.stated)
     name = PENDULUM.body_names[0]
-    assert told.missing == (f"the file does not state orientation, velocity, angular velocity of {name}",)
-    found = judgement(PENDULUM, told, case.truth, ASKED)
+    assert seen.missing == (f"the file does not state orientation, velocity, angular velocity of {name}",)
+    found = judgement(PENDULUM, seen, case.truth, ASKED)
     assert found.verdict == "agrees"
     assert [part.below is None for part in found.parts] == [False, True, True, True]
     assert all(part.largest is None for part in found.parts)  # right to what the truth knows
@@ -269,7 +269,7 @@ PLACE, SPIN = ["x", "y"], {**RATES, "axes": None}
 
 def refusal(columns: dict, body: dict, scene: Scene = PENDULUM) -> str:
     with pytest.raises((FileError, ValueError)) as refused:
-        told_by(scene, columns, body)
+        case_of(scene, columns, body)
     return str(refused.value)
 
 

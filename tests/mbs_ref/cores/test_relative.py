@@ -115,7 +115,7 @@ class TestEveryJoint:
     def test_the_states_tell_each_other(self, scene):
         system = compiled(scene)
         y = general_state(system)
-        angles = np.abs(system.told(system.reduced(system.told(y))) - system.told(y))
+        angles = np.abs(system.full(system.reduced(system.full(y))) - system.full(y))
         assert angles.max() < 1e-12
 
     def test_accelerations_are_those_of_the_augmented_system(self, scene):
@@ -202,11 +202,11 @@ def test_impulses_reach_the_joints_rates():
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "words"),
     [("slider_crank", "closes a loop"), ("spherical_pendulum", "is a distance"), ("driven_pendulum", "drive")],
 )
-def test_what_is_no_tree_of_known_joints_is_refused(name, told):
-    with pytest.raises(ValueError, match=f"coordinates = 'relative' needs a tree.*{told}"):
+def test_what_is_no_tree_of_known_joints_is_refused(name, words):
+    with pytest.raises(ValueError, match=f"coordinates = 'relative' needs a tree.*{words}"):
         simulate(scenes.make(name), Settings(coordinates="relative"))
 
 

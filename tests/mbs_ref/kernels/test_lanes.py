@@ -138,9 +138,9 @@ def test_every_joint_accelerates_its_bodies_as_the_redundant_core_says():
     y, n = random_lanes(len(system.initial_state()), scale=2.0), len(system.scene.bodies)
     slopes, h = slopes_of(system, y), 1e-5
     for state, slope in zip(y.T, slopes.T, strict=True):
-        ahead, behind = system.told(state + h * slope), system.told(state - h * slope)
+        ahead, behind = system.full(state + h * slope), system.full(state - h * slope)
         found = ((ahead - behind) / (2.0 * h))[3 * n :].reshape(n, 3)
-        wanted = system.redundant.accelerations(0.0, system.told(state))
+        wanted = system.redundant.accelerations(0.0, system.full(state))
         assert np.max(np.abs(found - wanted)) < DIFFERENCED * np.max(np.abs(wanted))
 
 
