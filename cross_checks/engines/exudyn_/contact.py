@@ -42,7 +42,8 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
 
 
 def _jointed(scene: Scene) -> list[str]:
-    return [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
+    names = ", ".join(repr(joint.name) for joint in scene.joints)
+    return [f"Exudyn's explicit solvers take no joint; the scene has {names}"] if names else []
 
 
 def _one_coefficient(contact: Any) -> list[str]:

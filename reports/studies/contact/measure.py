@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from cross_checks.contact import models
-from cross_checks.contact.by_figure import compare, with_contact
+from cross_checks.contact.by_figure import Obtained, compare, with_contact
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
@@ -51,11 +51,19 @@ def measure() -> Measured:
     }  # fmt: skip
     tables = {
         "orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS), "runs": runs,
-        "engines": tuple(asdict(one) for one in compare(models()[0], with_contact(), ENGINES_STEP)),
+        "engines": tuple(_by_engine(one) for one in compare(models()[0], with_contact(), ENGINES_STEP)),
     }  # fmt: skip
     drawn = {f"vehicle: {name}": lines for name, lines in vehicle_curves(vehicle, paths[0], energy).items()}
     drawn |= {f"order: {row['law']}, events {row['events']}": _line(row) for row in orders}
     return Measured(figures, tables, drawn, {"vehicle": film(vehicle, paths[0], FILMED)})
+
+
+def _by_engine(one: Obtained) -> Row:
+    """Return a row of one figure; a reason takes the place of the figures."""
+    row = asdict(one)
+    if one.figure:
+        return row | ({"obtained": one.reason} if one.reason else {})
+    return row | dict.fromkeys(("requested", "uncertainty", "obtained", "change"), "") | {"figure": one.reason}
 
 
 def _line(row: Row) -> Curves:
