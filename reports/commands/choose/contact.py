@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     "--step", type=float, default=1e-3, show_default=True, callback=inputs.positive, help="Of the engine (s)."
 )
 @click.option("--figures", is_flag=True, help="Compare scenes with contact by figures instead.")
-@click.option("--only", metavar="SCENE", multiple=True, help="Of the scenes compared, only this; repeatable.")
+@click.option("--scene", "only", metavar="SCENE", multiple=True, help="Of the scenes compared, only this; repeatable.")
 @click.option("--holding", is_flag=True, help="Measure the creep of a block on a slope instead.")
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
