@@ -197,10 +197,9 @@ def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
 # --- engines ----------------------------------------------------------------------------------------------
 
 
-def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
-    """Judge the methods of every other engine that can run the scene: all in the first crash, few in the others."""
+def entrants(scene: Scene, names: Sequence[str] | None = None) -> list[tuple[str, Method]]:
+    """Return the methods of every other engine that can run the scene: all in the first crash, few in the others."""
     result, crash = [], (scene.name, str(scene.parameters["impact"]))
-    truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
     for name in engines.names() if names is None else names:
         try:
             engine = engines.get(name)
@@ -208,10 +207,31 @@ def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[
             continue
         if name == "mbs_ref" or engine.refusals(scene):
             continue
-        able = [m for m in engine.methods() if not engine.method_refusals(scene, m)]
-        shown = [m for m in able if crash not in SHOWN or (name, m.name) in SHOWN[crash]]
-        result += [peer(runs, scene, name, method, truth, ours) for method in shown]
+        able = [method for method in engine.methods() if not engine.method_refusals(scene, method)]
+        result += [(name, method) for method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
     return result
+
+
+def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
+    """Judge the methods of the other engines."""
+    truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
+    return [peer(runs, scene, *entrant, truth, ours) for entrant in entrants(scene, names)]
+
+
+def parts() -> list[tuple[str, str, str, str]]:
+    """Return every search as android, impact, engine and method."""
+    crashes = list(product(NAMES, IMPACTS))
+    return [(*crash, name, method.name) for crash in crashes
+            for name, method in entrants(scenes.make(crash[0], impact=crash[1]))]  # fmt: skip
+
+
+def make(part: tuple[str, str, str, str]) -> None:
+    """Search once: the store keeps the runs, which `measure` reads."""
+    name, impact, engine, chosen = part
+    scene, method = scenes.make(name, impact=impact), engines.get(engine).method(chosen)
+    with Store(default_path()) as store:
+        runs = Runs(store)
+        search(runs, scene, engine, method, runs.truth(scene), PEER_TARGETS[method.kind])
 
 
 def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory) -> Row:
