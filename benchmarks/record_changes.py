@@ -75,22 +75,18 @@ def _counts(record: Record) -> list[str]:
 
 def _judge(old: Record, new: Record) -> tuple[Move, str]:
     if old.status != new.status:
-        return _by_status(old, new)
+        text = f"{old.status}, then {new.status}: {new.message}".rstrip(": ")
+        if {old.status, new.status} & BY_MACHINE:
+            return Move.NOT_MEASURED, text
+        if new.status == "success":
+            return Move.BETTER, text
+        return (Move.WORSE if old.status == "success" else Move.SAME), text
     if old.status != "success":
         return Move.SAME, old.status
     for move, sentence in (_by_error(old, new), _by_gap(old, new)):
         if move is not Move.SAME:
             return move, sentence
     return Move.SAME, ""
-
-
-def _by_status(old: Record, new: Record) -> tuple[Move, str]:
-    text = f"{old.status}, then {new.status}: {new.message}".rstrip(": ")
-    if {old.status, new.status} & BY_MACHINE:
-        return Move.NOT_MEASURED, text
-    if new.status == "success":
-        return Move.BETTER, text
-    return (Move.WORSE if old.status == "success" else Move.SAME), text
 
 
 def _by_error(old: Record, new: Record) -> tuple[Move, str]:

@@ -88,7 +88,13 @@ class _Written:
     def root(self) -> Element:
         root = Element("mujoco", model=self.name)
         SubElement(root, "compiler", angle="radian", autolimits="false", inertiafromgeom="false")
-        self._options(root)
+        o = self.model.opt
+        words = {"integrator": INTEGRATORS, "cone": CONES, "jacobian": JACOBIANS, "solver": SOLVERS}
+        option = SubElement(root, "option", {name: _text(getattr(o, name)) for name in OPTIONS})
+        option.attrib |= {name: allowed[getattr(o, name)] for name, allowed in words.items()}
+        off = {word: "disable" for bit, word in DISABLED.items() if o.disableflags & bit}
+        on = {word: "enable" for bit, word in ENABLED.items() if o.enableflags & bit}
+        SubElement(option, "flag", off | on)
         world = SubElement(root, "worldbody")
         self._in_body(world, 0)
         self._bodies(world, 0)
@@ -102,15 +108,6 @@ class _Written:
         for empty in [part for part in root if not len(part) and not part.attrib]:
             root.remove(empty)
         return root
-
-    def _options(self, root: Element) -> None:
-        o = self.model.opt
-        words = {"integrator": INTEGRATORS, "cone": CONES, "jacobian": JACOBIANS, "solver": SOLVERS}
-        option = SubElement(root, "option", {name: _text(getattr(o, name)) for name in OPTIONS})
-        option.attrib |= {name: allowed[getattr(o, name)] for name, allowed in words.items()}
-        off = {word: "disable" for bit, word in DISABLED.items() if o.disableflags & bit}
-        on = {word: "enable" for bit, word in ENABLED.items() if o.enableflags & bit}
-        SubElement(option, "flag", off | on)
 
     def _texts(self, group: str, k: int, *names: str, **others: str) -> dict[str, str]:
         """Return the entries k of the model's arrays as attributes: pos is of geom_pos; others have another name."""

@@ -124,7 +124,12 @@ class _Written:
         if not self.floating:
             SubElement(root, "link", name=WORLD)
         for link in self.linkage.links:
-            self._link(root, link)
+            part = SubElement(SubElement(root, "link", name=link.name), "inertial")
+            SubElement(part, "origin", xyz=_text(self.turn @ link.centre), rpy="0 0 0")
+            SubElement(part, "mass", value=repr(float(link.mass)))
+            m = self.turn @ link.inertia @ self.turn.T
+            places = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+            SubElement(part, "inertia", {name: repr(float(m[place])) for name, place in places.items()})
         for link in self.linkage.links:
             if link.kind in KINDS:
                 self._joint(root, link)
@@ -140,14 +145,6 @@ class _Written:
             if np.any(link.rates):
                 rates = ", ".join(map(repr, link.rates.tolist()))
                 yield f"at t = 0 the rate of joint {_joint_name(link)} is {rates}"
-
-    def _link(self, root: Element, link: Link) -> None:
-        part = SubElement(SubElement(root, "link", name=link.name), "inertial")
-        SubElement(part, "origin", xyz=_text(self.turn @ link.centre), rpy="0 0 0")
-        SubElement(part, "mass", value=repr(float(link.mass)))
-        m = self.turn @ link.inertia @ self.turn.T
-        places = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-        SubElement(part, "inertia", {name: repr(float(m[place])) for name, place in places.items()})
 
     def _joint(self, root: Element, link: Link) -> None:
         kind = KINDS[link.kind]

@@ -69,7 +69,10 @@ def measure_all(store: Store, result: dict[str, Measured], depends: Any, report:
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held
     missing, failed = [name for name in listed if name not in result], []
-    _ahead(missing, report)
+    # compute the parts of studies on all cores; one that fails does so again, with its reason, in `measure`
+    tasks = [(name, part) for name in missing for part in parts(name)]
+    for done, (task, _) in enumerate(each(tasks, _made, timeout=LONGEST), 1):
+        report(done, len(tasks), f"runs for the study of {task[0]}")
     together, alone = ([name for name in missing if listed[name].alone is apart] for apart in (False, True))
     for name, facts in chain(each(together, _measured, timeout=LONGEST), each(alone, _measured, 1, LONGEST)):
         if isinstance(facts, str):
@@ -78,13 +81,6 @@ def measure_all(store: Store, result: dict[str, Measured], depends: Any, report:
             result[name] = keep(store, keys[name], Measured, facts)
         report(len(result) + len(failed), len(listed), f"study of {name}")
     return failed
-
-
-def _ahead(missing: list[str], report: Progress) -> None:
-    """Compute the parts of studies on all cores; one that fails does so again, with its reason, in `measure`."""
-    tasks = [(name, part) for name in missing for part in parts(name)]
-    for done, (task, _) in enumerate(each(tasks, _made, timeout=LONGEST), 1):
-        report(done, len(tasks), f"runs for the study of {task[0]}")
 
 
 def _made(call: Caller, task: tuple[str, Any]) -> None:

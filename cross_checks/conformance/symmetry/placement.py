@@ -143,7 +143,8 @@ def _part(part: Any, placement: Placement) -> Any:
         elif value is None or isinstance(value, str | bool) or name == "type":
             changed[name] = value
         elif name == "orientation":
-            changed[name] = _turned(np.array(value), placement)
+            turned = from_matrix(placement.sense * placement.matrix @ rotation_matrices(np.array(value)))
+            changed[name] = tuple((turned / np.linalg.norm(turned)).tolist())
         else:
             changed[name] = _value(part, name, value, placement)
     if part.type == "circle_on_line" and placement.sense < 0:  # the free side is on the left, walking from 1 to 2
@@ -176,11 +177,6 @@ def _in_body_axes(value: np.ndarray, what: str, placement: Placement) -> tuple[f
     if placement.sense > 0 or what == "axial":
         return tuple(value.tolist())
     return tuple((-value if len(value) == 3 else value * [1.0, -1.0]).tolist())
-
-
-def _turned(theta: np.ndarray, placement: Placement) -> tuple[float, ...]:
-    turned = from_matrix(placement.sense * placement.matrix @ rotation_matrices(theta))
-    return tuple((turned / np.linalg.norm(turned)).tolist())
 
 
 def _reordered(load: Any, order: tuple[int, ...]) -> Any:

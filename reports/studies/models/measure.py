@@ -155,14 +155,10 @@ def androids() -> Ladder:
             "HIC36": result.measures["HIC36"], "Nij": result.measures["Nij"],
             "head's travel, m": (travel := float(np.abs(result.head_excursion[:, 0]).max())),
             "passes through, m": max(deepest(scene, path), 0.0),
-        }, _digits(travel, _travel(fullest, models[-1][1]))  # fmt: skip
+        }, _digits(travel, float(np.abs(crash_results(models[-1][1], fullest).head_excursion[:, 0]).max()))  # fmt: skip
 
     note = "From the front, 50 km/h. No truth says which is right: the others are compared with the last rung."
     return ladder("Crash occupants", note, "-log10 of the head's travel, relative", models, text, by_last=True)
-
-
-def _travel(path: Trajectory, scene: Scene) -> float:
-    return float(np.abs(crash_results(scene, path).head_excursion[:, 0]).max())
 
 
 def _digits(value: float, reference: float) -> float | None:
