@@ -93,9 +93,9 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
 
 def _report_history(file: Path, trends: Path | None) -> None:
     """Say which series reached a new level these nights, and draw them all."""
-    database, problems = history.index(file)
+    entries, problems = history.read(file)
     complain(problems)
-    result = history.series(database)
+    result = history.series(entries)
     for name, entry in history.new_levels(result).items():
         click.echo(f"{name}: a new level since {entry.made} ({entry.commit_id}): {entry.value:.4g} {entry.unit}")
     if trends is not None:
