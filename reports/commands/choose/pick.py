@@ -120,13 +120,14 @@ def _swept(scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bou
 def _pick_model(scene: str, parameters: tuple[str, ...], error: str, as_json: bool) -> None:
     """Print the least model of the scene's family that reaches the error."""
     from reports.studies.models.choice import choose
-    from reports.studies.models.measure import FAMILIES
+    from reports.studies.models.measure import families, of_family
 
-    if scene not in FAMILIES or parameters:
+    ladder = None if parameters else of_family(scene)
+    if ladder is None:
         raise click.UsageError(
-            f"--models knows the families of {', '.join(FAMILIES)}, without parameters of their own; got {scene!r}"
+            f"--models knows the families of {', '.join(families())}, without parameters of their own; got {scene!r}"
         )
-    choice = choose(FAMILIES[scene](), inputs.relative_error(error, inputs.scene(scene, ())))
+    choice = choose(ladder, inputs.relative_error(error, inputs.scene(scene, ())))
     if as_json:
         echo_json(asdict(choice))
     if choice.best is None:
