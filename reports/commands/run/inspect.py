@@ -19,9 +19,7 @@ SHOWN = 6  # eigenvalues
 
 
 @click.command(name="inspect", epilog="Example: mbs-ref inspect bouncing_ball")
-@click.argument("scene", metavar="SCENE|FILE.toml")
-@inputs.PARAMETERS
-@inputs.KEEP
+@inputs.scene_options
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], as_json: bool) -> None:
     """Linearise SCENE at its start: stiffness, steps and modes.
