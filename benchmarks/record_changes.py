@@ -1,9 +1,8 @@
 """What changed between two files of records: accuracy by verdict, time as a remark, because no two jobs compare."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 import numpy as np
 
@@ -30,10 +29,6 @@ class Change:
     move: Move
     sentence: str
     ratio: float | None  # B's loop time over A's
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data for JSON."""
-        return asdict(self)
 
 
 def changes(before: Iterable[Record], after: Iterable[Record]) -> list[Change]:
