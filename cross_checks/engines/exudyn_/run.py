@@ -158,7 +158,7 @@ def advance_adaptive(model, plan: Plan, options) -> Left:
     options.solution.sensors.active = False
     solver = exu.MainSolverExplicit()
     first = _state(mbs, exu.ConfigurationType.Initial)
-    rows, steps = np.zeros((len(plan.times), len(first))), 0
+    rows, steps, k = np.zeros((len(plan.times), len(first))), 0, 1
     rows[0] = first
     try:
         solver.InitializeSolver(mbs, options)
