@@ -58,13 +58,20 @@ def parts(name: str) -> list[Any]:
     return list(module.parts()) if hasattr(module, "parts") else []
 
 
+def _sources(name: str) -> list[str]:
+    """Return what a study's facts depend on: the digest of its code, and its data files but what presents them."""
+    data = [file for file in (files("reports.studies") / name).iterdir() if file.name.endswith(".toml")]
+    texts = {file.name: file.read_text(encoding="utf-8") for file in data if file.name != "study.toml"}
+    return [code_of(f"reports.studies.{name}.measure"), *(texts[file] for file in sorted(texts))]
+
+
 def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Progress) -> list[str]:
     """Add to `found` the facts of every study, stored or measured on all cores; return what failed and why.
 
     Facts are measured again where their code changes or what they depend on: the engines and their adapters.
     """
     listed = every()
-    keys = {name: digest_of(["study", name, depends, code_of(f"reports.studies.{name}.measure")]) for name in listed}
+    keys = {name: digest_of(["study", name, depends, *_sources(name)]) for name in listed}
     for name in listed.keys() - result.keys():
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held
