@@ -1,21 +1,18 @@
-"""What every nightly job found: JSON lines are the truth, and an SQLite index is derived from them."""
+"""What every nightly job measured: JSON lines, grouped into series over time with their change points."""
 
-import json
-import os
-import sqlite3
 from collections.abc import Iterable, Sequence
-from contextlib import closing
 from dataclasses import asdict, dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cross_checks.prices.pick import pick, setting
+from cross_checks.records import lines
 from cross_checks.records.cost import loop_time
 from cross_checks.records.record import Record
 
-COLUMNS = ("job", "made", "commit_id", "machine", "series", "value", "unit", "verdict", "error")
 EFFECT = 1.05  # a level that changes by less is no change
 CHANCE = 0.01  # of a permutation doing as well
 SHUFFLES = 500
@@ -39,56 +36,19 @@ class Entry:
 
 
 def append(path: Path, entries: Iterable[Entry]) -> None:
-    """Add entries, in one write that a crash leaves whole or torn at its last line only."""
-    lines = "".join(json.dumps(asdict(entry), allow_nan=False) + "\n" for entry in entries)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o644)
-    try:
-        size = os.fstat(handle).st_size
-        torn = size > 0 and os.pread(handle, 1, size - 1) != b"\n"
-        os.write(handle, ("\n" * torn + lines).encode())
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+    """Add entries, each in one write."""
+    lines.append_data(path, map(asdict, entries))
 
 
 def read(path: Path) -> tuple[list[Entry], list[str]]:
     """Return the entries, and a sentence for every line that is none."""
-    entries, problems = [], []
-    for number, line in enumerate(path.read_bytes().split(b"\n"), start=1):
-        if not line.strip():
-            continue
-        try:
-            entries.append(Entry(**json.loads(line)))
-        except (ValueError, TypeError) as error:
-            problems.append(f"{path}:{number}: no entry, skipped: {error}")
-    return entries, problems
+    return lines.read_data(path, lambda data: Entry(**data))
 
 
-def index(path: Path) -> tuple[Path, list[str]]:
-    """Return the SQLite index beside the lines, made anew, and what was skipped; delete it at will."""
-    entries, problems = read(path)
-    target = path.with_suffix(".sqlite")
-    draft = target.with_name(f".{target.name}.{os.getpid()}.tmp")
-    draft.unlink(missing_ok=True)
-    with closing(sqlite3.connect(draft)) as database, database:
-        database.execute(f"CREATE TABLE entries ({', '.join(COLUMNS)})")
-        marks = ", ".join("?" * len(COLUMNS))
-        database.executemany(f"INSERT INTO entries VALUES ({marks})", [tuple(asdict(e).values()) for e in entries])
-        database.execute("CREATE INDEX by_series ON entries (series, made)")
-    draft.replace(target)
-    return target, problems
-
-
-def series(database: Path, name_contains: str = "") -> dict[str, list[Entry]]:
+def series(entries: Iterable[Entry], name_contains: str = "") -> dict[str, list[Entry]]:
     """Return every series whose name holds the text, each in the order of time."""
-    wanted = f"SELECT {', '.join(COLUMNS)} FROM entries WHERE instr(series, ?) ORDER BY series, made"
-    series: dict[str, list[Entry]] = {}
-    with closing(sqlite3.connect(database)) as connection:
-        for row in connection.execute(wanted, (name_contains,)):
-            entry = Entry(*row)
-            series.setdefault(entry.series, []).append(entry)
-    return series
+    chosen = sorted((e for e in entries if name_contains in e.series), key=lambda e: (e.series, e.made))
+    return {name: list(own) for name, own in groupby(chosen, key=lambda e: e.series)}
 
 
 def change_points(values: Sequence[float], seed: int = 0) -> list[int]:

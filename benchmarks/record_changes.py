@@ -1,9 +1,8 @@
 """What changed between two files of records: accuracy by verdict, time as a remark, because no two jobs compare."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 import numpy as np
 
@@ -30,10 +29,6 @@ class Change:
     move: Move
     sentence: str
     ratio: float | None  # B's loop time over A's
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data for JSON."""
-        return asdict(self)
 
 
 def changes(before: Iterable[Record], after: Iterable[Record]) -> list[Change]:
@@ -75,22 +70,18 @@ def _counts(record: Record) -> list[str]:
 
 def _judge(old: Record, new: Record) -> tuple[Move, str]:
     if old.status != new.status:
-        return _by_status(old, new)
+        text = f"{old.status}, then {new.status}: {new.message}".rstrip(": ")
+        if {old.status, new.status} & BY_MACHINE:
+            return Move.NOT_MEASURED, text
+        if new.status == "success":
+            return Move.BETTER, text
+        return (Move.WORSE if old.status == "success" else Move.SAME), text
     if old.status != "success":
         return Move.SAME, old.status
     for move, sentence in (_by_error(old, new), _by_gap(old, new)):
         if move is not Move.SAME:
             return move, sentence
     return Move.SAME, ""
-
-
-def _by_status(old: Record, new: Record) -> tuple[Move, str]:
-    text = f"{old.status}, then {new.status}: {new.message}".rstrip(": ")
-    if {old.status, new.status} & BY_MACHINE:
-        return Move.NOT_MEASURED, text
-    if new.status == "success":
-        return Move.BETTER, text
-    return (Move.WORSE if old.status == "success" else Move.SAME), text
 
 
 def _by_error(old: Record, new: Record) -> tuple[Move, str]:

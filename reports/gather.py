@@ -1,9 +1,11 @@
 """What the report shows, read from the store of runs: what it lacks is computed on all cores, then timed alone."""
 
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -22,48 +24,18 @@ from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from reports import inputs
+from reports.facts import stored as facts
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
 from reports.facts.report_data import ReportData
 from reports.facts.scene_facts import SceneFacts, scene_facts
-from reports.facts.stored import (
-    Stored,
-    engine_keys,
-    keep,
-    recall,
-    remembered,
-    scene_key,
-    settled_answers,
-    stored_answers,
-    truth_key,
-)
 from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.studies.study import Progress, every, measure_all, stored
 
-SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("pendulum", {}),
-    ("double_pendulum", {}),
-    ("pendulum_chain", {"links": 3}),
-    ("pendulum_chain", {"links": 10}),
-    ("n_four_bar", {"loops": 1}),
-    ("n_four_bar", {"loops": 2}),
-    ("slider_crank", {}),
-    ("driven_pendulum", {}),
-    ("spring_pendulum", {}),
-    ("torque_free_top", {"turns": 10.0}),
-    ("heavy_top", {}),
-    ("spatial_chain", {"links": 10}),
-    ("spatial_n_four_bar", {"loops": 2}),
-    ("bricard", {}),
-    ("kepler", {"eccentricity": 0.9}),
-    ("solar_system", {"model": "newton"}),
-    ("satellite", {}),
-)
-QUICK = (("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}))
+LISTS = tomllib.loads((files(__package__) / "scenes.toml").read_text(encoding="utf-8"))
+SCENES, QUICK = LISTS["report"], LISTS["quick"]
 FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
-
-
 INTERRUPTED = "interrupted"
 
 
@@ -131,18 +103,20 @@ class Gathering:
     def judged(self, data: ReportData) -> ReportData:
         """Judge every method on every scene; unfinished ones are left out after Ctrl-C."""
         wanted = questions(list(self.shown.values()), tasks(self.engines or engines.names()))
-        result = stored_answers(self.store, wanted)
+        result = facts.stored_answers(self.store, wanted)
         missing = [question for question in wanted if question not in result]
         reasons: list[str] = []
         truths: dict[str, TruthFacts] = {}
         with _interruptible(reasons, lambda: f"{len(result)} of {len(wanted)} cells"):
             if missing:
                 compile_kernels(self.store, self.report)
-                for answer in settled_answers(self.store, missing, self.report, self.call):
+                for answer in facts.settled_answers(self.store, missing, self.report, self.call):
                     if answer.truth is not None and answer.cell.label not in truths:
                         truths[answer.cell.label] = truth_facts(answer.cell.label, answer.question.scene, answer.truth)
-                        keep(self.store, truth_key(answer.question.scene), TruthFacts, truths[answer.cell.label])
-                    result[answer.question] = Stored(answer.cell, answer.records)
+                        facts.keep(
+                            self.store, facts.truth_key(answer.question.scene), TruthFacts, truths[answer.cell.label]
+                        )
+                    result[answer.question] = facts.Stored(answer.cell, answer.records)
         there = [result[question] for question in wanted if question in result]
         records = tuple(record for answer in there for record in answer.records)
         return replace(data, cells=tuple(one.cell for one in there), records=records, incomplete="; ".join(reasons))
@@ -160,12 +134,12 @@ class Gathering:
         """Add what engines can model, the facts of the truths, and the extremes."""
         reasons: list[str] = []
         chosen = self.shown
-        held = [recall(self.store, truth_key(scene), TruthFacts) for scene in chosen.values()]
+        held = [facts.recall(self.store, facts.truth_key(scene), TruthFacts) for scene in chosen.values()]
         filmed = [self.mechanism(label, scene) for label, scene in chosen.items()]
         data = replace(data, truths=tuple(facts for facts in held if facts is not None), mechanisms=tuple(filmed))
-        parts = ["capabilities", *engine_keys(), list(chosen), code_of("cross_checks.judge.capabilities")]
+        parts = ["capabilities", *facts.engine_keys(), list(chosen), code_of("cross_checks.judge.capabilities")]
         kind: Any = tuple[Capability, ...]
-        able = remembered(self.store, digest_of(parts), kind, lambda: capabilities(chosen))
+        able = facts.remembered(self.store, digest_of(parts), kind, lambda: capabilities(chosen))
         data = replace(data, capabilities=able)
         with _interruptible(reasons, lambda: "the timed runs, before the extremes"):
             data = replace(data, extremes=self.extreme_cells())
@@ -174,7 +148,7 @@ class Gathering:
     def mechanism(self, label: str, scene: Scene) -> SceneFacts:
         """Return a scene's facts."""
         self.report(0, 1, f"filming {label}")
-        return remembered(self.store, scene_key(scene), SceneFacts, partial(scene_facts, scene))
+        return facts.remembered(self.store, facts.scene_key(scene), SceneFacts, partial(scene_facts, scene))
 
     def extreme_cells(self) -> tuple[ExtremeCell, ...]:
         """Return the cells that files hold, full ones before quick ones; without a file those of a few extremes."""
@@ -184,16 +158,16 @@ class Gathering:
         if self.is_part:
             return ()
         few, kind = [named(name) for name in FEW_EXTREMES], tuple[ExtremeCell, ...]
-        key = digest_of(["extremes", list(FEW_EXTREMES), *engine_keys(), code_of("cross_checks.extremes.run")])
+        key = digest_of(["extremes", list(FEW_EXTREMES), *facts.engine_keys(), code_of("cross_checks.extremes.run")])
         built = partial(matrix, few, engines.names(), progress=self.report, call=self.call)
-        return remembered(self.store, key, kind, lambda: tuple(built()))  # type: ignore[type-var]
+        return facts.remembered(self.store, key, kind, lambda: tuple(built()))  # type: ignore[type-var]
 
     def studied(self, data: ReportData) -> ReportData:
         """Add the studies; one that fails costs its own page only."""
         reasons: list[str] = []
         result = dict(data.studies)
         with _interruptible(reasons, lambda: f"{len(result)} of {len(every())} studies"):
-            reasons += measure_all(self.store, result, engine_keys(), self.report)
+            reasons += measure_all(self.store, result, facts.engine_keys(), self.report)
         return replace(data, studies=result, incomplete="; ".join(reasons))
 
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import partial, reduce
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -116,11 +116,13 @@ RUN = (
 )  # of the settings of a run
 
 
-def run_options[C: Callable[..., Any]](command: C) -> C:
-    """Give a command the options that say how a run is made."""
-    for option in reversed(RUN):
-        command = option(command)
-    return command
+def _giver[C: Callable[..., Any]](options: Sequence[Callable[[C], C]]) -> Callable[[C], C]:
+    """Return what gives a command these options, the first of which its help shows first."""
+    return lambda command: reduce(lambda given, option: option(given), reversed(options), command)
+
+
+scene_options = _giver((click.argument("scene", metavar="SCENE|FILE.toml"), PARAMETERS, KEEP))
+run_options = _giver(RUN)  # how a run is made
 
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:

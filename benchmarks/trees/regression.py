@@ -1,7 +1,7 @@
 """Is one source tree slower than another at equal error? Both run in the same job, interleaved."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,10 +56,6 @@ class Finding:
     def changed(self) -> bool:
         """Whether it says that one tree is faster."""
         return self.verdict in (Pace.FASTER, Pace.SLOWER)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data for JSON."""
-        return asdict(self)
 
 
 def regressions(

@@ -1,6 +1,8 @@
 """Which method of which engine is asked for symmetry and repeatability on which scene."""
 
+import tomllib
 from collections.abc import Iterator
+from importlib.resources import files
 from typing import Any, NamedTuple
 
 from cross_checks import engines
@@ -38,26 +40,10 @@ class Case(NamedTuple):
 
 
 Placed = tuple[str, dict[str, Any], float | None]  # scene, parameters, end (s) or its own
-
-LABORATORY: tuple[Placed, ...] = (
-    ("double_pendulum", {}, 1.0),  # chaos, as long as roundoff stays small
-    ("n_four_bar", {}, 0.3),
-    ("spring_pendulum", {}, 0.5),
-    ("spatial_chain", {}, 0.3),
-    ("torque_free_top", {}, 0.2),
-    ("bouncing_ball", {"height": 0.1234567}, None),  # m: from 0.1 it lands at a step's end, and roundoff decides which
-    ("oblique_disc", {}, None),
-    ("newtons_cradle", {}, 0.3),
-    ("bouncing_sphere", {}, None),
-    ("rolling_sphere", {}, 0.3),
-    ("colliding_spheres", {}, None),
-)
-# figure_eight is asked of no other engine: run back from t = 1 s, REBOUND's IAS15 never returns
-SKY: tuple[Placed, ...] = (("satellite", {}, 4000.0), ("outer_solar_system", {}, 1e7))
-RELATIVE: tuple[Placed, ...] = (
-    ("figure_eight", {}, 1.0),
-    ("solar_system", {"model": "gr_sun"}, 1e5),
-    ("solar_system", {"model": "gr"}, 1e5),
+_STATED = tomllib.loads((files(__package__) / "cases.toml").read_text(encoding="utf-8"))
+LABORATORY, SKY, RELATIVE, BLAS = (
+    tuple((one["scene"], one.get("parameters", {}), one.get("t_end")) for one in _STATED[group])
+    for group in ("laboratory", "sky", "relative", "blas")
 )
 
 

@@ -10,7 +10,6 @@ from cross_checks.conformance.cases import Case
 from cross_checks.isolation.parent import Isolated, Lost
 
 WAYS = ("at once", "another process", "another order", "two threads")
-BLAS = ("android_vertebral", {}, 0.01), ("pendulum_chain", {"links": 40}, 0.2)  # BLAS may share work
 PATIENCE = 60.0  # s of one run
 Outcome = dict[str, np.ndarray] | str  # what a run gave, or why it gave nothing
 Progress = Callable[[int, int, str], None]

@@ -57,7 +57,8 @@ def plan_run(
     method = engine.method(settings.method)
     _check_settings(engine.name, method, settings, supported)
     grid = step_grid(scene, settings) if times is None and settings.step else output_times(scene, settings, times)
-    _check_times(grid)
+    if grid.ndim != 1 or len(grid) < 2 or grid[0] != 0.0 or not np.all(np.diff(grid) > 0.0):
+        raise ValueError("times must be at least two increasing numbers, the first 0")
     reasons = engine.refusals(scene) + engine.method_refusals(scene, method)
     if reasons:
         return stopped(scene, Status.REFUSED, "; ".join(refusal.reason for refusal in reasons))
@@ -86,11 +87,6 @@ def _check_settings(engine: str, method: Method, settings: Settings, supported: 
             raise ValueError(f"{name} = {value!r} is not offered by {engine}; allowed: {default!r}")
     if settings.events == "located" and not method.locates_events:
         raise ValueError(f"events = 'located': {method.name} of {engine} locates no events; allowed: 'none'")
-
-
-def _check_times(times: np.ndarray) -> None:
-    if times.ndim != 1 or len(times) < 2 or times[0] != 0.0 or not np.all(np.diff(times) > 0.0):
-        raise ValueError("times must be at least two increasing numbers, the first 0")
 
 
 def output_times(scene: Scene, settings: Settings, times: np.ndarray | None) -> np.ndarray:

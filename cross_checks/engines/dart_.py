@@ -15,8 +15,7 @@ from cross_checks.engine import Method, Refusal
 from cross_checks.engine.method import STEPS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
-from cross_checks.linkage.engine import LinkageEngine
-from cross_checks.linkage.forces import Applied, applied, read
+from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
 from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Scene

@@ -4,7 +4,6 @@ import math
 import os
 import weakref
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,18 +22,7 @@ from mbs_ref.trajectory import Status, Trajectory
 Get = Callable[[str], Engine]  # the registry's, which here and there finds the engine
 
 
-@dataclass(frozen=True)
-class Facts:
-    """What the adapter says of itself over there."""
-
-    package: str
-    part_types: frozenset[str]
-    methods: tuple[Method, ...]
-    version: str
-    as_shipped: Settings | None
-    unasked: str | None
-    checks_start: bool
-    made_of: str
+STATED = ("package", "part_types", "as_shipped", "unasked", "checks_start")  # what an adapter declares of itself
 
 
 class Elsewhere(Engine):
@@ -45,11 +33,8 @@ class Elsewhere(Engine):
         self.name, self.home = name, home  # type: ignore[misc]
         self._call: Isolated | None = None
         self._process = 0
-        facts: Facts = self._ask(_facts, name)
-        self._methods, self._version, self.made_of = facts.methods, facts.version, facts.made_of
-        self.package, self.part_types = facts.package, facts.part_types  # type: ignore[misc]
-        self.as_shipped, self.unasked = facts.as_shipped, facts.unasked  # type: ignore[misc]
-        self.checks_start = facts.checks_start  # type: ignore[misc]
+        stated, self._methods, self._version, self.made_of = self._ask(_about, name)
+        vars(self).update(stated)
 
     def methods(self) -> tuple[Method, ...]:
         return self._methods
@@ -58,16 +43,16 @@ class Elsewhere(Engine):
         return self._version
 
     def refusals(self, scene: Scene) -> list[Refusal]:
-        return _stay(self.name, scene) or self._ask(_refusals, self.name, scene)
+        return _stay(self.name, scene) or self._ask(_answer, self.name, "refusals", scene)
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
-        return _stay(self.name, scene) or self._ask(_method_refusals, self.name, scene, method)
+        return _stay(self.name, scene) or self._ask(_answer, self.name, "method_refusals", scene, method)
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         if _stay(self.name, scene):
             return super().run(scene, settings, times)  # says why not
         try:
-            return self._ask(_run, self.name, scene, settings, times)
+            return self._ask(_answer, self.name, "run", scene, settings, times)
         except Lost as lost:
             return stopped(scene, Status.ENGINE_ERROR, f"{self.name} did not come back: {lost}")
 
@@ -87,21 +72,11 @@ def _stay(name: str, scene: Scene) -> list[Refusal]:
     return [Refusal(f"{place} {part!r} {why}", permanent=True) for place, part in parts]
 
 
-def _facts(get: Get, name: str) -> Facts:
+def _about(get: Get, name: str) -> tuple[dict[str, Any], tuple[Method, ...], str, str]:
     engine = get(name)
-    return Facts(
-        engine.package, engine.part_types, engine.methods(), engine.version(), engine.as_shipped, engine.unasked,
-        engine.checks_start, source_digest(type(engine).__module__),
-    )  # fmt: skip
+    stated = {attribute: getattr(engine, attribute) for attribute in STATED}
+    return stated, engine.methods(), engine.version(), source_digest(type(engine).__module__)
 
 
-def _refusals(get: Get, name: str, scene: Scene) -> list[Refusal]:
-    return get(name).refusals(scene)
-
-
-def _method_refusals(get: Get, name: str, scene: Scene, method: Method) -> list[Refusal]:
-    return get(name).method_refusals(scene, method)
-
-
-def _run(get: Get, name: str, scene: Scene, settings: Settings, times: np.ndarray | None) -> Trajectory:
-    return get(name).run(scene, settings, times)
+def _answer(get: Get, name: str, method: str, *arguments: Any) -> Any:
+    return getattr(get(name), method)(*arguments)

@@ -26,7 +26,7 @@ from cross_checks.engines.mujoco_.forces import own_refusals
 from cross_checks.engines.mujoco_.observe import Observer
 from cross_checks.engines.mujoco_.run import METHODS as OF_MUJOCO
 from cross_checks.engines.mujoco_.run import TIGHT, at_start
-from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of
 from mbs_ref.scene import Scene

@@ -70,15 +70,10 @@ def _answer(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> tupl
         return False, error
 
 
-def _end_with_parent() -> None:
-    """Be ended with the process that asks, whatever is computed: else a native loop would outlive a killed caller."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
-
-
 def main() -> None:
-    if INSIDE in os.environ:  # asked by an adapter, itself perhaps a child that is killed when it takes too long
-        _end_with_parent()
+    if INSIDE in os.environ and sys.platform == "linux":
+        # an adapter asks, perhaps itself a child that is killed: a native loop must not outlive it
+        ctypes.CDLL(None).prctl(SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
     for stop in STOPS:  # are the caller's to handle; it ends this process
         signal.signal(stop, signal.SIG_IGN)
     handle, memory = int(sys.argv[1]), int(sys.argv[2])

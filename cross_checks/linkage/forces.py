@@ -1,16 +1,17 @@
-"""Loads and contacts of a linkage by our own force code, for other engines: then dynamics is what is compared.
+"""Engines of minimal coordinates: their base class, and loads and contacts of a linkage by our own force code.
 
 Contact forces are clipped by the state instead of switched at located events, so a one-step method is of
 order 2 where a force starts with a kink, and of order 1 where it jumps.
 """
 
-from typing import Any, NamedTuple, Protocol, get_args
+from typing import Any, ClassVar, NamedTuple, Protocol, get_args
 
 import numpy as np
 
-from cross_checks.engine.method import Refusal
-from cross_checks.linkage.links import Linkage
-from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, project, rotated
+from cross_checks.engine import Engine, Poses, Refusal
+from cross_checks.engine.plan import Plan
+from cross_checks.linkage.links import Linkage, closure_refusals
+from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, poses_of, project, rotated
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.jit import jit
@@ -198,3 +199,25 @@ def read(linkage: Linkage, reader: Reader, state: np.ndarray) -> Motion:
     matrices, position, velocity, omega = (np.array(part) for part in reader.frames(state))
     turn = np.array([from_matrix(m) if np.isfinite(m).all() else np.full(4, np.nan) for m in matrices])
     return Motion(position, turn, velocity, omega, linkage.turned(reader.coordinates(state)[0]))
+
+
+class LinkageEngine(Engine):
+    """An engine whose model has a `linkage`, a `reader` of its states, and `applied` forces or None."""
+
+    lacks: ClassVar[frozenset[str]] = frozenset()  # parts of links and shared forces that it cannot represent
+    extra: ClassVar[frozenset[str]] = frozenset()  # parts that its own elements represent
+    closes: ClassVar[frozenset[str]] = frozenset()  # kinds of closures that it represents (see Closure.kind)
+    takes_loads: ClassVar[bool] = True  # whether forces from the shared force code can be applied
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        cls.part_types = (PARTS if cls.takes_loads else MECHANISM) - cls.lacks | cls.extra
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        return closure_refusals(self.name, scene, self.closes) + contact_refusals(scene)
+
+    def poses(self, model: Any, plan: Plan, states: np.ndarray) -> Poses:
+        return poses_of(model.linkage, (read(model.linkage, model.reader, state) for state in states))
+
+    def notes(self, model: Any, plan: Plan) -> tuple[str, ...]:
+        return (SHARED,) if model.applied else ()

@@ -73,7 +73,9 @@ def pick(
     measured = [r for r in listed if usable(r)]
     if not measured:
         return Choice(None, None, None, _why_nothing(listed))
-    _check_one_scene(measured)
+    scenes = {(r.scene, tuple(sorted(r.parameters.items()))) for r in measured}
+    if len(scenes) > 1:
+        raise ValueError(f"the records are of {len(scenes)} scenes; choose among those of one")
     if error < (resolved := floor(measured)):
         return Choice(None, None, None, f"the truth of this scene resolves no error below {resolved:.1e} of it")
     reached = [r for r in measured if bounds.met_by(r)]
@@ -81,7 +83,8 @@ def pick(
     if not affordable:
         return Choice(None, None, None, _why_none(measured, reached, bounds))
     best = affordable[0]
-    second = _runner_up(best, affordable)
+    others = [r for r in affordable if r.engine != best.engine] or [r for r in affordable if r.method != best.method]
+    second = next(iter(others), None)
     margin = None if second is None else loop_time(second) / loop_time(best)
     limit = _limit([r for r in measured if loop_time(r) < loop_time(best)], bounds)
     return Choice(best, second, margin, " ".join((_why(best, second, margin), _why_not_cheaper(limit))), limit)
@@ -108,12 +111,6 @@ def shipped(record: Record) -> str:
     if record.status != "success":
         return f"{how} ends with {record.status}: {record.message}"
     return f"{how}: {_length(record)} in {loop_time(record) * 1e3:.3g} ms"
-
-
-def _check_one_scene(records: Sequence[Record]) -> None:
-    scenes = {(r.scene, tuple(sorted(r.parameters.items()))) for r in records}
-    if len(scenes) > 1:
-        raise ValueError(f"the records are of {len(scenes)} scenes; choose among those of one")
 
 
 def _length(record: Record) -> str:
@@ -146,12 +143,6 @@ def setting(record: Record) -> str:
     step, rtol = record.settings.get("step"), record.settings.get("rtol")
     how = f"step={step:.6g}" if step is not None else f"rtol={rtol:.1g}" if rtol is not None else "its defaults"
     return f"{record.engine} {record.method} {how}"
-
-
-def _runner_up(best: Record, affordable: Sequence[Record]) -> Record | None:
-    """Return the cheapest of another engine, else of another method."""
-    others = [r for r in affordable if r.engine != best.engine] or [r for r in affordable if r.method != best.method]
-    return next(iter(others), None)
 
 
 def _why(best: Record, second: Record | None, margin: float | None) -> str:

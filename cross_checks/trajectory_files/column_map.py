@@ -2,15 +2,18 @@
 
 import re
 import tomllib
+from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import tomli_w
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.columns import FileError
-from mbs_ref.trajectory import COLUMNS, POSES
+from mbs_ref.trajectory import POSES
 
+OWN = tomllib.loads((files(__package__) / "own_map.toml").read_text(encoding="utf-8"))  # plane or space -> part
 AXIS = re.compile(r"-?[xyz]")
 EULER = re.compile(r"euler ([XYZ]{3}|[xyz]{3})")
 CONVENTIONS = (
@@ -139,11 +142,12 @@ def _sentence(mistake: Any) -> str:
 
 def own_map(header: list[str], bodies: list[str]) -> ColumnMap | None:
     """Return the map of columns named as `mbs-ref simulate -o` names them, all or whole parts; None of others."""
-    for words in COLUMNS.values():
-        every = {body: _own(body, words) for body in bodies}
+    for world in OWN:
         stated = {
-            body: {name: part for name, part in parts.items() if set(part["columns"]) <= set(header)}
-            for body, parts in every.items()
+            body: {
+                name: part for name, part in _named(world, f"{body}.{{}}").items() if {*part["columns"]} <= {*header}
+            }
+            for body in bodies
         }
         used = {column for parts in stated.values() for part in parts.values() for column in part["columns"]}
         if used and set(header) == {"t", *used}:
@@ -151,43 +155,17 @@ def own_map(header: list[str], bodies: list[str]) -> ColumnMap | None:
     return None
 
 
-def _own(body: str, words: tuple[str, ...]) -> dict[str, Any]:
-    names = [f"{body}.{word}" for word in words]
-    if words == COLUMNS[2]:
-        return {
-            "position": {"columns": names[:2], "unit": "m"},
-            "orientation": {"columns": names[2:3], "convention": "angle", "unit": "rad"},
-            "velocity": {"columns": names[3:5], "unit": "m/s"},
-            "angular_velocity": {"columns": names[5:], "unit": "rad/s"},
-        }
-    return {
-        "position": {"columns": names[:3], "unit": "m"},
-        "orientation": {"columns": names[3:7], "convention": "quaternion wxyz", "maps": "body to world"},
-        "velocity": {"columns": names[7:10], "unit": "m/s"},
-        "angular_velocity": {"columns": names[10:], "unit": "rad/s", "axes": "world"},
-    }
+def _named(world: str, form: str) -> dict[str, Any]:
+    """Return what a body's columns mean, by part, with a form of their names."""
+    return {part: own | {"columns": [form.format(name) for name in own["columns"]]} for part, own in OWN[world].items()}
 
 
 def blank_map(columns: list[str], bodies: list[str], dimension: int) -> str:
     """Return a map in TOML to be filled in: every statement that is needed, and the names that the file has."""
-    axes = "xyz"[:dimension]
-    place, speed = ", ".join(f'"{axis}?"' for axis in axes), ", ".join(f'"v{axis}?"' for axis in axes)
-    turn = 'columns = ["w?", "x?", "y?", "z?"]\nconvention = "quaternion wxyz"\nmaps = "body to world"'
-    spin = 'columns = ["wx?", "wy?", "wz?"]\nunit = "rad/s"\naxes = "world"'
-    if dimension == 2:
-        turn, spin = 'columns = ["angle?"]\nconvention = "angle"\nunit = "rad"', 'columns = ["rate?"]\nunit = "rad/s"'
-    head = [
-        "# What the columns mean. Leave out what the file does not state; check every unit and convention.",
-        f"# The file's columns: {', '.join(columns)}",
-        f"# Conventions of an orientation: {CONVENTIONS}",
-        '[time]\ncolumn = "t?"\nunit = "s"\n',
-    ]
-    for body in bodies:
-        name = f"bodies.{body}" if re.fullmatch(r"[A-Za-z0-9_-]+", body) else f'bodies."{body}"'
-        head += [
-            f'[{name}.position]\ncolumns = [{place}]\nunit = "m"\n',
-            f"[{name}.orientation]\n{turn}\n",
-            f'[{name}.velocity]\ncolumns = [{speed}]\nunit = "m/s"\n',
-            f"[{name}.angular_velocity]\n{spin}\n",
-        ]
-    return "\n".join(head)
+    head = (
+        "# What the columns mean. Leave out what the file does not state; check every unit and convention.\n"
+        f"# The file's columns: {', '.join(columns)}\n# Conventions of an orientation: {CONVENTIONS}\n"
+    )
+    parts = _named("plane" if dimension == 2 else "space", "{}?")
+    text = tomli_w.dumps({"time": {"column": "t?", "unit": "s"}, "bodies": dict.fromkeys(bodies, parts)})
+    return head + re.sub(r"\[\n([^\]]+),\n\]", lambda names: f"[{' '.join(names[1].split())}]", text)

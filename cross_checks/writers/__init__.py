@@ -37,16 +37,11 @@ def write(scene: Scene, form: str, settings: Settings | None = None) -> str:
         raise ValueError(f"form = {form!r} is unknown; allowed: {', '.join(known)}")
     text = known[form].write(scene, settings or Settings())
     if known[form].suffix == SCRIPT:
-        _run_once(text, f"{scene.name} cannot be written as {form}: its script stops")
+        with TemporaryDirectory() as folder:
+            file = Path(folder) / "script.py"
+            file.write_text(text)
+            done = subprocess.run([sys.executable, file], cwd=folder, capture_output=True, text=True, check=False)
+        if done.returncode:
+            lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+            raise NotWritable(f"{scene.name} cannot be written as {form}: its script stops: {lines[-1]}")
     return text
-
-
-def _run_once(text: str, failure: str) -> None:
-    """Raise NotWritable, with the last line of the errors, unless the script runs to its end."""
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "script.py"
-        file.write_text(text)
-        done = subprocess.run([sys.executable, file], cwd=folder, capture_output=True, text=True, check=False)
-    if done.returncode:
-        lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
-        raise NotWritable(f"{failure}: {lines[-1]}")

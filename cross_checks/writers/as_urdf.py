@@ -6,19 +6,17 @@ in the plane of x and z, where its y is up; rates at the start stand in a commen
 
 from collections.abc import Iterator
 from typing import Any
-from xml.etree import ElementTree
-from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from cross_checks.linkage.links import Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
 from cross_checks.writers.form import Form, refuse
+from cross_checks.writers.script import indented, template
 from mbs_ref.scene import Bushing, Drive, Scene, TorsionSpring
 from mbs_ref.settings import Settings
 
 KINDS = {"revolute": "continuous", "prismatic": "prismatic", "weld": "fixed"}
-ENDLESS = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}  # a slide must have limits
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # a plane's x, y, z in the file's axes
 ALONG = 1e-12  # of directions of length 1
 WORLD = "world"
@@ -33,9 +31,15 @@ def write_urdf(scene: Scene, settings: Settings) -> str:
     refuse(scene, "URDF", _untold(scene))
     linkage = linkage_of(scene)
     refuse(scene, "URDF", _refusals(linkage))
-    root = _Written(linkage).root()
-    ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="unicode") + "\n"
+    floating = any(link.kind in ("free", "planar") for link in linkage.links)
+    names = {link.body: link.name for link in linkage.links} | {FIXED: WORLD}
+    turn = _turn(scene)
+    return indented(template("robot.urdf.j2").render(
+        linkage=linkage, dampers=_dampers(linkage), names=names, world=WORLD, kinds=KINDS, joint_name=_joint_name,
+        remarks=list(_remarks(linkage, floating=floating)), floating=floating,
+        place=lambda vector: " ".join(repr(float(x) + 0.0) for x in turn @ vector),
+        inertia_of=lambda link: (turn @ link.inertia @ turn.T).tolist(),
+    ))  # fmt: skip
 
 
 def _untold(scene: Scene) -> Iterator[str]:
@@ -109,64 +113,16 @@ def _joint_name(link: Link) -> str:
     return link.joint or f"{link.name}_joint"
 
 
-class _Written:
-    """A URDF tree of a linkage."""
-
-    def __init__(self, linkage: Linkage) -> None:
-        self.linkage, self.turn, self.dampers = linkage, _turn(linkage.scene), _dampers(linkage)
-        self.names = {link.body: link.name for link in linkage.links} | {FIXED: WORLD}
-        self.floating = any(link.kind in ("free", "planar") for link in linkage.links)
-
-    def root(self) -> Element:
-        root = Element("robot", name=self.linkage.scene.name)
-        for sentence in self._remarks():
-            root.append(ElementTree.Comment(f" {sentence} ".replace("--", "- -")))
-        if not self.floating:
-            SubElement(root, "link", name=WORLD)
-        for link in self.linkage.links:
-            self._link(root, link)
-        for link in self.linkage.links:
-            if link.kind in KINDS:
-                self._joint(root, link)
-        return root
-
-    def _remarks(self) -> Iterator[str]:
-        scene = self.linkage.scene
-        pull = float(np.linalg.norm(scene.gravity))
-        yield f"gravity is {pull!r} m/s^2 along -z" + (f": mbs-ref ... -p gravity={pull!r}" if pull != 9.81 else "")
-        if self.floating:
-            yield "its root is free: mbs-ref ... -p base=free"
-        for link in self.linkage.links:
-            if np.any(link.rates):
-                rates = ", ".join(map(repr, link.rates.tolist()))
-                yield f"at t = 0 the rate of joint {_joint_name(link)} is {rates}"
-
-    def _link(self, root: Element, link: Link) -> None:
-        part = SubElement(SubElement(root, "link", name=link.name), "inertial")
-        SubElement(part, "origin", xyz=_text(self.turn @ link.centre), rpy="0 0 0")
-        SubElement(part, "mass", value=repr(float(link.mass)))
-        m = self.turn @ link.inertia @ self.turn.T
-        places = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
-        SubElement(part, "inertia", {name: repr(float(m[place])) for name, place in places.items()})
-
-    def _joint(self, root: Element, link: Link) -> None:
-        kind = KINDS[link.kind]
-        joint = SubElement(root, "joint", name=_joint_name(link), type=kind)
-        SubElement(joint, "parent", link=self.names[link.parent])
-        SubElement(joint, "child", link=link.name)
-        offset = link.origin - self.linkage.origin(link.parent)
-        SubElement(joint, "origin", xyz=_text(self.turn @ offset), rpy="0 0 0")
-        if kind == "fixed":
-            return
-        SubElement(joint, "axis", xyz=_text(self.turn @ link.axes[0]))
-        if kind == "prismatic":
-            SubElement(joint, "limit", ENDLESS)
-        if link.name in self.dampers:
-            SubElement(joint, "dynamics", damping=repr(float(self.dampers[link.name][1])), friction="0")
-
-
-def _text(vector: np.ndarray) -> str:
-    return " ".join(repr(float(x) + 0.0) for x in vector)
+def _remarks(linkage: Linkage, *, floating: bool) -> Iterator[str]:
+    """Yield what a reader of the file must know and URDF does not hold."""
+    pull = float(np.linalg.norm(linkage.scene.gravity))
+    yield f"gravity is {pull!r} m/s^2 along -z" + (f": mbs-ref ... -p gravity={pull!r}" if pull != 9.81 else "")
+    if floating:
+        yield "its root is free: mbs-ref ... -p base=free"
+    for link in linkage.links:
+        if np.any(link.rates):
+            rates = ", ".join(map(repr, link.rates.tolist()))
+            yield f"at t = 0 the rate of joint {_joint_name(link)} is {rates}"
 
 
 FORMS = (Form("urdf", ".urdf", "a tree of links for any reader of URDF", write_urdf),)

@@ -4,6 +4,7 @@ import enum
 from functools import cache
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
@@ -63,6 +64,15 @@ def _templates() -> Environment:
 def template(name: str) -> Template:
     """Return the text that an engine's script is made from, or a part of it."""
     return _templates().get_template(name)
+
+
+def indented(text: str) -> str:
+    """Return XML with a line for each element, without elements that are empty at its top."""
+    root = ElementTree.fromstring(text, ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True)))
+    for empty in [part for part in root if not len(part) and not part.attrib and not (part.text or "").strip()]:
+        root.remove(empty)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
 def script(job: Job, needs: str, **tables: Any) -> str:

@@ -50,7 +50,12 @@ class Camera:
         pen.font = ImageFont.load_default(FINE * FONT)
         self._bodies(pen, scenery, k)
         self._orbits(pen, scenery, k)
-        self._scale(pen)
+        # a bar of a round length
+        wide, high = self.size
+        length, sentence = round_length(LONGEST_BAR * wide / self.scale)
+        y, end = FINE * (high - 6), FINE * (wide - 8)
+        pen.line((end - FINE * length * self.scale, y, end, y), fill=SURFACE, width=FINE)
+        pen.text((end, y - 2 * FINE), sentence, fill=SURFACE, anchor="rb")
         pen.text((6 * FINE, 4 * FINE), f"t = {clock(scenery.times[k], scenery.times[-1])}", fill=SURFACE)
         pen.text((6 * FINE, 18 * FINE), label, fill=INK)
         return image.reduce(FINE)
@@ -88,14 +93,6 @@ class Camera:
             if not any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in taken):
                 pen.text(box[:2], label, fill=SURFACE, anchor="la")
                 taken.append(box)
-
-    def _scale(self, pen: ImageDraw.ImageDraw) -> None:
-        """Draw a bar of a round length below."""
-        wide, high = self.size
-        length, sentence = round_length(LONGEST_BAR * wide / self.scale)
-        y, end = FINE * (high - 6), FINE * (wide - 8)
-        pen.line((end - FINE * length * self.scale, y, end, y), fill=SURFACE, width=FINE)
-        pen.text((end, y - 2 * FINE), sentence, fill=SURFACE, anchor="rb")
 
 
 def coil(start: tuple[float, float], end: tuple[float, float]) -> list[tuple[float, float]]:

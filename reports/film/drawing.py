@@ -130,20 +130,15 @@ def _paper(scene: Scene) -> np.ndarray:
 
 
 def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, float]]]:
-    surfaces, circles, wheels = [], [], {}
+    """Return the surfaces (n_t, 2, 2) of all contacts, and the middles (n_t, 2 or 3) and radii of their circles."""
+    surfaces: list[np.ndarray] = []
     for contact in motion.scene.contacts:
         if isinstance(contact, CircleOnLine):
-            circles.append((motion.point(contact.body_a, contact.center)[0], contact.radius))
-            surfaces.append(_line(motion, contact, circles[-1][0]))
+            surfaces.append(_line(motion, contact, motion.point(contact.body_a, contact.center)[0]))
         elif isinstance(contact, SphereOnPlane):
-            circles.append((motion.point(contact.body_a, contact.center)[0], contact.radius))
             surfaces += _sides(motion, contact)
-        elif isinstance(contact, CircleOnCircle | SphereOnSphere):
-            circles.append((motion.point(contact.body_a, contact.center_a)[0], contact.radius_a))
-            circles.append((motion.point(contact.body_b, contact.center_b)[0], contact.radius_b))
-        elif isinstance(contact, PinOnSprocket):
-            wheels[contact.body_b, contact.axle] = (motion.point(contact.body_b, contact.axle)[0], contact.pitch_radius)
-    return surfaces, [*circles, *wheels.values()]
+    circles = dict.fromkeys(circle for contact in motion.scene.contacts for circle in _circles(contact))
+    return surfaces, [(motion.point(body, center)[0], radius) for body, center, radius in circles]
 
 
 def _line(motion: Motion, contact: CircleOnLine, center: np.ndarray) -> np.ndarray:
@@ -163,7 +158,7 @@ def _turning(motion: Motion) -> list[tuple[np.ndarray, np.ndarray]]:
     scene, turned = motion.scene, motion.trajectory.orientation
     if scene.dimension == 3:
         return []
-    wheels = {wheel for contact in scene.contacts for wheel in _wheels(contact) if wheel[2] > 0.0}
+    wheels = {wheel for contact in scene.contacts for wheel in _circles(contact) if wheel[2] > 0.0}
     result = []
     for body, center, radius in sorted(wheels):
         k = scene.body_index(body)
@@ -175,11 +170,11 @@ def _turning(motion: Motion) -> list[tuple[np.ndarray, np.ndarray]]:
     return result
 
 
-def _wheels(contact) -> list[tuple[str, tuple[float, ...], float]]:
-    """Return the circles of a contact: body, center (t = 0) and radius (m)."""
-    if isinstance(contact, CircleOnLine):
+def _circles(contact) -> list[tuple[str, tuple[float, ...], float]]:
+    """Return the circles and spheres of a contact: body, center (t = 0) and radius (m)."""
+    if isinstance(contact, CircleOnLine | SphereOnPlane):
         return [(contact.body_a, contact.center, contact.radius)]
-    if isinstance(contact, CircleOnCircle):
+    if isinstance(contact, CircleOnCircle | SphereOnSphere):
         first = (contact.body_a, contact.center_a, contact.radius_a)
         return [first, (contact.body_b, contact.center_b, contact.radius_b)]
     if isinstance(contact, PinOnSprocket):

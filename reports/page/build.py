@@ -24,7 +24,7 @@ def write_report(
 
     Return the path of the report in the wanted form, and why it is incomplete or nothing.
     """
-    shown = monotonic()
+    shown, data = monotonic(), ReportData((), ())
     for data in stages:
         write_data(data, out_dir)
         if monotonic() > shown + PATIENCE:

@@ -14,13 +14,14 @@ from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, Stric
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from cross_checks.records import numbers
 from cross_checks.records.plots.plot import style_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import studies
 from reports.facts.report_data import ReportData, Section
 from reports.page import advice, findings
-from reports.page.sections import extremes, matrix, method, overview, plots, prices, profiles, records
-from reports.page.slug import engine_file, scene_file, slug
+from reports.page.sections import extremes, matrix, method, overview, plots, prices, profiles
+from reports.page.slug import command, engine_file, scene_file, slug
 from reports.studies.study import every
 
 TEX = {**{sign: f"\\{sign}" for sign in "&%$#_{}"}, **{sign: f"\\symbol{{{ord(sign)}}}" for sign in "\\~^<>|"}}
@@ -51,7 +52,7 @@ def templates() -> Environment:
         loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=_is_page, undefined=StrictUndefined
     )
     templates.filters |= {"plain": plain, "tex": tex}
-    templates.globals |= {"style_of": style_of, "slug": slug}
+    templates.globals |= {"style_of": style_of, "slug": slug, "repeat": command, "numbers": numbers}
     folder = cache_folder().parent / "templates"
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
@@ -100,18 +101,9 @@ def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> s
         context = {"section": section, "image": images.add, **shared, **section.context(page.data)}
         return Markup(templates().get_template(section.template or f"{section.name}.html").render(context))
 
-    return (
-        templates()
-        .get_template("page.html")
-        .render(
-            page=page,
-            listed=listed,
-            bodies=[body(section) for section in page.sections],
-            quick=data.quick,
-            incomplete=data.incomplete,
-            stamp=data.environment.get("made", ""),
-        )
-    )
+    context = {"bodies": [body(section) for section in page.sections], "stamp": data.environment.get("made", "")}
+    whole = templates().get_template("page.html")
+    return whole.render(page=page, listed=listed, quick=data.quick, incomplete=data.incomplete, **context)
 
 
 INDEX = "index.html"
@@ -151,5 +143,9 @@ def _studies(data: ReportData) -> Iterator[Page]:
 
 
 MECHANISM = Section("mechanism", "The mechanism", "", lambda data: {"mechanisms": data.mechanisms})
-SCENE = (MECHANISM, prices.SECTION, matrix.SECTION, *plots.SECTIONS, method.TRUTHS, records.SECTION)
+RECORDS = Section(
+    "records", "Records and commands", "",
+    lambda data: {"groups": {scene: runs for scene in data.scenes if (runs := data.of_scene(scene))}},
+)  # fmt: skip
+SCENE = (MECHANISM, prices.SECTION, matrix.SECTION, *plots.SECTIONS, method.TRUTHS, RECORDS)
 ENGINE = (advice.SECTION, matrix.SECTION, extremes.SECTION, matrix.CAPABILITIES)

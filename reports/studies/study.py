@@ -58,18 +58,28 @@ def parts(name: str) -> list[Any]:
     return list(module.parts()) if hasattr(module, "parts") else []
 
 
+def _sources(name: str) -> list[str]:
+    """Return what a study's facts depend on: the digest of its code, and its data files but what presents them."""
+    data = [file for file in (files("reports.studies") / name).iterdir() if file.name.endswith(".toml")]
+    texts = {file.name: file.read_text(encoding="utf-8") for file in data if file.name != "study.toml"}
+    return [code_of(f"reports.studies.{name}.measure"), *(texts[file] for file in sorted(texts))]
+
+
 def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Progress) -> list[str]:
     """Add to `found` the facts of every study, stored or measured on all cores; return what failed and why.
 
     Facts are measured again where their code changes or what they depend on: the engines and their adapters.
     """
     listed = every()
-    keys = {name: digest_of(["study", name, depends, code_of(f"reports.studies.{name}.measure")]) for name in listed}
+    keys = {name: digest_of(["study", name, depends, *_sources(name)]) for name in listed}
     for name in listed.keys() - result.keys():
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held
     missing, failed = [name for name in listed if name not in result], []
-    _ahead(missing, report)
+    # compute the parts of studies on all cores; one that fails does so again, with its reason, in `measure`
+    tasks = [(name, part) for name in missing for part in parts(name)]
+    for done, (task, _) in enumerate(each(tasks, _made, timeout=LONGEST), 1):
+        report(done, len(tasks), f"runs for the study of {task[0]}")
     together, alone = ([name for name in missing if listed[name].alone is apart] for apart in (False, True))
     for name, facts in chain(each(together, _measured, timeout=LONGEST), each(alone, _measured, 1, LONGEST)):
         if isinstance(facts, str):
@@ -78,13 +88,6 @@ def measure_all(store: Store, result: dict[str, Measured], depends: Any, report:
             result[name] = keep(store, keys[name], Measured, facts)
         report(len(result) + len(failed), len(listed), f"study of {name}")
     return failed
-
-
-def _ahead(missing: list[str], report: Progress) -> None:
-    """Compute the parts of studies on all cores; one that fails does so again, with its reason, in `measure`."""
-    tasks = [(name, part) for name in missing for part in parts(name)]
-    for done, (task, _) in enumerate(each(tasks, _made, timeout=LONGEST), 1):
-        report(done, len(tasks), f"runs for the study of {task[0]}")
 
 
 def _made(call: Caller, task: tuple[str, Any]) -> None:

@@ -8,7 +8,7 @@ import random
 import numpy as np
 import pytest
 
-from benchmarks.history import Entry, append, change_points, from_benchmarks, index, series
+from benchmarks.history import Entry, append, change_points, from_benchmarks, read, series
 from benchmarks.trees.regression import Finding, cheapest, confirmed, overall
 from cross_checks.prices.timing import Pace, Sample, compare, with_loops
 from cross_checks.records.lines import Busy, exclusive
@@ -71,17 +71,17 @@ def entry(k: int) -> Entry:
     return Entry(f"job{k}", f"2026-01-{k + 1:02d}T00:00:00+00:00", "abc", "box", "ratio chain", 1.0 + k, "1")
 
 
-def test_the_index_follows_the_lines_and_skips_what_is_corrupt(tmp_path):
+def test_series_follow_the_lines_and_skip_what_is_corrupt(tmp_path):
     file = tmp_path / "history.jsonl"
     append(file, [entry(0)])
     with file.open("ab") as torn:
         torn.write(b'{"job": "cut off')
     append(file, [entry(1)])
-    database, problems = index(file)
-    assert [e.value for e in series(database)["ratio chain"]] == [1.0, 2.0]
+    entries, problems = read(file)
+    assert [e.value for e in series(entries)["ratio chain"]] == [1.0, 2.0]
     assert len(problems) == 1
     assert "history.jsonl:2" in problems[0]
-    assert series(database, "nothing") == {}
+    assert series(entries, "nothing") == {}
 
 
 def test_benchmarks_become_entries():

@@ -1,7 +1,9 @@
 """A scene seen from elsewhere: turned, mirrored and shifted space, other units, other order and names."""
 
 import math
+import tomllib
 from dataclasses import dataclass, field
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -11,44 +13,9 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_matrix, rotation_matrices
 from mbs_ref.trajectory import Trajectory
 
-# field -> kind. Polar vectors turn with space; axial ones (a sense of rotation) change sign in a mirror as well.
-POINTS = frozenset({
-    "position", "point", "point_a", "point_b", "center", "center_a", "center_b", "point_1", "point_2", "axle",
-})  # fmt: skip
-POLAR = frozenset({"velocity", "vector", "gravity", "direction", "normal", "edge", "x_axis", "y_axis"})
-AXIAL = frozenset({"angular_velocity", "spin", "axis", "axis_a", "axis_b"})
-TURNED_BY_ANGLE = frozenset({"angle", "first_seat"})  # angles in the plane against the world's x axis
-SENSE_OF_ROTATION = frozenset({"torque", "rest_angle"})  # scalars of the plane that a mirror reverses
-# where a field's kind is not that of its name
-KINDS: dict[tuple[str, str], str] = {
-    ("torque_vector", "vector"): "axial",
-    ("prismatic", "axis"): "polar",
-    ("oblateness", "axis"): "polar",
-}
-# parts that single out places, directions or dates, or that are no data
-NOT_FREE = frozenset({
-    "coordinate_drive", "coordinate_event", "user_force", "third_body", "radiation_pressure", "drag", "standard_drag",
-    "lunar_figure", "ring", "tide",
-})  # fmt: skip
-
-LENGTH, SPEED, ACCELERATION, STIFFNESS = (0, 1, 0), (0, 1, -1), (0, 1, -2), (1, 0, -2)
-# field -> powers of kg, m, s
-DIMENSIONS: dict[str, tuple[float, float, float]] = {
-    **dict.fromkeys(POINTS, LENGTH),
-    **dict.fromkeys(("radius", "radius_a", "radius_b", "length", "rest_length", "size", "thickness"), LENGTH),
-    **dict.fromkeys(("pitch_radius", "addendum_radius", "clearance"), LENGTH),
-    "mass": (1, 0, 0), "inertia": (1, 2, 0), "velocity": SPEED, "angular_velocity": (0, 0, -1),
-    "gravity": ACCELERATION, "torque": (1, 2, -2), "stiffness": STIFFNESS, "damping": (1, 0, -1), "gm": (0, 3, -2),
-    "c": SPEED, "speed": SPEED, "slowest": SPEED, "duration": (0, 0, 1),
-}  # fmt: skip
-DIMENSIONS_OF_PARTS: dict[tuple[str, str], tuple[float, float, float]] = {
-    ("force", "vector"): (1, 1, -2),
-    ("torque_vector", "vector"): (1, 2, -2),
-    ("torsion_spring", "stiffness"): (1, 2, -2),
-    ("torsion_spring", "damping"): (1, 2, -1),
-    ("progressive_law", "damping"): (1, -1, -1),
-}
-POWER_LAWS = frozenset({"hunt_crossley_law", "lankarani_nikravesh_law", "flores_law"})
+TABLES = tomllib.loads((files(__package__) / "placement.toml").read_text(encoding="utf-8"))
+KINDS = {field: kind for kind, fields in TABLES["kinds"].items() for field in fields}
+POWERS = {field: (0, 1, 0) for field in TABLES["kinds"]["point"]} | TABLES["powers"]  # of kg, m and s
 
 
 @dataclass(frozen=True)
@@ -84,23 +51,19 @@ class Placement:
 
 def kind(part: str, field: str) -> str:
     """Return "point", "polar", "axial", "angle", "sense" or "scalar"."""
-    named = KINDS.get((part, field))
-    if named:
-        return named
-    tables = (("point", POINTS), ("polar", POLAR), ("axial", AXIAL), ("angle", TURNED_BY_ANGLE))
-    return next((name for name, table in (*tables, ("sense", SENSE_OF_ROTATION)) if field in table), "scalar")
+    return KINDS.get(f"{part}.{field}") or KINDS.get(field, "scalar")
 
 
 def dimension(part: Any, field: str) -> tuple[float, float, float]:
     """Return the powers of kg, m and s of a field of a part; zeros where it is a number."""
-    if part.type in POWER_LAWS and field in ("stiffness", "damping"):
+    if part.type in TABLES["parts"]["power_laws"] and field in ("stiffness", "damping"):
         return (1, 1 - part.exponent, -2) if field == "stiffness" else (1, -part.exponent, -1)
-    return DIMENSIONS_OF_PARTS.get((part.type, field), DIMENSIONS.get(field, (0, 0, 0)))
+    return POWERS.get(f"{part.type}.{field}") or POWERS.get(field, (0, 0, 0))
 
 
 def obstacle(scene: Scene, placement: Placement) -> str:
     """Return why the scene has no such image, or nothing."""
-    singled_out = sorted({load.type for load in _parts(scene)} & NOT_FREE)
+    singled_out = sorted({load.type for load in _parts(scene)} & {*TABLES["parts"]["not_free"]})
     if singled_out:
         return f"{', '.join(singled_out)}: singles out a place, a direction or a date"
     poles = [load for load in scene.loads if getattr(load, "pole", "fixed") != "fixed"]
@@ -143,7 +106,8 @@ def _part(part: Any, placement: Placement) -> Any:
         elif value is None or isinstance(value, str | bool) or name == "type":
             changed[name] = value
         elif name == "orientation":
-            changed[name] = _turned(np.array(value), placement)
+            turned = from_matrix(placement.sense * placement.matrix @ rotation_matrices(np.array(value)))
+            changed[name] = tuple((turned / np.linalg.norm(turned)).tolist())
         else:
             changed[name] = _value(part, name, value, placement)
     if part.type == "circle_on_line" and placement.sense < 0:  # the free side is on the left, walking from 1 to 2
@@ -176,11 +140,6 @@ def _in_body_axes(value: np.ndarray, what: str, placement: Placement) -> tuple[f
     if placement.sense > 0 or what == "axial":
         return tuple(value.tolist())
     return tuple((-value if len(value) == 3 else value * [1.0, -1.0]).tolist())
-
-
-def _turned(theta: np.ndarray, placement: Placement) -> tuple[float, ...]:
-    turned = from_matrix(placement.sense * placement.matrix @ rotation_matrices(theta))
-    return tuple((turned / np.linalg.norm(turned)).tolist())
 
 
 def _reordered(load: Any, order: tuple[int, ...]) -> Any:

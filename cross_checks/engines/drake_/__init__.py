@@ -12,8 +12,7 @@ from cross_checks.engine.plan import Plan
 from cross_checks.engines.drake_.build import Reader, plant_of, tied_to_ground
 from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
-from cross_checks.linkage.engine import LinkageEngine
-from cross_checks.linkage.forces import Applied, applied, read
+from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
 from cross_checks.linkage.links import Linkage, linkage_of
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings

@@ -28,7 +28,10 @@ def plant_of(linkage: Linkage, step: float, gravity: np.ndarray, to_world: bool)
         place = RigidTransform(link.origin - linkage.origin(link.parent))
         plant.AddJoint(_joint(link, bodies[link.parent].body_frame(), place, body.body_frame(), plant))
     if not to_world and tied_to_ground(linkage):
-        bodies[FIXED] = _anchor(plant)
+        # a body that stands still; its mass does nothing
+        anchor = plant.AddRigidBody("anchor", parts.SpatialInertia.SolidSphereWithMass(1.0, 1.0))
+        plant.WeldFrames(plant.world_frame(), anchor.body_frame())
+        bodies[FIXED] = anchor
     for closure in linkage.closures:
         _add_closure(plant, bodies, linkage, closure)
     plant.mutable_gravity_field().set_gravity_vector(gravity)
@@ -39,13 +42,6 @@ def plant_of(linkage: Linkage, step: float, gravity: np.ndarray, to_world: bool)
 def tied_to_ground(linkage: Linkage) -> bool:
     """Return whether a loop is closed at ground."""
     return any(FIXED in (closure.a, closure.b) for closure in linkage.closures)
-
-
-def _anchor(plant: MultibodyPlant) -> Any:
-    """Return a body that stands still; its mass does nothing."""
-    anchor = plant.AddRigidBody("anchor", parts.SpatialInertia.SolidSphereWithMass(1.0, 1.0))
-    plant.WeldFrames(plant.world_frame(), anchor.body_frame())
-    return anchor
 
 
 def _inertia(link: Link) -> parts.SpatialInertia:

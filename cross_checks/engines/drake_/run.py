@@ -97,18 +97,14 @@ def simulated(plant: MultibodyPlant, reader: Reader, wrenches: Wrenches | None, 
         simulator = Simulator(diagram)
         found = Simulated(simulator, plant.GetMyMutableContextFromRoot(simulator.get_mutable_context()))
     if not is_discrete(plan):
-        _choose_integrator(simulator, plan)
+        # A largest step of 10 ms, which is common, hides the accuracy: here it is the output interval
+        fixed = plan.method.kind == "fixed"
+        largest = plan.step if fixed else float(np.diff(plan.times).max())
+        integrator = ResetIntegratorFromFlags(simulator, plan.method.name.removesuffix(FIXED), largest)
+        integrator.set_fixed_step_mode(fixed)
+        if not fixed:
+            integrator.set_target_accuracy(plan.rtol)
     return found
-
-
-def _choose_integrator(simulator: Simulator, plan: Plan) -> None:
-    """A largest step of 10 ms, which is common, hides the accuracy: here it is the output interval."""
-    fixed = plan.method.kind == "fixed"
-    largest = plan.step if fixed else float(np.diff(plan.times).max())
-    integrator = ResetIntegratorFromFlags(simulator, plan.method.name.removesuffix(FIXED), largest)
-    integrator.set_fixed_step_mode(fixed)
-    if not fixed:
-        integrator.set_target_accuracy(plan.rtol)
 
 
 def advance(model: Simulated, plant: MultibodyPlant, plan: Plan) -> Loop:

@@ -50,8 +50,7 @@ def build_redundant(scene: Scene, method: str) -> Redundant:
 
 def _body(model: Redundant, body, method: str):
     """Return the object of a body at its node."""
-    start = {"referenceCoordinates": list(body.position), "initialVelocities": list(body.velocity)}
-    own, kind = {}, item.NodePoint2D if model.planar else item.NodePoint
+    own, turn, turning, kind = {}, (), (), item.NodePoint2D if model.planar else item.NodePoint
     body_type = item.ObjectMassPoint2D if model.planar else item.ObjectMassPoint
     if isinstance(body, PlanarBody):
         kind, body_type, own = item.NodeRigidBody2D, item.ObjectRigidBody2D, {"inertia": body.inertia}
@@ -60,8 +59,7 @@ def _body(model: Redundant, body, method: str):
         xx, yy, zz, xy, xz, yz = body.inertia
         body_type, own = item.ObjectRigidBody, {"inertia": [xx, yy, zz, yz, xz, xy]}
         kind, turn, turning = _turn(body, method)
-    if not isinstance(body, PointMass):
-        start = {"referenceCoordinates": [*body.position, *turn], "initialVelocities": [*body.velocity, *turning]}
+    start = {"referenceCoordinates": [*body.position, *turn], "initialVelocities": [*body.velocity, *turning]}
     model.nodes.append(model.mbs.AddNode(kind(**start)))
     return body_type(mass=body.mass, nodeNumber=model.nodes[-1], **own)
 

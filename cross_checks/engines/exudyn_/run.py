@@ -94,11 +94,6 @@ def _why(error: Exception, mbs) -> str:
     return f"exudyn: {said} at t = {mbs.systemData.GetTime():g} s"
 
 
-def _steps_done(model) -> int:
-    """Exudyn's index points to the step to come."""
-    return int(model.mbs.sys["dynamicSolver"].it.currentStepIndex) - 1
-
-
 def first_call(model, plan: Plan, options) -> None:
     """Take one step; the initial values stay as they are."""
     time = options.timeIntegration
@@ -132,12 +127,15 @@ def advance_fixed(model, plan: Plan, options, *, loops: bool) -> Left:
         retried = failure
         eliminate(options, dense=True)
         failure = _solve(model, plan, options)
-    return Left(_steps_done(model), failure, retried=retried)
+    # Exudyn's index points to the step to come
+    return Left(int(model.mbs.sys["dynamicSolver"].it.currentStepIndex) - 1, failure, retried=retried)
 
 
 def sampled_fixed(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
     """Return what the sensors recorded at the output times, and how far that goes."""
-    at, values = _stored(model)
+    # all values of one sensor stand together, after its time
+    data = [model.mbs.GetSensorStoredData(sensor) for sensor in model.sensors]
+    at, values = data[0][:, 0], np.hstack([d[:, 1:] for d in data])
     rows = np.zeros((len(plan.times), values.shape[1]))
     wanted = np.concatenate(([0], np.cumsum(plan.counts))) // reduce(gcd, plan.counts)
     # after a failure fewer samples are there, each at its own time
@@ -152,13 +150,6 @@ def sampled_fixed(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
     return rows, End(samples)
 
 
-def _stored(model) -> tuple[np.ndarray, np.ndarray]:
-    """Return the sensors' times (n,) and values (n, ...)."""
-    # all values of one sensor stand together, after its time
-    data = [model.mbs.GetSensorStoredData(sensor) for sensor in model.sensors]
-    return data[0][:, 0], np.hstack([d[:, 1:] for d in data])
-
-
 def advance_adaptive(model, plan: Plan, options) -> Left:
     """Run one solver from output to output: it is initialised once, and lands on each."""
     mbs, time = model.mbs, options.timeIntegration
@@ -167,7 +158,7 @@ def advance_adaptive(model, plan: Plan, options) -> Left:
     options.solution.sensors.active = False
     solver = exu.MainSolverExplicit()
     first = _state(mbs, exu.ConfigurationType.Initial)
-    rows, steps = np.zeros((len(plan.times), len(first))), 0
+    rows, steps, k = np.zeros((len(plan.times), len(first))), 0, 1
     rows[0] = first
     try:
         solver.InitializeSolver(mbs, options)

@@ -19,16 +19,11 @@ PENALTY_SOLIMP = (1e-4, 1e-4, 0.001, 0.5, 2.0)
 def add_contact(spec, frames, linkage: Linkage, contact: laws.Contact) -> None:
     """A sphere against a plane or another sphere, by the scene's law."""
     pair = add_pair(spec, frames, linkage, contact)
-    mass = _contact_mass(linkage.scene, contact)
+    masses = {body.name: body.mass for body in linkage.scene.bodies} | {GROUND: math.inf}
+    mass = 1.0 / (1.0 / masses[contact.body_a] + 1.0 / masses[contact.body_b])  # no pose changes it: bodies are free
     law: Any = contact.law
     pair.solref = (-law.stiffness / mass, -law.damping / mass)
     pair.solimp = PENALTY_SOLIMP
-
-
-def _contact_mass(scene: Scene, contact) -> float:
-    """Return the effective mass of a central contact of free bodies, which no pose changes."""
-    names = [contact.body_a, contact.body_b]
-    return 1.0 / sum(1.0 / scene.bodies[scene.body_index(name)].mass for name in names if name != GROUND)
 
 
 def contact_refusals(scene: Scene) -> list[str]:

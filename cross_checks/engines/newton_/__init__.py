@@ -23,7 +23,7 @@ from cross_checks.engine.method import SINGLE, STEPS
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
 from cross_checks.engines.newton_.model import DEVICE, Reader, model_of, row_of
-from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, linkage_of
 from mbs_ref.scene import Scene
 

@@ -12,7 +12,7 @@ from cross_checks.engine.plan import Plan
 from cross_checks.engines.opensim_ import reader
 from cross_checks.engines.opensim_.build import model_of
 from cross_checks.engines.opensim_.reader import Counts, Reader
-from cross_checks.linkage.engine import LinkageEngine
+from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, linkage_of
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits

@@ -12,8 +12,7 @@ from cross_checks.engine.plan import Plan
 from cross_checks.engines.pinocchio_ import loop
 from cross_checks.engines.pinocchio_.build import Mechanism, mechanism_of
 from cross_checks.engines.pinocchio_.observe import motions_of, reactions_of
-from cross_checks.linkage.engine import LinkageEngine
-from cross_checks.linkage.forces import SHARED
+from cross_checks.linkage.forces import SHARED, LinkageEngine
 from cross_checks.linkage.links import linkage_of
 from cross_checks.linkage.motion import poses_of
 from mbs_ref.scene import Scene

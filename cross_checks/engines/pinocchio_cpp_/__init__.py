@@ -1,7 +1,7 @@
 """Pinocchio as its users drive it: a loop in C++ over its own headers, for trees that gravity alone moves."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from cross_checks.engine import Method, Refusal, exponential
 from cross_checks.engine.method import RTOLS, STEPS
@@ -48,10 +48,10 @@ class PinocchioCpp(Pinocchio):
         tree = Tree(built.mechanism.model)
         return Compiled(built.mechanism, built.contact_data, built.rhs, built.start, built.breakpoints, tree)
 
-    def first_call(self, model: Compiled, plan: Plan) -> None:
+    def first_call(self, model: Any, plan: Plan) -> None:
         model.tree.derivative(model.start)
 
-    def advance(self, model: Compiled, plan: Plan) -> Loop:
+    def advance(self, model: Any, plan: Plan) -> Loop:
         return model.tree.advance(model.start, plan)
 
 

@@ -28,9 +28,7 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.command(name="pick", epilog="Example: mbs-ref pick slider_crank --error 1mm --engine exudyn --engine mujoco")
-@click.argument("scene", metavar="SCENE|FILE.toml")
-@inputs.PARAMETERS
-@inputs.KEEP
+@inputs.scene_options
 @inputs.ENGINES
 @click.option("--error", metavar="E|1mm", required=True, help="Largest error, of the scene's scales or as 1mm.")
 @click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
@@ -120,13 +118,14 @@ def _swept(scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bou
 def _pick_model(scene: str, parameters: tuple[str, ...], error: str, as_json: bool) -> None:
     """Print the least model of the scene's family that reaches the error."""
     from reports.studies.models.choice import choose
-    from reports.studies.models.measure import FAMILIES
+    from reports.studies.models.measure import families, of_family
 
-    if scene not in FAMILIES or parameters:
+    ladder = None if parameters else of_family(scene)
+    if ladder is None:
         raise click.UsageError(
-            f"--models knows the families of {', '.join(FAMILIES)}, without parameters of their own; got {scene!r}"
+            f"--models knows the families of {', '.join(families())}, without parameters of their own; got {scene!r}"
         )
-    choice = choose(FAMILIES[scene](), inputs.relative_error(error, inputs.scene(scene, ())))
+    choice = choose(ladder, inputs.relative_error(error, inputs.scene(scene, ())))
     if as_json:
         echo_json(asdict(choice))
     if choice.best is None:

@@ -13,9 +13,7 @@ from reports.terminal.console import NothingSelected, echo_json, number, show_ta
 
 
 @click.command(name="sweep", epilog="Example: mbs-ref sweep pendulum_chain -p links=10 -o chain.jsonl")
-@click.argument("scene", metavar="SCENE|FILE.toml")
-@inputs.PARAMETERS
-@inputs.KEEP
+@inputs.scene_options
 @inputs.ENGINES
 @click.option("--method", "methods", multiple=True, metavar="M", help="Only this method; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")

@@ -25,9 +25,9 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     differences are listed.
     """
     from cross_checks.conformance import repeatability
-    from cross_checks.conformance.cases import cases
+    from cross_checks.conformance.cases import BLAS, cases
 
-    wanted = survey.named(cases(inputs.engine_names(chosen), repeatability.BLAS), only)
+    wanted = survey.named(cases(inputs.engine_names(chosen), BLAS), only)
     with progress("repeatability") as report:
         result = repeatability.measured(wanted, report)
     facts = {"methods": repeatability.by_method(result), "runs": result}

@@ -90,18 +90,13 @@ def _show(cells: list[Cell]) -> None:
         verdict = f"{cell.verdict} {cell.code}"
         rows.append((cell.label, cell.engine, cell.method, verdict, *figures, f"{cell.reason}{exemption}"))
     show_table("", ("scene", "engine", "method", "verdict", "error", "compliance", "order", "reason"), rows)
-    _show_refusals(cells)
+    if refused := refusals(cells):
+        show_table("\nRefused", Refused._fields, refused)
     kinds = sorted({cell.truth for cell in cells if cell.truth})
     if kinds:
         click.echo(f"Errors are over each scene's own length and time; truths are {', '.join(kinds)}.", err=True)
     _show_omitted(cells)
     _show_contact([cell for cell in cells if cell.contact])
-
-
-def _show_refusals(cells: list[Cell]) -> None:
-    """List the engines that cannot run a scene by their reasons."""
-    if refused := refusals(cells):
-        show_table("\nRefused", Refused._fields, refused)
 
 
 def _show_omitted(cells: list[Cell]) -> None:

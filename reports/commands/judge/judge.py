@@ -16,9 +16,7 @@ from reports.terminal import console
 
 @click.command(name="judge", epilog="Example: mbs-ref judge run.csv pendulum --map map.toml --error 1e-4")
 @click.argument("file", metavar="FILE")
-@click.argument("scene", metavar="SCENE|FILE.toml")
-@inputs.PARAMETERS
-@inputs.KEEP
+@inputs.scene_options
 @click.option("--map", "map_file", metavar="MAP.toml", help="What the columns mean; files of simulate -o need none.")
 @click.option("--write-map", metavar="MAP.toml", help="Write a map to be filled in, and judge nothing.")
 @click.option("--against", metavar="OTHER", help="Compare FILE with this file, not with the scene's truth.")

@@ -24,9 +24,9 @@ FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
     """Show every series over time with its change points."""
     target = inputs.output(output, (".html",))
-    database, problems = history.index(file)
+    entries, problems = history.read(file)
     complain(problems)
-    result = history.series(database, text)
+    result = history.series(entries, text)
     if not result:
         raise NothingSelected(f"no series in {file} holds {text!r}")
     changes = {name: history.change_points([e.value for e in entries]) for name, entries in result.items()}

@@ -3,8 +3,10 @@
 import json
 import platform
 import shutil
+import tomllib
 import uuid
 from datetime import UTC, datetime
+from importlib.resources import files
 from pathlib import Path
 
 import click
@@ -23,11 +25,7 @@ from reports.terminal.console import NothingSelected, complain
 
 FILE = click.Path(dir_okay=False, path_type=Path)
 FOLDER = click.Path(file_okay=False, path_type=Path)
-SWEPT = (
-    ("pendulum", {}), ("pendulum_chain", {"links": 3}), ("n_four_bar", {"loops": 1}), ("double_pendulum", {}),
-    ("pendulum_chain", {"links": 10}), ("n_four_bar", {"loops": 2}), ("slider_crank", {}), ("driven_pendulum", {}),
-    ("spring_pendulum", {}),
-)  # fmt: skip
+SWEPT = tomllib.loads((files("reports") / "scenes.toml").read_text(encoding="utf-8"))["nightly"]
 ERROR = 1e-6  # of the scene, at which the cheapest loop times are followed
 Where = tuple[str, str, str, str]  # job, made, commit, machine
 
@@ -93,9 +91,9 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
 
 def _report_history(file: Path, trends: Path | None) -> None:
     """Say which series reached a new level these nights, and draw them all."""
-    database, problems = history.index(file)
+    entries, problems = history.read(file)
     complain(problems)
-    result = history.series(database)
+    result = history.series(entries)
     for name, entry in history.new_levels(result).items():
         click.echo(f"{name}: a new level since {entry.made} ({entry.commit_id}): {entry.value:.4g} {entry.unit}")
     if trends is not None:

@@ -19,9 +19,7 @@ SHOWN = 6  # eigenvalues
 
 
 @click.command(name="inspect", epilog="Example: mbs-ref inspect bouncing_ball")
-@click.argument("scene", metavar="SCENE|FILE.toml")
-@inputs.PARAMETERS
-@inputs.KEEP
+@inputs.scene_options
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], as_json: bool) -> None:
     """Linearise SCENE at its start: stiffness, steps and modes.
@@ -89,17 +87,12 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _eigenvalues(pairs: list[list[float]]) -> str:
-    """Return real and imaginary parts as a reader writes them, conjugates and equals once."""
-    text = dict.fromkeys((number(real), number(abs(imaginary))) for real, imaginary in pairs)
-    return ", ".join(real if imaginary == "0" else f"{real} ± {imaginary}i" for real, imaginary in text)
-
-
 def _cell(value: Any) -> str:
     if isinstance(value, dict):
         return ", ".join(f"{name} {_cell(item)}" for name, item in value.items())
     if isinstance(value, list) and value and isinstance(value[0], list):
-        return _eigenvalues(value)
+        text = dict.fromkeys((number(real), number(abs(imaginary))) for real, imaginary in value)
+        return ", ".join(real if imaginary == "0" else f"{real} ± {imaginary}i" for real, imaginary in text)
     if isinstance(value, list):
         return ", ".join(_cell(item) for item in value) or "none"
     if isinstance(value, float):

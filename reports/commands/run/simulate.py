@@ -128,7 +128,10 @@ def _show(record: Record) -> None:
     for note in record.notes:
         facts.add_row("note", note)
     console.show(facts)
-    _show_final(record)
+    states = record.final.items()
+    poses = ((body, s.get("position"), s.get("angle", s.get("orientation")), s.get("velocity")) for body, s in states)
+    head = ("body", "position, m", "angle or orientation", "velocity, m/s")
+    console.show_table("\nAt the end", head, ((body, *map(_digits, values)) for body, *values in poses))
 
 
 def _show_error(record: Record, notes: tuple[str, ...]) -> None:
@@ -158,13 +161,6 @@ def _add_figures(facts: Table, record: Record, listed: Iterable[Metric]) -> None
 def _estimate(estimate: dict[str, Any]) -> str:
     value = "not bounded" if estimate["value"] is None else f"{console.number(estimate['value'])} {estimate['unit']}"
     return f"{value}: {estimate['how']}; it took {console.number(estimate['cost_s'])} s"
-
-
-def _show_final(record: Record) -> None:
-    states = record.final.items()
-    poses = ((body, s.get("position"), s.get("angle", s.get("orientation")), s.get("velocity")) for body, s in states)
-    head = ("body", "position, m", "angle or orientation", "velocity, m/s")
-    console.show_table("\nAt the end", head, ((body, *map(_digits, values)) for body, *values in poses))
 
 
 def _digits(value: Any) -> str:

@@ -3,7 +3,6 @@
 import math
 from bisect import bisect_right
 from collections import Counter
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
@@ -123,15 +122,6 @@ SECTION = Section("extremes", "Extremes", LEAD, context)
 LEFT, WIDTH, ROW, TOP, RIGHT = 250, 560, 19, 8, 34  # px: names, axis, row height, margins
 
 
-@dataclass(frozen=True)
-class Mark:
-    """One run."""
-
-    x: float
-    fate: str
-    text: str
-
-
 def chart(cells: list[Cell], axis: Axis) -> dict[str, Any] | None:
     """Return what the template draws; the axis shows the listed values, mild to extreme, evenly."""
     wanted = [cell for cell in cells if cell.points]
@@ -175,10 +165,10 @@ def _values(cells: list[Cell], axis: Axis) -> tuple[float, ...]:
 
 
 def _chart_row(cell: Cell, k: int, axis: Axis, values: tuple[float, ...]) -> dict[str, Any]:
-    marks = [
-        Mark(place(p.value, values), str(p.fate), f"{axis.name} {axis.label(p.value)}: {p.fate}. {p.reason}")
-        for p in cell.points
-    ]
+    marks = []
+    for p in cell.points:
+        text = f"{axis.name} {axis.label(p.value)}: {p.fate}. {p.reason}"
+        marks.append({"x": place(p.value, values), "fate": str(p.fate), "text": text})
     end = None if cell.last is None else place(cell.last, values)
     y = TOP + ROW * k + ROW // 2
     return {"engine": cell.engine, "method": cell.method, "y": y, "end": end, "marks": marks,

@@ -10,10 +10,8 @@ from cross_checks.judge.vocabulary import MEANINGS
 from cross_checks.prices import timing
 from cross_checks.prices.timing import BUSY
 from cross_checks.records.cost import is_busy, is_timed
-from cross_checks.records.numbers import ABSENT, metres, short
 from reports.facts.cheapest import INSIDE
 from reports.facts.report_data import ReportData, Section
-from reports.facts.truth_facts import TruthFacts
 
 LEAD = "How a verdict follows from the runs of a method, how often verdicts are right, and what a time holds."
 CONSTANT = re.compile(r"^([A-Z_]+) = (.+?)  # (.+)$", re.MULTILINE)  # name, value and meaning
@@ -42,11 +40,7 @@ SECTION = Section("method", "How it is judged and timed", LEAD, context)
 ENVIRONMENT_LEAD = "Times compare only within one machine and one report; versions are those of the installed packages."
 
 
-def environment_context(data: ReportData) -> dict[str, Any]:
-    return {"environment": data.environment}
-
-
-ENVIRONMENT = Section("environment", "Environment", ENVIRONMENT_LEAD, environment_context)
+ENVIRONMENT = Section("environment", "Environment", ENVIRONMENT_LEAD, lambda data: {"environment": data.environment})
 
 
 TRUTHS_LEAD = (
@@ -55,23 +49,4 @@ TRUTHS_LEAD = (
 )
 
 
-def truth_row(facts: TruthFacts) -> dict[str, Any]:
-    """Return a scene's line of the table."""
-    if facts.none:
-        return {"scene": facts.scene, "none": facts.none}
-    certified = facts.certified or "no certificate"
-    off = "" if facts.departs_by is None else f"off by {metres(facts.departs_by)}"
-    return {
-        "scene": facts.scene, "none": "", "kind": facts.kind, "how": facts.how,
-        "uncertainty": metres(facts.uncertainty),
-        "floor": short(facts.floor), "difference": metres(facts.difference), "length": metres(facts.length),
-        "confirmed": ABSENT if facts.confirmed_to is None else metres(facts.confirmed_to), "by": facts.confirmed_by,
-        "tone": "good" if facts.certified else "plain", "word": certified, "kept": off,
-    }  # fmt: skip
-
-
-def truths_context(data: ReportData) -> dict[str, Any]:
-    return {"rows": [truth_row(facts) for facts in data.truths]}
-
-
-TRUTHS = Section("truths", "Truths", TRUTHS_LEAD, truths_context)
+TRUTHS = Section("truths", "Truths", TRUTHS_LEAD, lambda data: {"rows": data.truths})

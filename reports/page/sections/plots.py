@@ -55,6 +55,7 @@ SECTIONS = (
 
 
 STRAIGHT = 0.1  # of the scene; lines bend above it, where a mechanism's own size limits the error
+GREY = "#888888"
 AXES = {"step": "step h, s", "rtol": "relative tolerance"}
 
 
@@ -89,26 +90,11 @@ def _slope_triangle(figure: Figure, records: list[Record], order: int) -> None:
     x1 = max(r.settings["step"] for r in near)
     x0, y1 = x1 / 3.0, 0.3 * min(known_error(r) for r in near if r.settings["step"] == x1)
     y0 = y1 * (x0 / x1) ** order
-    figure.add_scatter(
-        x=[x0, x1, x1, x0],
-        y=[y0, y0, y1, y0],
-        mode="lines",
-        line={"color": "#888888", "width": 1},
-        fill="toself",
-        fillcolor="rgba(128,128,128,0.12)",
-        showlegend=False,
-        hoverinfo="skip",
-    )
-    figure.add_scatter(
-        x=[x1],
-        y=[y0],
-        mode="text",
-        text=[f"order {order} "],
-        textposition="bottom left",
-        textfont={"color": "#888888", "size": 12},
-        showlegend=False,
-        hoverinfo="skip",
-    )
+    quiet = {"showlegend": False, "hoverinfo": "skip"}
+    filled = {"fill": "toself", "fillcolor": "rgba(128,128,128,0.12)", "line": {"color": GREY, "width": 1}}
+    figure.add_scatter(x=[x0, x1, x1, x0], y=[y0, y0, y1, y0], mode="lines", **filled, **quiet)
+    text = {"text": [f"order {order} "], "textposition": "bottom left", "textfont": {"color": GREY, "size": 12}}
+    figure.add_scatter(x=[x1], y=[y0], mode="text", **text, **quiet)
 
 
 PHASES = {

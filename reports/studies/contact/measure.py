@@ -120,7 +120,9 @@ def vehicle_curves(scene: Scene, path: Trajectory, energy: Balance) -> dict[str,
     """Return the histories of the vehicle: path and speed, slip, contact forces, track tension, compliance, energy."""
     t = path.times
     chassis, sprocket = scene.body_index("chassis"), scene.body_index("sprocket")
-    rim = -path.angular_velocity[:, sprocket] * _pitch_radius(scene)
+    rim = -path.angular_velocity[:, sprocket] * next(
+        part.pitch_radius for part in scene.contacts if part.type == "pin_on_sprocket"
+    )
     speed = path.velocity[:, chassis, 0]
     ground = [part for part in scene.contacts if part.body_b == "ground"]
     teeth = [part for part in scene.contacts if part.body_b == "sprocket"]
@@ -146,10 +148,6 @@ def vehicle_curves(scene: Scene, path: Trajectory, energy: Balance) -> dict[str,
     }  # fmt: skip
 
 
-def _pitch_radius(scene: Scene) -> float:
-    return next(part.pitch_radius for part in scene.contacts if part.type == "pin_on_sprocket")
-
-
 POINTS = 3  # of Gauss and Legendre in a panel: exact for a power of degree 5
 APART = 1e-9  # s: events closer than this share a panel's edge
 
@@ -171,7 +169,12 @@ class Balance:
 def balance(scene: Scene, settings: Settings, longest: float) -> Balance:
     """Run twice and balance the energy; panels are `longest` (s) at most. ValueError where a run fails."""
     run = _good(simulate(scene, settings.model_copy(update={"reactions": False})))
-    edges = _edges(scene, run, longest)
+    end = float(run.times[-1])
+    events = np.zeros(0) if run.event_times is None else run.event_times[:, 0]
+    cuts = np.concatenate((events, scene.breakpoints(), np.linspace(0.0, end, int(np.ceil(end / longest)) + 1)))
+    cuts = np.unique(cuts[(cuts > APART) & (cuts < end - APART)])
+    stored = cuts[np.concatenate(([True], np.diff(cuts) > APART))] if len(cuts) else cuts
+    edges = np.concatenate(([0.0], stored, [end]))
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     width = np.diff(edges)
     inside = edges[:-1, None] + 0.5 * width[:, None] * (1.0 + points)
@@ -191,12 +194,3 @@ def _good(path: Trajectory) -> Trajectory:
     if not path.ok:
         raise ValueError(f"no energy balance: {path.message}")
     return path
-
-
-def _edges(scene: Scene, path: Trajectory, longest: float) -> np.ndarray:
-    end = float(path.times[-1])
-    events = np.zeros(0) if path.event_times is None else path.event_times[:, 0]
-    cuts = np.concatenate((events, scene.breakpoints(), np.linspace(0.0, end, int(np.ceil(end / longest)) + 1)))
-    cuts = np.unique(cuts[(cuts > APART) & (cuts < end - APART)])
-    stored = cuts[np.concatenate(([True], np.diff(cuts) > APART))] if len(cuts) else cuts
-    return np.concatenate(([0.0], stored, [end]))

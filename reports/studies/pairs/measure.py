@@ -3,10 +3,14 @@
 Each engine enters every method that it offers for a scene; its row is that of its cheapest.
 """
 
+import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib.resources import files
 from typing import Any
+
+from pydantic import TypeAdapter
 
 from cross_checks import engines
 from cross_checks.engine import Method
@@ -50,42 +54,9 @@ class Request:
         return tasks((OURS, *self.rivals))
 
 
-SHARED = (
-    "Contact forces are ours, called from Python; belts and joint torques are Exudyn's own, and ours for Pinocchio."
+PAIRS = TypeAdapter(tuple[Request, ...]).validate_python(
+    tomllib.loads((files(__package__) / "pairs.toml").read_text(encoding="utf-8"))["pairs"]
 )
-PAIRS = (
-    Request(
-        "Chains and loops: Exudyn, Pinocchio", "Pinocchio is driven from Python, by its own stepping there.",
-        (("pendulum_chain", {"links": 10}), ("n_four_bar", {"loops": 2}), ("slider_crank", {})),
-        ("exudyn", "pinocchio"),
-    ),
-    Request(
-        "The simplified android: Exudyn, Pinocchio", SHARED,
-        tuple(("android_simplified", {"impact": impact}) for impact in ("front", "rear")), ("exudyn", "pinocchio"),
-    ),
-    Request(
-        "The vertebral android: Exudyn, Pinocchio", SHARED,
-        tuple(("android_vertebral", {"impact": impact}) for impact in ("front", "rear")), ("exudyn", "pinocchio"),
-        (1e-3,),
-    ),
-    Request(
-        "Contact: MuJoCo", "MuJoCo by its own contact, its reference set to the law; what it cannot model it says.",
-        (
-            ("bouncing_ball", {"law": "spring_damper_force"}), ("rolling_disc", {}), ("rolling_sphere", {}),
-            ("sliding_block", {}), ("incline", {}), ("block_stack", {}), ("newtons_cradle", {}),
-        ),
-        ("mujoco",),
-    ),
-    Request(
-        "Satellites: REBOUND, heyoka", "J2; REBOUND takes its force from our code.",
-        tuple(("satellite", {"orbit": orbit}) for orbit in ("leo", "gps", "molniya")), ("rebound", "heyoka"),
-        (1e-6, 1e-9),
-    ),
-    Request(
-        "Planets: REBOUND, heyoka", "Newton's gravity over 360 days; targets count in the tightest orbit of two.",
-        (("solar_system", {"model": "lumped"}),), ("rebound", "heyoka"), (1e-6, 1e-9, 1e-11),
-    ),
-)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -37,18 +37,16 @@ def coordinates() -> dict[str, float | str]:
     for name, (kind, parameters, t_end) in TREES.items():
         scene = scenes.make(kind, **parameters)
         cartesian, relative = (_loop(scene, coordinates) for coordinates in ("cartesian", "relative"))
-        figures[f"coordinates.{name}.apart"] = _apart(scene, t_end)
+        settings = Settings(rtol=FINE, t_end=t_end, samples=21, estimate="off", reactions=False)
+        runs = [
+            simulate(scene, settings.model_copy(update={"coordinates": kind})) for kind in ("cartesian", "relative")
+        ]
+        failed = next((run.message for run in runs if not run.ok), None)
+        figures[f"coordinates.{name}.apart"] = failed or farthest(scene, *runs)[0]
         figures[f"coordinates.{name}.time"] = compare(cartesian, relative).ratio
         for coordinates in ("cartesian", "relative"):
             figures[f"coordinates.{name}.{coordinates}"] = compile_scene(scene, coordinates).n_positions
     return figures
-
-
-def _apart(scene: Scene, t_end: float) -> float | str:
-    settings = Settings(rtol=FINE, t_end=t_end, samples=21, estimate="off", reactions=False)
-    runs = [simulate(scene, settings.model_copy(update={"coordinates": kind})) for kind in ("cartesian", "relative")]
-    failed = next((run.message for run in runs if not run.ok), None)
-    return failed or farthest(scene, *runs)[0]
 
 
 def _loop(scene: Scene, coordinates: Coordinates):

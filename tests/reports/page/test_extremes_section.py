@@ -22,7 +22,7 @@ def test_families_hold_the_extremes_that_ran_with_a_chart_each(shown):
     assert [family["name"] for family in shown["families"]] == ["pulses", "stiffness"]
     chart = shown["families"][1]["extremes"][0]["chart"]
     assert [(row["engine"], row["method"]) for row in chart["rows"]] == [("mbs_ref", "rk4"), ("mujoco", "rk4")]
-    assert [mark.fate for mark in chart["rows"][0]["marks"]] == ["survived", "degraded", "stopped"]
+    assert [mark["fate"] for mark in chart["rows"][0]["marks"]] == ["survived", "degraded", "stopped"]
     assert chart["rows"][0]["end"] == LEFT
 
 

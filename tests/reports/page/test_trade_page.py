@@ -12,7 +12,6 @@ from mbs_ref import scenes
 from reports.facts.report_data import ReportData
 from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.page.build import publish
-from reports.page.sections import method as truths
 from reports.page.sections.profiles import context
 from tests.reports.page.synthetic_report import report_data
 
@@ -39,11 +38,10 @@ def test_truths_are_certified_agreed_or_none(tmp_path):
         TruthFacts("new", "", "agreed", "two engines", 1e-9, 3e-8, None, 1.0),
         TruthFacts("none", none="it is chaotic"),
     )
-    words = [truths.truth_row(f).get("word", truths.truth_row(f)["none"]) for f in facts]
-    assert words == ["2026-01-01", "no certificate", "it is chaotic"]
     publish(ReportData((), (), truths=facts), tmp_path)
     page = (tmp_path / "method.html").read_text()
-    assert "no truth: it is chaotic" in page
+    for text in ("2026-01-01", "no certificate", "no truth: it is chaotic"):
+        assert text in page
     assert "somebody" in page
 
 

@@ -12,7 +12,7 @@ from mbs_ref.settings import Settings
 from reports.cli import main
 from reports.page.render import render
 from reports.studies.models.choice import Ladder, Rung, choose
-from reports.studies.models.measure import bounces, ladder, loops, shown
+from reports.studies.models.measure import built, ladder, shown
 from tests.reports.page.synthetic_report import report_data
 
 
@@ -59,7 +59,7 @@ def test_pick_names_the_least_model_of_a_family():
 
 def test_events_buy_digits_that_clipping_does_not_have():
     """The same steps, four runs: held against the truth of the bounce."""
-    clipped, located = [bounces().rungs[k::2] for k in range(2)]
+    clipped, located = [built("bounces").rungs[k::2] for k in range(2)]
     for less, more in zip(clipped, located, strict=True):
         assert less.accuracy is not None
         assert more.accuracy is not None
@@ -79,7 +79,7 @@ def test_rungs_keep_their_order_and_tell_what_was_asked():
 
 def test_planar_and_spatial_bodies_move_alike():
     """Both rungs reach the truth, so that time alone speaks for the planar core."""
-    planar, spatial = loops().rungs
+    planar, spatial = built("loops").rungs
     assert planar.accuracy is not None
     assert spatial.accuracy is not None
     assert min(planar.accuracy, spatial.accuracy) > 5.0
