@@ -152,6 +152,8 @@ def planar_position_rate(model, y, rate, out):
         out[k] = rate[k]
 
 
+planar_rate_from = planar_position_rate
+
 PlanarModel = handle_class(__name__, "PlanarModel", PlanarGroups, dimension=2, tangents=1, axes=0, turns=1, moments=1)
 PlanarWork = handle_class(__name__, "PlanarWork", PlanarScratch, rates=3)
 

@@ -1,8 +1,5 @@
 """The events of trees in the plane and in space: the redundant system evaluates them at the full state."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 from mbs_ref.kernels.border import questions as ask
@@ -24,23 +21,23 @@ def _inner_work(model):
 
 
 @jit
-def _position_count(model):
+def relative_position_count(model):
     return np.min(joints_of(model).v)
 
 
 @jit
-def _root_count(model):
+def relative_root_count(model):
     return ask.root_count(_inner_model(model))
 
 
 @jit
-def _roots(model, work, t, y, duration, table):
+def relative_roots(model, work, t, y, duration, table):
     ask.expand(model, work, y)
     return ask.roots(_inner_model(model), _inner_work(model), t, full_of(work).state, duration, table)
 
 
 @jit
-def _transition(model, work, t, span, y, g, dy):
+def relative_transition(model, work, t, span, y, g, dy):
     """Let the redundant system change its modes, and take over the velocities that an impulse changed."""
     ask.expand(model, work, y)
     full = full_of(work)
@@ -50,13 +47,13 @@ def _transition(model, work, t, span, y, g, dy):
 
 
 @jit
-def _start_modes(model, work, t, y, located):
+def relative_start_modes(model, work, t, y, located):
     ask.expand(model, work, y)
     ask.start_modes(_inner_model(model), _inner_work(model), t, full_of(work).state, located)
 
 
 @jit
-def _contact_mobility(model, work, t, y, k):
+def relative_contact_mobility(model, work, t, y, k):
     ask.expand(model, work, y)
     return ask.contact_mobility(_inner_model(model), _inner_work(model), t, full_of(work).state, k)
 
@@ -78,13 +75,3 @@ def take_velocities_over(model, work, full, states):
         ask.expand(model, work, states[k])
         place[:] = full[k]
         ask.take_velocities(model, work, states[k])
-
-
-PASSED_ON: dict[str, Callable[..., Any]] = {
-    "position_count": _position_count,
-    "root_count": _root_count,
-    "roots": _roots,
-    "transition": _transition,
-    "start_modes": _start_modes,
-    "contact_mobility": _contact_mobility,
-}

@@ -104,7 +104,7 @@ def _put_joined(joints, links, kin, y, i):
 
 
 @jit
-def expand_planar(model, work, y):
+def relative_planar_expand(model, work, y):
     """Place the tree at y and write the redundant system's state to `full`."""
     place_planar(model, work, y)
     full, bodies, kin = full_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
@@ -212,8 +212,11 @@ def relative_planar_position_rate(model, y, rate, out):
         out[k] = rate[k]
 
 
+relative_planar_rate_from = relative_planar_position_rate
+
+
 @jit
-def take_planar_velocities(model, work, y):
+def relative_planar_take_velocities(model, work, y):
     """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
     joints, links, full, bodies = joints_of(model), links_of(work), full_of(work), bodies_of(_redundant_model(model))
     n = bodies.mass.shape[0]

@@ -139,7 +139,7 @@ def _put_joined(joints, links, kin, y, i):
 
 
 @jit
-def expand_spatial(model, work, y):
+def relative_spatial_expand(model, work, y):
     """Place the tree at y and write the redundant system's state to `full`."""
     place_spatial(model, work, y)
     full, bodies, kin = full_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
@@ -394,7 +394,7 @@ def relative_spatial_project(model, work, t, y, tolerance, most):
 
 
 @jit
-def take_spatial_velocities(model, work, y):
+def relative_spatial_take_velocities(model, work, y):
     """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
     joints, links, full, bodies = joints_of(model), links_of(work), full_of(work), bodies_of(_redundant_model(model))
     kin = kinematics_of(_redundant_work(model))

@@ -235,3 +235,6 @@ solved_of = accessor("solved")
 def position_count(model):
     """Return how many entries of the state are positions and orientations; rates follow."""
     return bodies_of(model).start[0]
+
+
+rigid_position_count = position_count
