@@ -8,7 +8,6 @@ from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.planar.marks import turned
 from mbs_ref.kernels.planar.vectors import cross, dot, over, perpendicular, plus, rotated, times
-from mbs_ref.kernels.rigid.model import contact_pairs_of, kinematics_of
 from mbs_ref.kernels.rigid.shapes import Surface, on_round
 
 
@@ -59,20 +58,20 @@ def _in_sprocket(pairs, k, x, seat):
 
 @bare
 def surface(model, work, k, x):
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     a, b = pairs.a[k], pairs.b[k]
     if pairs.kind[k] == PAIR_ROUND:
         return on_round(work, pairs, k, x, (0.0, 1.0), 0.0)
     direction = turned(work, b, pairs.axes[k, 0])
     if pairs.kind[k] == PAIR_SPROCKET:
         return _in_sprocket(pairs, k, x, direction)
-    motion = kinematics_of(work).motion
+    motion = work.kinematics.motion
     return _on_line(pairs, k, x, direction, pairs.radius[k] * (motion[a, 3] - motion[b, 3]))
 
 
 @bare
 def outwards(model, work, k, x):
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     direction = turned(work, pairs.b[k], pairs.axes[k, 0])
     if pairs.kind[k] == PAIR_FLAT:
         return times(math.copysign(1.0, dot(x, direction)), direction)

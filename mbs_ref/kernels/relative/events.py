@@ -5,24 +5,23 @@ import numpy as np
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.handles import Model, Work
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.relative.model import full_of, joints_of, redundant_of
 
 
 @jit
 def _inner_model(model):
     """Return the redundant system's model."""
-    return Model(redundant_of(model).address[0])
+    return Model(model.redundant.address[0])
 
 
 @jit
 def _inner_work(model):
     """Return the redundant system's scratch."""
-    return Work(redundant_of(model).address[1])
+    return Work(model.redundant.address[1])
 
 
 @jit
 def relative_position_count(model):
-    return np.min(joints_of(model).v)
+    return np.min(model.joints.v)
 
 
 @jit
@@ -33,14 +32,14 @@ def relative_root_count(model):
 @jit
 def relative_roots(model, work, t, y, duration, table):
     ask.expand(model, work, y)
-    return ask.roots(_inner_model(model), _inner_work(model), t, full_of(work).state, duration, table)
+    return ask.roots(_inner_model(model), _inner_work(model), t, work.full.state, duration, table)
 
 
 @jit
 def relative_transition(model, work, t, span, y, g, dy):
     """Let the redundant system change its modes, and take over the velocities that an impulse changed."""
     ask.expand(model, work, y)
-    full = full_of(work)
+    full = work.full
     answer = ask.transition(_inner_model(model), _inner_work(model), t, span, full.state, g, full.slope)
     ask.take_velocities(model, work, y)
     return answer
@@ -49,19 +48,19 @@ def relative_transition(model, work, t, span, y, g, dy):
 @jit
 def relative_start_modes(model, work, t, y, located):
     ask.expand(model, work, y)
-    ask.start_modes(_inner_model(model), _inner_work(model), t, full_of(work).state, located)
+    ask.start_modes(_inner_model(model), _inner_work(model), t, work.full.state, located)
 
 
 @jit
 def relative_contact_mobility(model, work, t, y, k):
     ask.expand(model, work, y)
-    return ask.contact_mobility(_inner_model(model), _inner_work(model), t, full_of(work).state, k)
+    return ask.contact_mobility(_inner_model(model), _inner_work(model), t, work.full.state, k)
 
 
 @jit
 def expand_over(model, work, states, out):
     """Write the redundant system's state of each state (n, n_state) to out (n, n_full)."""
-    full = full_of(work).state
+    full = work.full.state
     for k in range(states.shape[0]):
         ask.expand(model, work, states[k])
         out[k] = full
@@ -70,7 +69,7 @@ def expand_over(model, work, states, out):
 @jit
 def take_velocities_over(model, work, full, states):
     """Write to each state (n, n_state), of given coordinates, the rates that the redundant ones (n, n_full) mean."""
-    place = full_of(work).state
+    place = work.full.state
     for k in range(states.shape[0]):
         ask.expand(model, work, states[k])
         place[:] = full[k]

@@ -9,20 +9,7 @@ import numpy as np
 from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import inlined, jit
-from mbs_ref.kernels.relative.model import (
-    FREE,
-    HELD,
-    PRISMATIC,
-    REVOLUTE,
-    SPHERICAL,
-    WELD,
-    full_of,
-    joints_of,
-    links_of,
-    recursion_of,
-    redundant_of,
-)
-from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
+from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE, SPHERICAL, WELD
 from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 from mbs_ref.kernels.spatial.model import RATES
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, world_inertia
@@ -33,12 +20,12 @@ NOTHING = (0.0, 0.0, 0.0)
 
 @jit
 def _redundant_model(model):
-    return SpatialModel(redundant_of(model).address[0])
+    return SpatialModel(model.redundant.address[0])
 
 
 @jit
 def _redundant_work(model):
-    return SpatialWork(redundant_of(model).address[1])
+    return SpatialWork(model.redundant.address[1])
 
 
 @jit
@@ -55,8 +42,8 @@ def _composed(p, q):
 @jit
 def place_spatial(model, work, y):
     """Write every body's pose and motion to the redundant system's scratch, and the joints' links."""
-    joints, links = joints_of(model), links_of(work)
-    bodies, kin = bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
+    joints, links = model.joints, work.links
+    bodies, kin = _redundant_model(model).bodies, _redundant_work(model).kinematics
     for i in range(joints.kind.shape[0]):
         own = links.velocity[i]
         if bodies.rigid[i] == 1:
@@ -142,7 +129,7 @@ def _put_joined(joints, links, kin, y, i):
 def relative_spatial_expand(model, work, y):
     """Place the tree at y and write the redundant system's state to `full`."""
     place_spatial(model, work, y)
-    full, bodies, kin = full_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
+    full, bodies, kin = work.full, _redundant_model(model).bodies, _redundant_work(model).kinematics
     for i in range(bodies.mass.shape[0]):
         put(full.state, bodies.q[i], kin.position[i])
         put(full.state, bodies.v[i], kin.velocity[i])
@@ -287,7 +274,7 @@ def _release(joints, links, kin, rec, i):
 
 @jit
 def _load_blocks(model, work):
-    bodies, kin, rec = bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model)), recursion_of(work)
+    bodies, kin, rec = _redundant_model(model).bodies, _redundant_work(model).kinematics, work.recursion
     for i in range(bodies.mass.shape[0]):
         a, j = rec.articulated[i], kin.inertia[i]
         for r in RATES:
@@ -305,8 +292,8 @@ def relative_spatial_derivative(model, work, t, y, dy):
     """Write dy/dt: lengths, angles and theta' = E^T omega / 2, then u'."""
     place_spatial(model, work, y)
     ask.apply_loads(_redundant_model(model), _redundant_work(model), t)
-    joints, links, rec = joints_of(model), links_of(work), recursion_of(work)
-    kin = kinematics_of(_redundant_work(model))
+    joints, links, rec = model.joints, work.links, work.recursion
+    kin = _redundant_work(model).kinematics
     n = joints.kind.shape[0]
     _load_blocks(model, work)
     for i in range(n - 1, -1, -1):
@@ -329,7 +316,7 @@ def relative_spatial_derivative(model, work, t, y, dy):
 @jit
 def relative_spatial_position_rate(model, y, rate, out):
     """Write the rates of lengths, angles and Euler parameters at `rate`: theta' = theta (0, omega) / 2."""
-    joints = joints_of(model)
+    joints = model.joints
     start = np.min(joints.v)
     for i in range(joints.kind.shape[0]):
         q, v, count = joints.q[i], joints.v[i] - start, joints.freedoms[i]
@@ -345,7 +332,7 @@ def relative_spatial_position_rate(model, y, rate, out):
 @jit
 def relative_spatial_rate_from(model, y, moved, out):
     """Write the rates, turns in body axes, that rates of lengths, angles and Euler parameters mean."""
-    joints = joints_of(model)
+    joints = model.joints
     start = np.min(joints.v)
     for i in range(joints.kind.shape[0]):
         q, v = joints.q[i], joints.v[i] - start
@@ -369,7 +356,7 @@ def _theta_of(joints, i):
 @jit
 def relative_spatial_compliance(model, work, t, y):
     """Return the largest |theta . theta - 1|: no other constraint is left."""
-    joints, largest = joints_of(model), 0.0
+    joints, largest = model.joints, 0.0
     for i in range(joints.kind.shape[0]):
         k = _theta_of(joints, i)
         if k >= 0:
@@ -383,7 +370,7 @@ def relative_spatial_compliance(model, work, t, y):
 @jit
 def relative_spatial_project(model, work, t, y, tolerance, most):
     """Bring Euler parameters to norm one."""
-    joints = joints_of(model)
+    joints = model.joints
     for i in range(joints.kind.shape[0]):
         k = _theta_of(joints, i)
         if k >= 0:
@@ -396,8 +383,8 @@ def relative_spatial_project(model, work, t, y, tolerance, most):
 @jit
 def relative_spatial_take_velocities(model, work, y):
     """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
-    joints, links, full, bodies = joints_of(model), links_of(work), full_of(work), bodies_of(_redundant_model(model))
-    kin = kinematics_of(_redundant_work(model))
+    joints, links, full, bodies = model.joints, work.links, work.full, _redundant_model(model).bodies
+    kin = _redundant_work(model).kinematics
     for i in range(bodies.mass.shape[0]):
         own, of_parent, v = links.velocity[i], links.velocity[joints.parent[i]], joints.v[i]
         put(own, 0, triple(full.state, bodies.v[i]))

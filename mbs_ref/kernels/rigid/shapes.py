@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import gap_between, rate_between
-from mbs_ref.kernels.rigid.model import contact_pairs_of
 
 
 class Surface(NamedTuple):
@@ -54,7 +53,7 @@ def _places(pairs, work, k):
 @bare
 def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     a, b = pairs.a[k], pairs.b[k]
     center, _, x = _places(pairs, work, k)
     surface = core.surface(model, work, k, x)
@@ -70,7 +69,7 @@ def contact_geometry(model, work, k):
 @bare
 def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends."""
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     center, origin, x = _places(pairs, work, k)
     out = core.outwards(model, work, k, x)
     return core.dot(work, out, rate_between(work, pairs.b[k], pairs.a[k], core.plus(work, x, origin), center))

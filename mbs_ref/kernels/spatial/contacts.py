@@ -4,7 +4,6 @@ import math
 
 from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.rigid.model import contact_pairs_of
 from mbs_ref.kernels.rigid.shapes import Surface, on_round
 from mbs_ref.kernels.spatial.marks import turned
 from mbs_ref.kernels.spatial.vectors import dot, minus, over, plus, times
@@ -34,7 +33,7 @@ def _edges(work, pairs, k):
 
 @bare
 def surface(model, work, k, x):
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     n = turned(work, pairs.b[k], pairs.axes[k, 2])
     if pairs.kind[k] == PAIR_FLAT:
         return _on_plane(pairs, k, x, _edges(work, pairs, k), n)
@@ -43,7 +42,7 @@ def surface(model, work, k, x):
 
 @bare
 def outwards(model, work, k, x):
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     e, f = _edges(work, pairs, k)
     along, across = dot(x, e), dot(x, f)
     if abs(along) - pairs.half[k, 0] >= abs(across) - pairs.half[k, 1]:

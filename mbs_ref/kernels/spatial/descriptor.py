@@ -8,7 +8,7 @@ norm stays one, and needs no multiplier.
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.model import bodies_of, position_count
+from mbs_ref.kernels.rigid.model import position_count
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters
 from mbs_ref.kernels.spatial.vectors import dot, put, symmetric_times, times, triple
 
@@ -16,7 +16,7 @@ from mbs_ref.kernels.spatial.vectors import dot, put, symmetric_times, times, tr
 @jit
 def spatial_times_mass(model, rate, out):
     """Write M rate."""
-    bodies = bodies_of(model)
+    bodies = model.bodies
     start = position_count(model)
     for i in range(bodies.mass.shape[0]):
         k = bodies.v[i] - start
@@ -42,7 +42,7 @@ def _parameters_times(theta, s, v):
 @jit
 def spatial_displace(model, y, move, out):
     """Write y's positions moved by `move`, turns in body axes, to out."""
-    bodies = bodies_of(model)
+    bodies = model.bodies
     start = position_count(model)
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
@@ -59,7 +59,7 @@ def spatial_displace(model, y, move, out):
 @jit
 def spatial_position_rate(model, y, rate, out):
     """Write the rates of positions and Euler parameters at `rate`: theta' = theta (0, omega) / 2."""
-    bodies = bodies_of(model)
+    bodies = model.bodies
     start = position_count(model)
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
@@ -74,7 +74,7 @@ def spatial_position_rate(model, y, rate, out):
 @jit
 def spatial_rate_from(model, y, moved, out):
     """Write the velocities and turns in body axes that rates of positions and Euler parameters mean."""
-    bodies = bodies_of(model)
+    bodies = model.bodies
     start = position_count(model)
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
