@@ -64,8 +64,10 @@ def _round(part: CircleOnCircle | SphereOnSphere) -> _Shape:
 
 def _sprocket(part: PinOnSprocket) -> _Shape:
     c, s = math.cos(part.first_seat), math.sin(part.first_seat)
+    rows = np.eye(2) if part.axis is None else np.array([unit(part.seat), np.cross(unit(part.axis), unit(part.seat))])
+    axes = [c * rows[0] + s * rows[1], c * rows[1] - s * rows[0], *([] if part.axis is None else [unit(part.axis)])]
     return _Shape(
-        shared.PAIR_SPROCKET, part.center, part.clearance, part.axle, ((c, s), (-s, c)), (part.pitch_radius, 0.0),
+        shared.PAIR_SPROCKET, part.center, part.clearance, part.axle, axes, (part.pitch_radius, 0.0),
         part.teeth, part.addendum_radius - part.pitch_radius, (math.cos(part.flank_angle), math.sin(part.flank_angle)),
     )  # fmt: skip
 

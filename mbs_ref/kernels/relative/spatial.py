@@ -12,7 +12,14 @@ from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE, SPHERICAL, WELD
 from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 from mbs_ref.kernels.spatial.model import RATES
-from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, world_inertia
+from mbs_ref.kernels.spatial.orientation import (
+    composed,
+    parameters,
+    put_parameters,
+    rotation,
+    theta_rate,
+    world_inertia,
+)
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 
 NOTHING = (0.0, 0.0, 0.0)
@@ -26,17 +33,6 @@ def _redundant_model(model):
 @jit
 def _redundant_work(model):
     return SpatialWork(model.redundant.address[1])
-
-
-@jit
-def _composed(p, q):
-    """Return the Euler parameters of the turn q followed by p."""
-    return (
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-        p[0] * q[1] + q[0] * p[1] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] + q[0] * p[2] + p[3] * q[1] - p[1] * q[3],
-        p[0] * q[3] + q[0] * p[3] + p[1] * q[2] - p[2] * q[1],
-    )
 
 
 @jit
@@ -74,9 +70,9 @@ def _orient(joints, kin, y, i):
     own = parameters(joints.offset[i], 0)
     if kind == REVOLUTE:
         c, s, axis = np.cos(0.5 * y[q]), np.sin(0.5 * y[q]), joints.axis[i]
-        own = _composed(own, (c, s * axis[0], s * axis[1], s * axis[2]))
+        own = composed(own, (c, s * axis[0], s * axis[1], s * axis[2]))
     if parent < joints.kind.shape[0]:
-        own = _composed(parameters(kin.theta[parent], 0), own)
+        own = composed(parameters(kin.theta[parent], 0), own)
     put_parameters(kin.theta[i], 0, own)
 
 
@@ -323,7 +319,7 @@ def relative_spatial_position_rate(model, y, rate, out):
         k = _theta_of(joints, i)
         if k >= 0:
             half = times(0.5, triple(rate, v + k - q))
-            put_parameters(out, k, _composed(parameters(y, k), (0.0, half[0], half[1], half[2])))
+            put_parameters(out, k, composed(parameters(y, k), (0.0, half[0], half[1], half[2])))
         if joints.kind[i] != SPHERICAL:
             for c in range(min(count, 3)):
                 out[q + c] = rate[v + c]
@@ -339,7 +335,7 @@ def relative_spatial_rate_from(model, y, moved, out):
         k = _theta_of(joints, i)
         if k >= 0:
             e0, e1, e2, e3 = parameters(y, k)
-            put(out, v + k - q, times(2.0, _composed((e0, -e1, -e2, -e3), parameters(moved, k))[1:]))
+            put(out, v + k - q, times(2.0, composed((e0, -e1, -e2, -e3), parameters(moved, k))[1:]))
         if joints.kind[i] != SPHERICAL:
             for c in range(min(joints.freedoms[i], 3)):
                 out[v + c] = moved[q + c]

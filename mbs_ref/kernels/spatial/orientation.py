@@ -23,6 +23,17 @@ def put_parameters(row, k, theta):
 
 
 @jit
+def composed(p, q):
+    """Return the Euler parameters of the turn q followed by p."""
+    return (
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + q[0] * p[1] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] + q[0] * p[2] + p[3] * q[1] - p[1] * q[3],
+        p[0] * q[3] + q[0] * p[3] + p[1] * q[2] - p[2] * q[1],
+    )
+
+
+@jit
 def rotation(theta, turned):
     """Write A(theta / |theta|) and return theta . theta."""
     e0, e1, e2, e3 = theta
