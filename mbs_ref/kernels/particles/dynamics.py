@@ -72,6 +72,5 @@ def particle_derivative(model, work, t, y, dy):
             dy[3 * (n + i) + c] = lanes.acceleration[i, c, 0]
 
 
-@jit
-def particle_multipliers(work, lam):
-    """There are no multipliers."""
+# There are no multipliers.
+particle_multipliers = jit(lambda work, lam: None)

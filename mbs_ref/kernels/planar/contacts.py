@@ -47,6 +47,4 @@ def outwards(model, work, k, x):
     return tooth_gap(pairs, k, x, direction)
 
 
-@bare
-def slip(n, u, closing):
-    return n[1] * u[0] - n[0] * u[1]
+slip = bare(lambda n, u, closing: n[1] * u[0] - n[0] * u[1])

@@ -37,19 +37,9 @@ def load_state(model, work, y):
         kin.motion[i, 3] = angle
 
 
-@jit
-def block(model):
-    return RATES
-
-
-@jit
-def normalize(model, y):
-    pass
-
-
-@jit
-def largest_norm_defect(model, work):
-    return 0.0
+block = jit(lambda model: RATES)
+normalize = jit(lambda model, y: None)
+largest_norm_defect = jit(lambda model, work: 0.0)
 
 
 @jit
@@ -84,9 +74,7 @@ def add_rates(model, work, i, factor, rates, out, k):
         out[k + c] += factor * rates[c]
 
 
-@jit
-def world_rates(model, work, i, values, k):
-    return values[k], values[k + 1], values[k + 2]
+world_rates = jit(lambda model, work, i, values, k: (values[k], values[k + 1], values[k + 2]))
 
 
 @jit

@@ -29,9 +29,7 @@ def friction_force(model, work, k, touch, normal):
     return tangential * touch.normal[1], -tangential * touch.normal[0]
 
 
-@bare
-def slip_of(model, touch):
-    return (touch.slip,)
+slip_of = bare(lambda model, touch: (touch.slip,))
 
 
 @jit
@@ -45,9 +43,7 @@ def ahead(model, k, touch):
     return modes.grip[k] * touch.slip - modes.anchor[k, 0]
 
 
-@jit
-def has_stopped(model, k, touch):
-    return True
+has_stopped = jit(lambda model, k, touch: True)
 
 
 @jit
@@ -55,9 +51,7 @@ def start_grip(model, k, touch):
     model.contact_modes.anchor[k, 0] = touch.held
 
 
-@jit
-def stop_together(model, work, y, g):
-    pass
+stop_together = jit(lambda model, work, y, g: None)
 
 
 @jit

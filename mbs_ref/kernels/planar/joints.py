@@ -6,10 +6,7 @@ from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
 from mbs_ref.kernels.signals import evaluate
 
-
-@bare
-def moment(arm, force):
-    return (cross(arm, force),)
+moment = bare(lambda arm, force: (cross(arm, force),))
 
 
 @bare
@@ -21,9 +18,7 @@ def put_point(work, slot, side, row, apart):
     put_row(on_b[row + 1], (0.0, 1.0), (apart.arm_b[0],))
 
 
-@bare
-def rate_of_turning(work, i, n, gap):
-    return work.kinematics.motion[i, 2] * cross(n, gap)
+rate_of_turning = bare(lambda work, i, n, gap: work.kinematics.motion[i, 2] * cross(n, gap))
 
 
 @bare

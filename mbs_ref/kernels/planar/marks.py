@@ -6,20 +6,9 @@ d(rho)/d(theta) = (-rho_y, rho_x). Vectors are pairs along world axes.
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.planar.vectors import cross, over, pair, rotated, times
 
-
-@bare
-def centre(work, i):
-    return pair(work.kinematics.pose[i], 0)
-
-
-@bare
-def spin(work, i):
-    return abs(work.kinematics.motion[i, 2])
-
-
-@bare
-def speed(work, i):
-    return pair(work.kinematics.motion[i], 0)
+centre = bare(lambda work, i: pair(work.kinematics.pose[i], 0))
+spin = bare(lambda work, i: abs(work.kinematics.motion[i, 2]))
+speed = bare(lambda work, i: pair(work.kinematics.motion[i], 0))
 
 
 @bare
@@ -42,9 +31,7 @@ def push(work, i, arm, force):
     on[2] += cross(arm, force)
 
 
-@bare
-def pull(tension, gap, length):
-    return over(times(tension, gap), length)
+pull = bare(lambda tension, gap, length: over(times(tension, gap), length))
 
 
 @bare

@@ -6,11 +6,8 @@ Factors L D L^T lie in the lower triangles: L below the diagonal, and 1 / D on i
 from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
 from mbs_ref.kernels.jit import bare, jit, placed
 
-
-@bare
-def _factors(a):
-    """Return the factors in a lower triangle as `ldl3_solve` takes them."""
-    return a[0, 0], a[1, 1], a[2, 2], a[1, 0], a[2, 0], a[2, 1]
+# Return the factors in a lower triangle as `ldl3_solve` takes them.
+_factors = bare(lambda a: (a[0, 0], a[1, 1], a[2, 2], a[1, 0], a[2, 0], a[2, 1]))
 
 
 @bare
@@ -18,21 +15,11 @@ def _put_factors(a, m):
     a[0, 0], a[1, 1], a[2, 2], a[1, 0], a[2, 0], a[2, 1] = m
 
 
-@bare
-def _solve(m, b0, b1, b2):
-    return ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], b0, b1, b2)
-
-
-@bare
-def _product(a, r, b):
-    """Return row r of a times b."""
-    return a[r, 0] * b[0] + a[r, 1] * b[1] + a[r, 2] * b[2]
-
-
-@bare
-def _idle(count, row):
-    """Return the pivot of an unused row, which keeps S regular; 0 for a row in use."""
-    return 1.0 if row >= count else 0.0
+_solve = bare(lambda m, b0, b1, b2: ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], b0, b1, b2))
+# Return row r of a times b.
+_product = bare(lambda a, r, b: a[r, 0] * b[0] + a[r, 1] * b[1] + a[r, 2] * b[2])
+# Return the pivot of an unused row, which keeps S regular; 0 for a row in use.
+_idle = bare(lambda count, row: 1.0 if row >= count else 0.0)
 
 
 @placed

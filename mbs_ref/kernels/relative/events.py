@@ -6,27 +6,12 @@ from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.handles import Model, Work
 from mbs_ref.kernels.jit import jit
 
-
-@jit
-def _inner_model(model):
-    """Return the redundant system's model."""
-    return Model(model.redundant.address[0])
-
-
-@jit
-def _inner_work(model):
-    """Return the redundant system's scratch."""
-    return Work(model.redundant.address[1])
-
-
-@jit
-def relative_position_count(model):
-    return np.min(model.joints.v)
-
-
-@jit
-def relative_root_count(model):
-    return ask.root_count(_inner_model(model))
+# Return the redundant system's model.
+_inner_model = jit(lambda model: Model(model.redundant.address[0]))
+# Return the redundant system's scratch.
+_inner_work = jit(lambda model: Work(model.redundant.address[1]))
+relative_position_count = jit(lambda model: np.min(model.joints.v))
+relative_root_count = jit(lambda model: ask.root_count(_inner_model(model)))
 
 
 @jit

@@ -18,14 +18,8 @@ from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE
 ORIGIN = (0.0, 0.0)
 
 
-@jit
-def _redundant_model(model):
-    return PlanarModel(model.redundant.address[0])
-
-
-@jit
-def _redundant_work(model):
-    return PlanarWork(model.redundant.address[1])
+_redundant_model = jit(lambda model: PlanarModel(model.redundant.address[0]))
+_redundant_work = jit(lambda model: PlanarWork(model.redundant.address[1]))
 
 
 @jit

@@ -25,14 +25,8 @@ from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, pl
 NOTHING = (0.0, 0.0, 0.0)
 
 
-@jit
-def _redundant_model(model):
-    return SpatialModel(model.redundant.address[0])
-
-
-@jit
-def _redundant_work(model):
-    return SpatialWork(model.redundant.address[1])
+_redundant_model = jit(lambda model: SpatialModel(model.redundant.address[0]))
+_redundant_work = jit(lambda model: SpatialWork(model.redundant.address[1]))
 
 
 @jit
@@ -83,9 +77,7 @@ def _put_freedom(freedom, axis, away):
     put(freedom, 3, axis)
 
 
-@jit
-def _column(a, k):
-    return a[0, k], a[1, k], a[2, k]
+_column = jit(lambda a, k: (a[0, k], a[1, k], a[2, k]))
 
 
 @inlined
@@ -189,9 +181,7 @@ def _free_three(links, rec, i):
             a[r, c] -= z0 * u[0, c] + z1 * u[1, c] + z2 * u[2, c]
 
 
-@jit
-def _ball_solve(d, b):
-    return ldl3_solve(d[0], d[1], d[2], d[3], d[4], d[5], b[0], b[1], b[2])
+_ball_solve = jit(lambda d, b: ldl3_solve(d[0], d[1], d[2], d[3], d[4], d[5], b[0], b[1], b[2]))
 
 
 @inlined
@@ -219,10 +209,8 @@ def _pass_on(joints, links, rec, i):
     add(push, 3, plus(cross(d, triple(f, 0)), times(t, triple(f, 3))))
 
 
-@jit
-def _column_from(a, k):
-    """Return a column of H."""
-    return a[3, k], a[4, k], a[5, k]
+# Return a column of H.
+_column_from = jit(lambda a, k: (a[3, k], a[4, k], a[5, k]))
 
 
 @inlined

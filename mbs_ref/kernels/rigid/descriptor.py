@@ -71,7 +71,5 @@ def rigid_defect_of(work, velocity_level):
     return rows.rate if velocity_level else rows.residual
 
 
-@jit
-def rigid_gamma_of(work):
-    """Return gamma (n_slots, rates)."""
-    return work.rows.gamma
+# Return gamma (n_slots, rates).
+rigid_gamma_of = jit(lambda work: work.rows.gamma)

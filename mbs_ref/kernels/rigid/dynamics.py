@@ -127,10 +127,8 @@ def rigid_compliance(model, work, t, y):
     return max(largest_entry(rows.residual), core.largest_norm_defect(model, work)), largest_entry(rows.rate)
 
 
-@jit
-def rigid_regularity(work):
-    """Return the smallest relative closure pivot of the last factorization; 1 without closures."""
-    return work.closures.regularity[0]
+# Return the smallest relative closure pivot of the last factorization; 1 without closures.
+rigid_regularity = jit(lambda work: work.closures.regularity[0])
 
 
 @jit

@@ -217,10 +217,8 @@ rows_of = accessor("rows")
 tree_of = accessor("tree")
 
 
-@jit
-def position_count(model):
-    """Return how many entries of the state are positions and orientations; rates follow."""
-    return model.bodies.start[0]
+# Return how many entries of the state are positions and orientations; rates follow.
+position_count = jit(lambda model: model.bodies.start[0])
 
 
 rigid_position_count = position_count

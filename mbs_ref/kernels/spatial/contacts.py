@@ -58,6 +58,4 @@ def outwards(model, work, k, x):
     return times(math.copysign(1.0, across), f)
 
 
-@bare
-def slip(n, u, closing):
-    return minus(u, times(closing, n))
+slip = bare(lambda n, u, closing: minus(u, times(closing, n)))

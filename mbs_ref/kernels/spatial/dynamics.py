@@ -22,10 +22,7 @@ from mbs_ref.kernels.spatial.model import RATES, SpatialGroups, SpatialScratch
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, theta_rate, turn_theta, turning_of
 from mbs_ref.kernels.spatial.vectors import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
 
-
-@jit
-def block(model):
-    return RATES
+block = jit(lambda model: RATES)
 
 
 @jit

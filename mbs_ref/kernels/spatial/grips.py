@@ -31,9 +31,7 @@ TOGETHER = 10.0  # of the slip velocity that counts as a stop: so slow, a contac
 SLUGGISH = 1e3
 
 
-@bare
-def slip_of(model, touch):
-    return dot(touch.slip, touch.held[0]), dot(touch.slip, touch.held[1])
+slip_of = bare(lambda model, touch: (dot(touch.slip, touch.held[0]), dot(touch.slip, touch.held[1])))
 
 
 @bare

@@ -55,9 +55,7 @@ def fill_products(model, work):
         rows.gamma[slot, row] = product.gamma
 
 
-@bare
-def moment(arm, force):
-    return cross(arm, force)
+moment = bare(lambda arm, force: cross(arm, force))
 
 
 @bare
@@ -73,9 +71,7 @@ def put_point(work, slot, side, row, apart):
     put_row(on_b[row + 2], (0.0, 0.0, 1.0), (b1, -b0, 0.0))
 
 
-@bare
-def rate_of_turning(work, i, n, gap):
-    return dot(swing(work, i, n), gap)
+rate_of_turning = bare(lambda work, i, n, gap: dot(swing(work, i, n), gap))
 
 
 @bare

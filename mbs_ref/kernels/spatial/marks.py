@@ -8,10 +8,7 @@ import math
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, times, triple, turn
 
-
-@bare
-def centre(work, i):
-    return triple(work.kinematics.position[i], 0)
+centre = bare(lambda work, i: triple(work.kinematics.position[i], 0))
 
 
 @bare
@@ -20,19 +17,9 @@ def spin(work, i):
     return math.sqrt(dot(w, w))
 
 
-@bare
-def speed(work, i):
-    return triple(work.kinematics.velocity[i], 0)
-
-
-@bare
-def turned(work, i, u):
-    return turn(work.kinematics.turned[i], u)
-
-
-@bare
-def swing(work, i, arm):
-    return cross(work.kinematics.omega[i], arm)
+speed = bare(lambda work, i: triple(work.kinematics.velocity[i], 0))
+turned = bare(lambda work, i, u: turn(work.kinematics.turned[i], u))
+swing = bare(lambda work, i, arm: cross(work.kinematics.omega[i], arm))
 
 
 @bare
@@ -47,9 +34,7 @@ def twist(work, i, torque):
     add(work.kinematics.force[i], 3, torque)
 
 
-@bare
-def pull(tension, gap, length):
-    return times(tension / length, gap)
+pull = bare(lambda tension, gap, length: times(tension / length, gap))
 
 
 @bare

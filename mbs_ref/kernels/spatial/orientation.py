@@ -9,11 +9,8 @@ import numpy as np
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.spatial.vectors import put, triple, turn
 
-
-@jit
-def parameters(row, k):
-    """Return row[k : k + 4]."""
-    return row[k], row[k + 1], row[k + 2], row[k + 3]
+# Return row[k : k + 4].
+parameters = jit(lambda row, k: (row[k], row[k + 1], row[k + 2], row[k + 3]))
 
 
 @jit
