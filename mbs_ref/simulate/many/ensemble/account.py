@@ -7,14 +7,23 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.scene import PointMass
-from mbs_ref.simulate.many.ensemble import statistics as stats
 from mbs_ref.simulate.many.ensemble.runs import Ensemble
+from mbs_ref.simulate.many.ensemble.statistics import (
+    QUANTILES,
+    SHOWN,
+    Coordinate,
+    Statistics,
+    coordinates,
+    integration_error,
+    not_shown,
+    statistics,
+)
 from mbs_ref.trajectory import Status
 
 MAX_NAMED = 6  # coordinates with an unresolved spread that a sentence names
 
 
-def account(ensemble: Ensemble, points: list[stats.Statistics | None]) -> list[str]:
+def account(ensemble: Ensemble, points: list[Statistics | None]) -> list[str]:
     """Return the sentences, the most important ones last."""
     return [*_method(ensemble), *_ends(ensemble), *_projected(ensemble), *_resolution(ensemble, points)]
 
@@ -57,11 +66,11 @@ def _projected(ensemble: Ensemble) -> Iterator[str]:
         )
 
 
-def _resolution(ensemble: Ensemble, points: list[stats.Statistics | None]) -> Iterator[str]:
+def _resolution(ensemble: Ensemble, points: list[Statistics | None]) -> Iterator[str]:
     """Yield the integration error of the runs, and the coordinates whose spread it hides."""
     if not ensemble.ended_well.any():
         return
-    metres, radians = stats.integration_error(ensemble)[-1]
+    metres, radians = integration_error(ensemble)[-1]
     if np.isnan(metres):
         yield "no run's integration error was estimated: whether it hides the spread is unknown"
         return
@@ -71,22 +80,22 @@ def _resolution(ensemble: Ensemble, points: list[stats.Statistics | None]) -> It
     angle = f"{radians:.3g} rad" if np.isfinite(radians) else "any number of turns"
     turned = "" if all(isinstance(body, PointMass) for body in ensemble.scene.bodies) else f" and {angle}"
     yield f"estimated integration error of the runs: at most {metres:.3g} m{turned}"
-    hidden = stats.not_shown(ensemble, points)
+    hidden = not_shown(ensemble, points)
     if hidden:
         yield (
             f"the spread of {_listed(hidden)} is not shown by these runs: their integration error may exceed "
-            f"{stats.SHOWN:g} of it; use a smaller --rtol or --step"
+            f"{SHOWN:g} of it; use a smaller --rtol or --step"
         )
 
 
-def _listed(hidden: list[stats.Coordinate]) -> str:
+def _listed(hidden: list[Coordinate]) -> str:
     names = [f"{one.body}.{one.name}" for one in hidden[:MAX_NAMED]]
     return ", ".join(names) + (f" and {len(hidden) - MAX_NAMED} more" if len(hidden) > MAX_NAMED else "")
 
 
 def to_dict(ensemble: Ensemble) -> dict[str, Any]:
     """Return plain data for JSON, all but the samples: inputs and end of every run, statistics over time."""
-    points, design = stats.statistics(ensemble), ensemble.design
+    points, design = statistics(ensemble), ensemble.design
     estimates = np.fmax.reduce(ensemble.errors, axis=1)  # NaN where a run has none
     ends = zip(ensemble.statuses, ensemble.messages, ensemble.methods, ensemble.reached, estimates, strict=True)
     return {
@@ -101,7 +110,7 @@ def to_dict(ensemble: Ensemble) -> dict[str, Any]:
         "wall_s": ensemble.wall_s,
         "runs_per_s": ensemble.runs_per_s,
         "times": ensemble.times,
-        "integration_error": dict(zip(("m", "rad"), stats.integration_error(ensemble).T, strict=True)),
+        "integration_error": dict(zip(("m", "rad"), integration_error(ensemble).T, strict=True)),
         "points": [
             {"at": dict(zip(design.grids, at.tolist(), strict=True)), "bodies": _bodies(ensemble, one)}
             for at, one in zip(design.points, points, strict=True)
@@ -114,16 +123,16 @@ def to_dict(ensemble: Ensemble) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _bodies(ensemble: Ensemble, point: stats.Statistics | None) -> dict[str, Any]:
+def _bodies(ensemble: Ensemble, point: Statistics | None) -> dict[str, Any]:
     bodies: dict[str, Any] = {}
     if point is not None:
-        for k, one in enumerate(stats.coordinates(ensemble)):
+        for k, one in enumerate(coordinates(ensemble)):
             bodies.setdefault(one.body, {})[one.name] = _over_time(point, one, k)
     return bodies
 
 
-def _over_time(point: stats.Statistics, one: stats.Coordinate, k: int) -> dict[str, Any]:
-    quantiles = {f"{100.0 * share:g} %": point.quantiles[j, :, k] for j, share in enumerate(stats.QUANTILES)}
+def _over_time(point: Statistics, one: Coordinate, k: int) -> dict[str, Any]:
+    quantiles = {f"{100.0 * share:g} %": point.quantiles[j, :, k] for j, share in enumerate(QUANTILES)}
     return {
         "unit": one.unit, "runs": point.count, "mean": point.mean[:, k], "mean_standard_error": point.mean_error[:, k],
         "standard_deviation": point.deviation[:, k], "standard_deviation_standard_error": point.deviation_error[:, k],

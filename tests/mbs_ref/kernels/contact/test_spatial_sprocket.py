@@ -66,7 +66,7 @@ def _lifted(plane: Scene) -> Scene:
     normal = tuple(FRAME[:, 2].tolist())
     bodies = tuple(
         SpatialBody(
-            name=b.name, mass=b.mass, inertia=(0.3, 0.4, b.inertia, 0.0, 0.0, 0.0), position=_in_space(*b.position),
+            name=b.name, mass=b.mass, inertia=(b.inertia,) * 3 + (0.0,) * 3, position=_in_space(*b.position),
             orientation=tuple(TURN.tolist()), velocity=_in_space(*b.velocity),
             angular_velocity=tuple((FRAME[:, 2] * b.angular_velocity).tolist()),
         )
