@@ -88,7 +88,7 @@ def _lifted(plane: Scene) -> Scene:
 def test_a_sprocket_in_space_moves_its_pin_as_in_the_plane(friction):
     plane = _planar(friction)
     flat, path = simulate(plane, TIGHT), simulate(_lifted(plane), TIGHT)
-    assert flat.events > 2
+    assert flat.events >= 2
     assert path.position @ FRAME == pytest.approx(np.pad(flat.position, ((0, 0), (0, 0), (0, 1))), abs=1e-8)
     assert path.angular_velocity @ FRAME[:, 2] == pytest.approx(flat.angular_velocity, abs=1e-6)
 
