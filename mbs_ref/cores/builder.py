@@ -11,7 +11,7 @@ from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
-from mbs_ref.kernels.border.groups import Declared, declared, empty, floats, ints
+from mbs_ref.kernels.border.groups import declared, empty, floats, ints
 from mbs_ref.kernels.rigid.closures import Loops
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
@@ -104,6 +104,10 @@ class Builder(ABC):
     def direction(self, name: str, world: Any) -> np.ndarray:
         """Return a world direction at t = 0 in the axes of a body of this name."""
 
+    def angle(self, name: str) -> float:
+        """Return a planar body's angle at t = 0, rad."""
+        return 0.0
+
     def signal(self, segments: list[Segment]) -> int:
         self.segments.append(segments)
         return len(self.segments) - 1
@@ -146,23 +150,6 @@ def torsion_springs(build: Builder, rest: Callable[[TorsionSpring], float], **ma
     )  # fmt: skip
 
 
-class _End(NamedTuple):
-    """The body that carries one end of a row; mbs_ref.scene.base.rows.Axes."""
-
-    build: Any
-    name: str
-
-    @property
-    def angle(self) -> float:
-        return self.build.angle(self.name)
-
-    def point(self, world: Any) -> np.ndarray:
-        return self.build.point(self.name, world)
-
-    def direction(self, world: Any) -> np.ndarray:
-        return self.build.direction(self.name, world)
-
-
 def row_groups(build: Builder, groups: type) -> dict[str, Any]:
     """Return the arrays of each kind of row that a core's groups have, by the name of the group."""
     hints = get_type_hints(groups)
@@ -170,17 +157,16 @@ def row_groups(build: Builder, groups: type) -> dict[str, Any]:
     return {kind.GROUP: _row_group(build, kind, hints[kind.GROUP]) for kind in kinds}
 
 
-def _lengths(build: Builder, array: Declared) -> list[int]:
-    return [n if isinstance(n, int) else build.scene.dimension for n in array.shape[1:]]
-
-
 def _row_group(build: Builder, kind: type[Row], group: Any) -> Any:
     """Return the arrays of one kind of row: where each is, its numbers, and the signal of a prescribed one."""
     rows = [placed for placed in build.rows if isinstance(placed.row, kind)]
-    numbers = [r.row.numbers(_End(build, r.a), _End(build, r.b)) for r in rows]
+    numbers = [r.row.numbers(build, r.a, r.b) for r in rows]
     own = list(declared(group).items())[3:]
+    d = build.scene.dimension  # for which any word stands
     columns = {
-        name: np.array([n[k] for n in numbers], dtype=float).reshape(len(rows), *_lengths(build, array))
+        name: np.array([n[k] for n in numbers], dtype=float).reshape(
+            len(rows), *(n if isinstance(n, int) else d for n in array.shape[1:])
+        )
         for k, (name, array) in enumerate(own)
         if name != "signal"
     }

@@ -1,17 +1,17 @@
 """Contact parts -> the arrays of the shapes that may touch, and the balls that they lie in."""
 
 import math
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbs_ref.cores.events import Places
 from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.model import ContactPairs
 from mbs_ref.scene import Scene
 from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.rows import Axes
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
 from mbs_ref.scene.traits import deflecting
 
@@ -21,12 +21,6 @@ _ENDS = {
     "line": shared.ENDS_NONE, "segment": shared.ENDS_OPEN, "plane": shared.ENDS_NONE, "rectangle": shared.ENDS_OPEN,
     "capped": shared.ENDS_CAPPED,
 }  # fmt: skip
-
-
-class Axes(Places, Protocol):
-    """The bodies and their axes."""
-
-    def direction(self, name: str, world: Any) -> np.ndarray: ...
 
 
 class _Shape(NamedTuple):
@@ -70,8 +64,10 @@ def _round(part: CircleOnCircle | SphereOnSphere) -> _Shape:
 
 def _sprocket(part: PinOnSprocket) -> _Shape:
     c, s = math.cos(part.first_seat), math.sin(part.first_seat)
+    rows = np.eye(2) if part.axis is None else np.array([unit(part.seat), np.cross(unit(part.axis), unit(part.seat))])
+    axes = [c * rows[0] + s * rows[1], c * rows[1] - s * rows[0], *([] if part.axis is None else [unit(part.axis)])]
     return _Shape(
-        shared.PAIR_SPROCKET, part.center, part.clearance, part.axle, ((c, s), (-s, c)), (part.pitch_radius, 0.0),
+        shared.PAIR_SPROCKET, part.center, part.clearance, part.axle, axes, (part.pitch_radius, 0.0),
         part.teeth, part.addendum_radius - part.pitch_radius, (math.cos(part.flank_angle), math.sin(part.flank_angle)),
     )  # fmt: skip
 
@@ -114,28 +110,8 @@ class Ball(NamedTuple):
 
 def contact_balls(pairs: ContactPairs) -> NearPairs:
     """Return what every pair's shapes lie in, and the list of near pairs."""
+    dimension = pairs.center.shape[1]
     sides = [(_ball(pairs, k), _other_ball(pairs, k)) for k in range(len(pairs.kind))]
-    return _near_pairs(sides, pairs.center.shape[1])
-
-
-def _ball(pairs: ContactPairs, k: int) -> Ball:
-    radius = 0.0 if pairs.kind[k] == shared.PAIR_SPROCKET else float(pairs.radius[k])  # a pin's is in its clearance
-    return Ball(int(pairs.a[k]), tuple(pairs.center[k]), radius)
-
-
-def _other_ball(pairs: ContactPairs, k: int) -> Ball | None:
-    """Return None for a surface without ends or without a back, which reaches far below itself."""
-    endless = pairs.ends[k] == shared.ENDS_NONE or math.isinf(pairs.thickness[k])
-    if pairs.kind[k] == shared.PAIR_FLAT and endless:
-        return None
-    reach = math.hypot(*pairs.half[k]) if pairs.kind[k] == shared.PAIR_FLAT else float(pairs.half[k, 0])
-    if pairs.kind[k] == shared.PAIR_SPROCKET:
-        reach = (reach + float(pairs.thickness[k])) / math.cos(math.pi / pairs.ends[k])
-    return Ball(int(pairs.b[k]), tuple(pairs.origin[k]), reach)
-
-
-def _near_pairs(sides: list[tuple[Ball, Ball | None]], dimension: int) -> NearPairs:
-    """Return the list for pairs of balls; None stands for a shape without bounds."""
     bounded = [k for k, (_, other) in enumerate(sides) if other is not None]
     every = empty(NearPairs, dimension=dimension)._replace(
         pair=np.arange(len(sides)), count=np.array([len(sides)]), flag=np.zeros(len(sides), dtype=np.int64)
@@ -168,3 +144,19 @@ def _near_pairs(sides: list[tuple[Ball, Ball | None]], dimension: int) -> NearPa
         keyed=np.array(bounded)[by_key],
         always=np.array(sorted(set(range(len(sides))) - set(bounded)), dtype=np.int64),
     )
+
+
+def _ball(pairs: ContactPairs, k: int) -> Ball:
+    radius = 0.0 if pairs.kind[k] == shared.PAIR_SPROCKET else float(pairs.radius[k])  # a pin's is in its clearance
+    return Ball(int(pairs.a[k]), tuple(pairs.center[k]), radius)
+
+
+def _other_ball(pairs: ContactPairs, k: int) -> Ball | None:
+    """Return None for a surface without ends or without a back, which reaches far below itself."""
+    endless = pairs.ends[k] == shared.ENDS_NONE or math.isinf(pairs.thickness[k])
+    if pairs.kind[k] == shared.PAIR_FLAT and endless:
+        return None
+    reach = math.hypot(*pairs.half[k]) if pairs.kind[k] == shared.PAIR_FLAT else float(pairs.half[k, 0])
+    if pairs.kind[k] == shared.PAIR_SPROCKET:
+        reach = (reach + float(pairs.thickness[k])) / math.cos(math.pi / pairs.ends[k])
+    return Ball(int(pairs.b[k]), tuple(pairs.origin[k]), reach)

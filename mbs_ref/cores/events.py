@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.rigid.model import WATCH_COORDINATE, WATCH_DISTANCE, WATCH_RATE, Springs, Watches
 from mbs_ref.scene import GROUND, PointBushing, Scene, SpringDamper
+from mbs_ref.scene.base.rows import Axes
 from mbs_ref.scene.contact import FrictionNumbers
 from mbs_ref.scene.events import CoordinateEvent, DistanceEvent
 from mbs_ref.scene.scales import scales_of
@@ -31,14 +32,6 @@ _RELEASES = {
 _FRICTIONS = {
     "none": shared.FRICTION_NONE, "smooth": shared.FRICTION_SMOOTH, "stick_slip": shared.FRICTION_STICK_SLIP
 }  # fmt: skip
-
-
-class Places(Protocol):
-    """The bodies of a scene while it is compiled."""
-
-    def body(self, name: str) -> int: ...
-
-    def point(self, name: str, world: Any) -> np.ndarray: ...
 
 
 def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
@@ -82,13 +75,15 @@ def contact_modes(scene: Scene) -> shared.ContactModes:
     return modes
 
 
-def springs(scene: Scene, places: Places) -> Springs:
+def springs(scene: Scene, places: Axes) -> Springs:
     """Return the springs between points, and in the plane the bushings."""
     loads = [x for x in scene.loads if isinstance(x, SpringDamper | PointBushing)]
     modes = {x.name: len(scene.contacts) + k for k, x in enumerate(_tension_only(scene))}
     marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
     ends = [[places.point(body, mark) for body, mark in zip(x.ends, pair, strict=True)]
             for x, pair in zip(loads, marks, strict=True)]  # fmt: skip
+    given = [getattr(x, "rest_length", None) for x in loads]  # a bushing's marks coincide
+    rest = [math.dist(*pair) if length is None else length for length, pair in zip(given, marks, strict=True)]
     points = floats(ends, 2, scene.dimension)
     return Springs(
         a=ints([places.body(x.body_a) for x in loads]),
@@ -97,19 +92,13 @@ def springs(scene: Scene, places: Places) -> Springs:
         point_b=points[:, 1],
         stiffness=floats(x.stiffness for x in loads),
         damping=floats(x.damping for x in loads),
-        rest_length=floats(_rest_length(x) for x in loads),
+        rest_length=floats(rest),
         isotropic=ints([isinstance(x, PointBushing) for x in loads]),
         place=ints([modes.get(x.name, -1) for x in loads]),
     )
 
 
-def _rest_length(load: SpringDamper | PointBushing) -> float:
-    if isinstance(load, PointBushing):
-        return 0.0
-    return math.dist(load.point_a, load.point_b) if load.rest_length is None else load.rest_length
-
-
-def watches(scene: Scene, places: Places) -> Watches:
+def watches(scene: Scene, places: Axes) -> Watches:
     """Return the declared events."""
     noise = contact_noise(scene) if scene.events else np.zeros(3)
     ends = [(event.body_a, event.body_b) if isinstance(event, DistanceEvent) else (event.body, GROUND)

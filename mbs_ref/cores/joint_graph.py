@@ -112,15 +112,12 @@ def _are_independent(held: Sequence[SharedPoint | Prescribed]) -> bool:
     return not held or np.linalg.matrix_rank(np.vstack(directions), tol=INDEPENDENT) == row_count(held)
 
 
-def _spanning(every: list[Edge]) -> list[Edge]:
-    """Return the edges that may carry the tree: a user's row may leave a body free at some pose, and closes a loop."""
-    return [edge for edge in every if not any(isinstance(row, UserRow) for row in edge.rows)]
-
-
 def _span_graph(scene: Scene, every: list[Edge]) -> Layout:
     """Span the joint graph breadth first, ground first, stronger joints first."""
+    # a user's row may leave a body free at some pose, and closes a loop
+    spanning = [edge for edge in every if not any(isinstance(row, UserRow) for row in edge.rows)]
     neighbours: dict[int, list[Edge]] = {i: [] for i in range(-1, len(scene.bodies))}
-    for edge in sorted(_spanning(every), key=lambda e: -e.count):
+    for edge in sorted(spanning, key=lambda e: -e.count):
         neighbours[edge.a].append(edge)
         neighbours[edge.b].append(edge)
     number = {-1: len(scene.bodies)}

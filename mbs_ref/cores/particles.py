@@ -17,6 +17,7 @@ from mbs_ref.scene.units import free_fall_time
 
 _FORMS = {"central": 1, "eih": 2}
 _SOURCES = {"sun": 0, "moon": 1}
+PROFILE = ("density", "altitude", "scale_height")  # of an exponential atmosphere
 
 
 def build_particles(scene: Scene) -> arrays.ParticleGroups:
@@ -26,7 +27,7 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
     for load in scene.loads:
         by_kind[type(load)].append(load)
     zonals, figures, tides = by_kind[celestial.Oblateness], by_kind[celestial.LunarFigure], by_kind[celestial.Tide]
-    third, lights = by_kind[celestial.ThirdBody], by_kind[celestial.RadiationPressure]
+    rings, third, lights = by_kind[celestial.Ring], by_kind[celestial.ThirdBody], by_kind[celestial.RadiationPressure]
     drags = [*by_kind[celestial.Drag], *by_kind[celestial.StandardDrag]]
     relativity = _at_most_one(by_kind[celestial.Relativity])
     return arrays.ParticleGroups(
@@ -48,7 +49,10 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
             floats([x.radius for x in tides]), floats([x.love_number for x in tides]),
             floats([x.lag for x in tides]), floats([x.spin for x in tides], 3),
         ),
-        points=_ring(by_kind[celestial.Ring]),
+        points=arrays.Points(
+            floats([x.gm / x.count for x in rings for _ in range(x.count)]),
+            np.concatenate([np.zeros((0, 3)), *map(_circle, rings)]),
+        ),
         third_bodies=arrays.ThirdBodies(
             ints([place(x.body) for x in third]), ints([_SOURCES[x.source] for x in third]),
             floats([x.gm for x in third]),
@@ -56,20 +60,13 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
         drags=arrays.Drags(
             ints([place(x.body) for x in drags]), ints([place(x.planet) for x in drags]),
             ints([arrays.STANDARD if isinstance(x, celestial.StandardDrag) else arrays.EXPONENTIAL for x in drags]),
-            floats([(x.coefficient, *_profile(x), x.radius, x.spin) for x in drags], 6),
+            floats([(x.coefficient, *(getattr(x, name, 0.0) for name in PROFILE), x.radius, x.spin) for x in drags], 6),
         ),
         lights=arrays.Lights(
             ints([place(x.body) for x in lights]), ints([place(x.planet) for x in lights]),
             floats([(x.coefficient, x.radius, x.pressure) for x in lights], 3),
         ),
     )  # fmt: skip
-
-
-def _profile(drag: celestial.Drag | celestial.StandardDrag) -> tuple[float, float, float]:
-    """Return density, altitude and scale height of an exponential atmosphere; the standard one has its own numbers."""
-    if isinstance(drag, celestial.StandardDrag):
-        return 0.0, 0.0, 1.0
-    return drag.density, drag.altitude, drag.scale_height
 
 
 def _at_most_one(parts: list[Any]) -> Any:
@@ -92,14 +89,6 @@ def _particles(scene: Scene, by_kind: dict[type, list[Any]]) -> arrays.Particles
         gm, radius, np.array(scene.gravity, dtype=float), np.array([seconds]),
         ints([int(any(by_kind[kind] for kind in velocity))]),
     )  # fmt: skip
-
-
-def _ring(parts: list[Any]) -> arrays.Points:
-    places = [_circle(part) for part in parts]
-    return arrays.Points(
-        floats([part.gm / part.count for part in parts for _ in range(part.count)]),
-        np.concatenate([np.zeros((0, 3)), *places]),
-    )
 
 
 def _circle(part: celestial.Ring) -> np.ndarray:

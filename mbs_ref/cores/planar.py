@@ -1,7 +1,7 @@
 """A planar scene compiled: three coordinates a body, joint rows, reactions; callable from Python."""
 
 import math
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.model import PlanarScratch
 from mbs_ref.kernels.rigid.model import rigid_scratch
-from mbs_ref.scene import PlanarBody, PointMass, Scene, TorsionSpring
+from mbs_ref.scene import PlanarBody, PointMass, Scene
 from mbs_ref.scene.joints import PlanarPlace
 from mbs_ref.scene.scales import Scales
 
@@ -48,10 +48,6 @@ class _Builder(Builder):
         return body.angle if isinstance(body, PlanarBody) else 0.0
 
 
-def _rest_angle(build: _Builder, load: TorsionSpring) -> float:
-    return build.angle(load.body_b) - build.angle(load.body_a) if load.rest_angle is None else load.rest_angle
-
-
 def build_planar(scene: Scene) -> tuple[Any, dict[int, Place]]:
     """Compile a planar scene to PlanarGroups; also return where each joint's rows are."""
     build = _Builder(scene)
@@ -62,7 +58,9 @@ def build_planar(scene: Scene) -> tuple[Any, dict[int, Place]]:
         widths=np.full((2, build.n), 3),
         inertia=floats(inertia, 1),
         forces=forces(build),
-        torsion_springs=torsion_springs(build, partial(_rest_angle, build)),
+        torsion_springs=torsion_springs(
+            build, lambda x: build.angle(x.body_b) - build.angle(x.body_a) if x.rest_angle is None else x.rest_angle
+        ),
     )
     return groups, build.place
 

@@ -81,11 +81,12 @@ def crash_results(scene: Scene, trajectory: Trajectory) -> CrashResults:
     axial, moment, chest = _neck_axial(motion), _neck_moment(motion), _chest(motion)
     nij = injury.nij(axial, moment)
     rib, t12 = (_felt(scene, trajectory, forces, _or_thorax(scene, part)) for part in ("rib4", "T12"))
+    belts = [load for load in scene.loads if isinstance(load, SpringDamper) and load.name.startswith(BELT)]
     measures = _head_and_neck(trajectory.times, head, axial, nij) | _thorax_measures(motion, thorax, rib, t12, chest)
     return CrashResults(
         forces=forces,
         seat_force=np.sum([np.hypot(c[:, 1], c[:, 2]) for n, c in trajectory.contacts.items() if "seat" in n], axis=0),
-        belt_force=np.sum([np.zeros(len(trajectory.times)), *(tension(motion, b) for b in _belts(scene))], axis=0),
+        belt_force=np.sum([np.zeros(len(trajectory.times)), *(tension(motion, b) for b in belts)], axis=0),
         head_g=head,
         thorax_g=thorax,
         head_excursion=_excursion(scene, trajectory, "head"),
@@ -120,10 +121,6 @@ def _felt(scene: Scene, trajectory: Trajectory, forces: BodyForces, body: str) -
             pulse = values(load.factor, trajectory.times)[:, None] * np.array(load.vector)
             acceleration -= pulse / scene.bodies[k].mass
     return np.hypot(*acceleration.T) / injury.STANDARD_GRAVITY
-
-
-def _belts(scene: Scene) -> list[SpringDamper]:
-    return [load for load in scene.loads if isinstance(load, SpringDamper) and load.name.startswith(BELT)]
 
 
 def _neck_axial(motion: Motion) -> np.ndarray:

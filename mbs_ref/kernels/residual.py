@@ -17,7 +17,7 @@ from numba import carray, types  # pyright: ignore[reportPrivateImportUsage]
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.calls import call_for_numbers
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.border.handles import Model, Work, accessor, handle_class
+from mbs_ref.kernels.border.handles import Model, Work, handle_class
 from mbs_ref.kernels.jit import address_for_c, jit
 
 INDEX_1, GGL, INDEX_3, INDEX_2 = 1, 2, 3, 4
@@ -46,9 +46,6 @@ class DaeGroups(NamedTuple):
 
 
 Problem = handle_class(__name__, "Problem", DaeGroups)
-
-
-dae_of = accessor("dae")
 
 
 @jit
@@ -116,7 +113,7 @@ def _numbers(dae, vector, size):
 
 def _residual_for_c(t, x, xp, out, data):
     """Write F; return 1 where it is not finite."""
-    dae = dae_of(Problem(data))
+    dae = Problem(data).dae
     count = 2 if dae.form[0] == GGL else 1
     size = ask.position_count(Model(dae.system[0])) + dae.balance.shape[0] + count * dae.slot.shape[0]
     result = _numbers(dae, out, size)

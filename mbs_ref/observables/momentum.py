@@ -46,7 +46,7 @@ def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:
     """
     if is_celestial(scene):
         return celestial.momentum_drift(scene, trajectory)
-    if _is_held(scene):
+    if any(GROUND in part.ends for part in (*scene.joints, *scene.contacts, *scene.loads)):
         return None
     gravity = np.asarray(scene.gravity)
     moved = linear_momentum(scene, trajectory) - linear_momentum(scene, trajectory)[0]
@@ -55,8 +55,3 @@ def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:
         return np.max(np.abs(moved - np.outer(moved @ down, down)), axis=1)
     turned = angular_momentum(scene, trajectory).reshape(len(moved), -1)
     return np.maximum(np.max(np.abs(moved), axis=1), np.max(np.abs(turned - turned[0]), axis=1))
-
-
-def _is_held(scene: Scene) -> bool:
-    """Return whether anything acts on the bodies from outside: a part that does not stand between two of them."""
-    return any(GROUND in part.ends for part in (*scene.joints, *scene.contacts, *scene.loads))

@@ -5,12 +5,15 @@ release rule, and returns the numbers of the solver's kernels. Points are world 
 """
 
 import math
+from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from mbs_ref.scene.base.attached import Attached
-from mbs_ref.scene.base.part import Direction3, EndName, NonNegative, Part, Point, Point3, Positive
+from mbs_ref.scene.base.directions import require_perpendicular
+from mbs_ref.scene.base.part import Direction, Direction3, EndName, NonNegative, Part, Point, Point3, Positive
+from mbs_ref.scene.joints import axis_complaints
 
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
 
@@ -315,10 +318,10 @@ class PinOnSprocket(ContactPart):
     """A round pin in the tooth gaps of a sprocket: seats on the pitch circle with straight flanks.
 
     A gap is an arc about a point of the pitch circle, wider than the pin by `clearance`, opening
-    outwards between flanks inclined by `flank_angle`; beyond the addendum radius there is no tooth.
+    outwards between flanks inclined by `flank_angle`; beyond the addendum radius there is no tooth. In space the pin is
+    a cylinder as long as need be along the axle, touched in the plane through its centre.
     """
 
-    DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
     SHAPED_B: ClassVar[bool] = True
     MAY_HOLD: ClassVar[bool] = False
 
@@ -330,10 +333,23 @@ class PinOnSprocket(ContactPart):
     teeth: Annotated[int, Field(ge=3, le=1000)]  # number of gaps
     pitch_radius: Positive  # m
     addendum_radius: Positive  # m
-    first_seat: float = 0.0  # rad, world angle of one gap at t = 0
+    first_seat: float = 0.0  # rad, angle of one gap at t = 0, in the world or from `seat`
     clearance: Positive  # m, seat radius minus pin radius
     flank_angle: Annotated[float, Field(ge=0.0, lt=1.5)] = 0.3490658503988659  # rad (20 degrees), from the radius
+    axis: Direction | None = None  # direction of the axle, world, t = 0; required in space, forbidden in the plane
+    seat: Direction | None = None  # direction, world, t = 0, perpendicular to axis; likewise
     friction: RegularisedCoulomb | None = None  # none unless given
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.axis is not None and self.seat is not None and len(self.axis) == len(self.seat):
+            require_perpendicular("axis", self.axis, "seat", self.seat)
+        return self
+
+    def complaints(self, dimension: int) -> Iterator[str]:
+        yield from axis_complaints(self.type, self.axis, dimension)
+        if (self.axis is None) != (self.seat is None):
+            yield "axis and seat go together: give both in space, and neither in the plane"
 
 
 class SphereOnPlane(ContactPart):

@@ -56,7 +56,7 @@ def traits(scene: Scene) -> frozenset[str]:
         "planar": scene.dimension == 2,
         "spatial": scene.dimension == 3,
         "closed-loop": any(not isinstance(scene.joints[k], Drive) for k in closing),
-        "rheonomic": any(_is_rheonomic(j) for j in scene.joints),
+        "rheonomic": any(isinstance(j, Drive) or getattr(j, "depends_on_time", False) for j in scene.joints),
         "unconstrained": not scene.joints,
         "constrained": bool(scene.joints),
         "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
@@ -77,10 +77,6 @@ def is_smooth(scene: Scene) -> bool:
     """Return whether no force or speed jumps or bends: nothing touches, no spring slackens, no signal has a kink."""
     slackens = any(getattr(load, "tension_only", False) for load in scene.loads)
     return not (scene.contacts or slackens or scene.breakpoints())
-
-
-def _is_rheonomic(joint: Joint) -> bool:
-    return isinstance(joint, Drive) or (isinstance(joint, UserConstraint) and joint.depends_on_time)
 
 
 def python_parts(scene: Scene) -> list[tuple[str, str]]:

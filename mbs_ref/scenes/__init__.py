@@ -35,16 +35,13 @@ def names() -> list[str]:
 def _builders() -> dict[str, Callable[..., Scene]]:
     """Return the builder of every scene."""
     modules = [importlib.import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__)]
-    return {
-        name: item
+    own = [
+        (name, item)
         for module in modules
         for name, item in vars(module).items()
-        if getattr(item, "__module__", "") == module.__name__ and name[0] != "_" and _returns_scene(item)
-    }
-
-
-def _returns_scene(item: object) -> bool:
-    return inspect.isfunction(item) and item.__annotations__.get("return") in (Scene, "Scene")
+        if inspect.isfunction(item) and item.__module__ == module.__name__ and name[0] != "_"
+    ]
+    return {name: item for name, item in own if item.__annotations__.get("return") in (Scene, "Scene")}
 
 
 @cache

@@ -1,6 +1,7 @@
 """Chains of rods: hinged in the plane, on ball joints in space, and the N-four-bar mechanism with its loops."""
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -83,24 +84,21 @@ def n_four_bar(*, loops: Annotated[int, Field(ge=1, le=10_000)] = 2, gravity: Po
         source="IFToMM Technical Committee for Multibody Dynamics, benchmark library, A02 N-four-bar mechanism",
         duration=10.0,
         gravity=(0.0, -gravity),
-        bodies=(*(_crank(k) for k in range(loops + 1)), *(_coupler(k) for k in range(loops))),
+        bodies=tuple(_cranks_and_couplers(loops)),
         joints=tuple(joint for k in range(loops + 1) for joint in _joints(k, loops)),
     )
 
 
-def _crank(k: int) -> PlanarBody:
-    return PlanarBody(
-        name=f"crank{k}", mass=LINK_MASS, inertia=LINK_INERTIA,
-        position=(k * LINK_LENGTH, 0.5 * LINK_LENGTH), angle=UPRIGHT,
-        velocity=(0.5 * START_SPEED, 0.0), angular_velocity=-START_SPEED / LINK_LENGTH,
-    )  # fmt: skip
-
-
-def _coupler(k: int) -> PlanarBody:
-    return PlanarBody(
-        name=f"coupler{k}", mass=LINK_MASS, inertia=LINK_INERTIA,
-        position=((k + 0.5) * LINK_LENGTH, LINK_LENGTH), velocity=(START_SPEED, 0.0),
-    )  # fmt: skip
+def _cranks_and_couplers(loops: int) -> Iterator[PlanarBody]:
+    shared: dict[str, Any] = {"mass": LINK_MASS, "inertia": LINK_INERTIA}
+    for k in range(loops + 1):
+        yield PlanarBody(
+            name=f"crank{k}", position=(k * LINK_LENGTH, 0.5 * LINK_LENGTH), angle=UPRIGHT,
+            velocity=(0.5 * START_SPEED, 0.0), angular_velocity=-START_SPEED / LINK_LENGTH, **shared,
+        )  # fmt: skip
+    for k in range(loops):
+        place = ((k + 0.5) * LINK_LENGTH, LINK_LENGTH)
+        yield PlanarBody(name=f"coupler{k}", position=place, velocity=(START_SPEED, 0.0), **shared)
 
 
 def _joints(k: int, loops: int) -> list[Joint]:

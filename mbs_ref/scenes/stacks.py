@@ -12,7 +12,6 @@ from mbs_ref.scene.bodies import block_inertia, sphere_inertia
 from mbs_ref.scene.contact import (
     CircleOnCircle,
     CircleOnLine,
-    Contact,
     ProgressiveLaw,
     SphereOnPlane,
     SphereOnSphere,
@@ -133,8 +132,7 @@ def granular_column(
     law = ProgressiveLaw(stiffness=stiffness, damping=damping)
     dimension = 3 if space else 2
     centers = [_grain_place(k, across, dimension) for k in range(grains)]
-    kind = _spheres if space else _discs
-    bodies, pairs = kind(centers, mass, law)
+    bodies, pairs = _grains(centers, mass, law, dimension)
     walls = list(_walls(len(centers), centers, across * SPACING + CLEARANCE, law, dimension))
     return Scene(
         name="granular_column",
@@ -156,23 +154,15 @@ def _grain_place(k: int, across: int, dimension: int) -> tuple[float, ...]:
     return tuple((SPACING * cell + low + np.append(shift, -STAGGER)).tolist())
 
 
-def _discs(centers: list, mass: float, law: ProgressiveLaw) -> tuple[list[Any], list[Contact]]:
-    inertia = 0.5 * mass * GRAIN_RADIUS**2
-    bodies = [PlanarBody(name=f"g{k}", mass=mass, inertia=inertia, position=c) for k, c in enumerate(centers)]
-    pairs: list[Contact] = [
-        CircleOnCircle(name=f"g{i}.g{j}", body_a=f"g{i}", center_a=centers[i], radius_a=GRAIN_RADIUS, body_b=f"g{j}",
-                       center_b=centers[j], radius_b=GRAIN_RADIUS, law=law)
-        for i, j in itertools.combinations(range(len(centers)), 2)
-    ]  # fmt: skip
-    return bodies, pairs
-
-
-def _spheres(centers: list, mass: float, law: ProgressiveLaw) -> tuple[list[Any], list[Contact]]:
-    inertia = sphere_inertia(mass, GRAIN_RADIUS)
-    bodies = [SpatialBody(name=f"g{k}", mass=mass, inertia=inertia, position=c) for k, c in enumerate(centers)]
-    pairs: list[Contact] = [
-        SphereOnSphere(name=f"g{i}.g{j}", body_a=f"g{i}", center_a=centers[i], radius_a=GRAIN_RADIUS, body_b=f"g{j}",
-                       center_b=centers[j], radius_b=GRAIN_RADIUS, law=law)
+def _grains(centers: list, mass: float, law: ProgressiveLaw, dimension: int) -> tuple[list[Any], list[Any]]:
+    """Return discs or spheres, and a contact for every pair."""
+    flat: dict[str, Any] = {"mass": mass, "inertia": 0.5 * mass * GRAIN_RADIUS**2}
+    solid: dict[str, Any] = {"mass": mass, "inertia": sphere_inertia(mass, GRAIN_RADIUS)}
+    body, touch, own = (SpatialBody, SphereOnSphere, solid) if dimension == 3 else (PlanarBody, CircleOnCircle, flat)
+    bodies = [body(name=f"g{k}", position=c, **own) for k, c in enumerate(centers)]
+    pairs = [
+        touch(name=f"g{i}.g{j}", body_a=f"g{i}", center_a=centers[i], radius_a=GRAIN_RADIUS, body_b=f"g{j}",
+              center_b=centers[j], radius_b=GRAIN_RADIUS, law=law)
         for i, j in itertools.combinations(range(len(centers)), 2)
     ]  # fmt: skip
     return bodies, pairs

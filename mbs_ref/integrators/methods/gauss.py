@@ -22,10 +22,10 @@ import numpy as np
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
 from mbs_ref.kernels.algebra.dense import all_finite
-from mbs_ref.kernels.border.handles import accessor, handle_class, make_handle
+from mbs_ref.kernels.border.handles import handle_class, make_handle
 from mbs_ref.kernels.jit import jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
-from mbs_ref.kernels.particles.model import LANES, lanes_of, lights_of, particles_of
+from mbs_ref.kernels.particles.model import LANES
 from mbs_ref.kernels.particles.pair import combine, settle
 from mbs_ref.trajectory import Status
 
@@ -173,7 +173,7 @@ def _sums(g, f, b, c, lead, tail):
 @jit
 def _iterate(model, work, g, t, h, y, low, stages, enough):
     """Solve for the stage accelerations; return the evaluations made, negative where they do not settle."""
-    lanes, moves = lanes_of(work), particles_of(model).uses_velocity[0] == 1
+    lanes, moves = work.lanes, model.particles.uses_velocity[0] == 1
     for k in range(LANES):
         lanes.time[k] = t + g.c[k] * h
     for b in range(stages.f.shape[0]):
@@ -256,9 +256,6 @@ class Groups(NamedTuple):
 Coefficients = handle_class(__name__, "Coefficients", Groups)
 
 
-gauss_of = accessor("gauss")
-
-
 @cache
 def _coefficients() -> tuple[Any, Groups, np.ndarray]:
     """Return the method's coefficients as compiled code receives them, and what keeps them alive."""
@@ -284,7 +281,7 @@ def _targets(model, options):
     if options.step == 0.0:
         rtol = max(options.rtol, TINY_RTOL)
     goal = rtol ** (7.0 / 16.0)
-    if lights_of(model).body.shape[0] > 0:
+    if model.lights.body.shape[0] > 0:
         # a shadow's edge is not analytic: there the error is about coefficient 7 itself
         goal = max(rtol, RESOLVED * SUNLIGHT)
     return goal, LOOSE * rtol if rtol > 1e-13 else 0.0
@@ -358,22 +355,22 @@ def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough
     _copy(stages.old, stages.f)
     if adaptive:
         _lengthen(run, h, factor)
-    return COLLISION if touching(particles_of(model).radius, y, stages.f.shape[0]) else leg.RUNNING, lands
+    return COLLISION if touching(model.particles.radius, y, stages.f.shape[0]) else leg.RUNNING, lands
 
 
 @loop_jit
 def advance_gauss(model, work, method, options, run, y, low, scratch, times, states):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
-    g = gauss_of(method)
+    g = method.gauss
     table, lines = np.zeros((STAGES, STAGES)), np.zeros((4, STAGES))
     stages = Stages(
-        lanes_of(work).acceleration, scratch[0], scratch[1], scratch[2], scratch[3],
+        work.lanes.acceleration, scratch[0], scratch[1], scratch[2], scratch[3],
         table, (lines[0], lines[1], lines[2], lines[3]),
     )  # fmt: skip
     goal, enough = _targets(model, options)
     budget = run.steps + options.chunk
     if options.step == 0.0 and run.h == 0.0:
-        run.h = min(FIRST * free_fall(particles_of(model).gm, y, stages.f.shape[0]), times[-1] - times[0])
+        run.h = min(FIRST * free_fall(model.particles.gm, y, stages.f.shape[0]), times[-1] - times[0])
     while run.next_output < times.shape[0]:
         target = times[run.next_output]
         code, lands = _one_step(model, work, g, options, run, y, low, stages, target, goal, enough)

@@ -21,37 +21,46 @@ from numba.core.typing.templates import signature
 from numba.extending import intrinsic
 
 from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, is_handle
-from mbs_ref.kernels.border.supplies import with_parameters_of
+from mbs_ref.kernels.border.supplies import intrinsic_of, parts_of
 from mbs_ref.kernels.jit import jit
 
 MODEL, WORK = (types.NamedUniTuple(types.int64, 1, kind) for kind in (Model, Work))
 NOTHING, NUMBER, COUNT, FLAG = types.none, types.float64, types.int64, types.boolean
+NUMBERS, COUNTS = types.UniTuple(NUMBER, 2), types.UniTuple(COUNT, 2)
 VECTOR, MATRIX = (types.Array(types.float64, dimension, "C") for dimension in (1, 2))
+_NAMES = {  # of the parameters of each type
+    MODEL: "model",
+    WORK: "work",
+    NUMBER: "t tolerance factor duration span",
+    COUNT: "most slot row k",
+    FLAG: "velocity_level located",
+    VECTOR: "y dy x g out rate balance move moved",
+    MATRIX: "lam gamma table forces slips",
+}
+KINDS = {name: kind for kind, names in _NAMES.items() for name in names.split()}
 
 _asked: dict[str, tuple[int, Any]] = {}  # question -> place of its address in a handle, signature
 
 
-def question(returns: Any, *takes: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Make a question of a function whose name and docstring alone count; its first argument is MODEL or WORK.
+def question(call: str, returns: Any = NOTHING) -> Any:
+    """Return a question of this name and these parameters, whose names state their types; the first is a handle.
 
     Arrays are handed over as they are: one that is not C-contiguous is refused where the asking code is typed.
     """
+    name, parameters = parts_of(call)
+    takes = [KINDS[parameter] for parameter in parameters]
+    place = len(_asked)
+    if place == QUESTIONS:
+        raise ValueError(f"a handle has room for {QUESTIONS} questions")
+    _asked[name] = place, signature(returns, *takes)
 
-    def make(stub: Callable[..., Any]) -> Any:
-        place, kind = len(_asked), signature(returns, *takes)
-        if place == QUESTIONS:
-            raise ValueError(f"a handle has room for {QUESTIONS} questions")
-        _asked[stub.__name__] = place, kind
+    def ask(typingctx, *given):
+        if not all(map(partial(_fits, typingctx), given, takes)):
+            return None
+        own = (g if is_handle(g) else t for g, t in zip(given, takes, strict=True))
+        return signature(returns, *own), _call(place)
 
-        def ask(typingctx, *given):
-            if not all(map(partial(_fits, typingctx), given, takes)):
-                return None
-            own = (g if is_handle(g) else t for g, t in zip(given, takes, strict=True))
-            return signature(returns, *own), _call(place)
-
-        return intrinsic(with_parameters_of(stub, ask))
-
-    return make
+    return intrinsic_of(call, ask)
 
 
 def _fits(typingctx: Any, given: Any, taken: Any) -> bool:

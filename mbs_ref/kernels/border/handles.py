@@ -2,7 +2,7 @@
 
 Passing a hundred arrays by value through every call makes compilation take minutes and each call from
 Python cost microseconds. A model or workspace is instead the address of one integer array, its handle;
-an accessor returns one group of it as views, at the price of a few loads. It is a bare address because
+in compiled code `model.bodies` is one group of it as views, at the price of a few loads. It is a bare address because
 compiled code counts the references of an array it is given, atomically, at every call.
 """
 
@@ -13,7 +13,9 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.core.imputils import impl_ret_borrowed
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, intrinsic, lower_getattr_generic
 from numba.np.arrayobj import make_array, populate_array
 
 from mbs_ref.kernels.border.groups import check, declared
@@ -70,29 +72,62 @@ def is_handle(kind: Any) -> bool:
     return isinstance(kind, types.NamedUniTuple) and kind.instance_class in (Model, Work, *_owned)
 
 
-def accessor(name: str) -> Any:
-    """Return a compiled function (handle) -> the group `name` of what the handle's class was declared for.
+class _Group(NamedTuple):
+    """A group of arrays as compiled code sees it."""
+
+    kind: Any  # Numba's type
+    first: int  # place of its first array in the handle
+    known: list[list[int | None]]  # lengths of each array that the group's or the handle's declaration states
+
+
+def _group(owner: Any, name: str) -> _Group | None:
+    """Return the group of a handle's class with this name; None where it has none."""
+    groups, lengths = _owned.get(owner.instance_class, (None, {}))
+    kinds = get_type_hints(groups) if groups else {}
+    if name not in kinds:
+        return None
+    fields = list(kinds)
+    first = sum(len(declared(kinds[field])) for field in fields[: fields.index(name)])
+    arrays = list(declared(kinds[name]).values())
+    array_types = [types.Array(_DTYPES[x.dtype], len(x.shape), "C") for x in arrays]
+    known = [[lengths.get(n) if isinstance(n, str) else n for n in x.shape] for x in arrays]
+    return _Group(types.NamedTuple(array_types, kinds[name]), first, known)
+
+
+@infer_getattr
+class _GroupOfHandle(AttributeTemplate):
+    """Types model.bodies, and every other group of what a handle's class was declared for."""
+
+    key = types.NamedUniTuple
+
+    def generic_resolve(self, owner: Any, name: str) -> Any:
+        group = _group(owner, name)
+        return None if group is None else group.kind
+
+
+@lower_getattr_generic(types.NamedUniTuple)
+def _lower_group(context, builder, owner, value, name):
+    """Return a group of a handle as views of its arrays, or an ordinary field of another named tuple.
 
     Lengths that are numbers, in the group's declaration or in the handle's, are known to the compiler, and so is where
     an entry lies.
     """
+    group = _group(owner, name)
+    if group is None:
+        return impl_ret_borrowed(context, builder, owner[0], builder.extract_value(value, owner.fields.index(name)))
+    places = enumerate(zip(group.kind.types, group.known, strict=True), group.first)
+    return context.make_tuple(builder, group.kind, [_view(context, builder, value, k, *array) for k, array in places])
+
+
+def accessor(name: str) -> Any:
+    """Return a compiled function (handle) -> its group `name`."""
 
     @intrinsic
     def access(typingctx, owner):
-        groups, lengths = _owned[owner.instance_class]
-        kinds = get_type_hints(groups)
-        fields = list(kinds)
-        first = sum(len(declared(kinds[field])) for field in fields[: fields.index(name)])
-        arrays = list(declared(kinds[name]).values())
-        array_types = [types.Array(_DTYPES[x.dtype], len(x.shape), "C") for x in arrays]
-        known = [[lengths.get(n) if isinstance(n, str) else n for n in x.shape] for x in arrays]
-        group_type = types.NamedTuple(array_types, kinds[name])
-
         def codegen(context, builder, signature, args):
-            values = [_view(context, builder, args[0], first + k, kind, known[k]) for k, kind in enumerate(array_types)]
-            return context.make_tuple(builder, group_type, values)
+            return _lower_group(context, builder, owner, args[0], name)
 
-        return group_type(owner), codegen
+        return _group(owner, name).kind(owner), codegen  # type: ignore[union-attr]
 
     return access
 

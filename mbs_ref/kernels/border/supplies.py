@@ -26,15 +26,15 @@ def supply(handles: Iterable[type], interface: ModuleType, modules: Iterable[Mod
         _supplies[handle] = {name: own[name] for name in names}
 
 
-def supplied(stub: Callable[..., Any], passes_handle: bool = True) -> Any:
-    """Make a supplied function of one whose name and docstring alone count; its first argument is a handle.
+def supplied(call: str, passes_handle: bool = True) -> Any:
+    """Return a supplied function of this name and these parameters, the first of which is a handle.
 
     Without `passes_handle` that argument chooses the core, and the core's function does not receive it.
     """
-    first = 0 if passes_handle else 1
+    (name, _), first = parts_of(call), 0 if passes_handle else 1
 
     def resolve(typingctx, *given):
-        function = typeof(_supplies[given[0].instance_class][stub.__name__])
+        function = typeof(_supplies[given[0].instance_class][name])
         kind = typingctx.resolve_function_type(function, given[first:], {})
 
         def codegen(context, builder, signature, args):
@@ -45,15 +45,18 @@ def supplied(stub: Callable[..., Any], passes_handle: bool = True) -> Any:
 
         return Signature(kind.return_type, given, None), codegen
 
-    result = intrinsic(with_parameters_of(stub, resolve))
-    result.passes_handle = passes_handle  # type: ignore[attr-defined]
-    return result
+    return intrinsic_of(call, resolve)
 
 
-def with_parameters_of(stub: Callable[..., Any], function: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a function, of the typing context and any arguments, a stub's name, docstring and parameters."""
-    context = inspect.Parameter("typingctx", inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    parameters = (context, *inspect.signature(stub).parameters.values())
-    function.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    function.__name__, function.__doc__ = stub.__name__, stub.__doc__
-    return function
+def parts_of(call: str) -> tuple[str, list[str]]:
+    """Return the name and the parameters of a call such as "block(model)"."""
+    name, _, parameters = call.removesuffix(")").partition("(")
+    return name, parameters.split(", ")
+
+
+def intrinsic_of(call: str, function: Callable[..., Any]) -> Any:
+    """Return the intrinsic that a function of the typing context and any arguments defines, as that call names it."""
+    function.__name__, parameters = parts_of(call)
+    every = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD) for name in ("typingctx", *parameters)]
+    function.__signature__ = inspect.Signature(every)  # type: ignore[attr-defined]
+    return intrinsic(function)

@@ -2,19 +2,7 @@
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.figures import add_figures, add_tides, add_zonals
-from mbs_ref.kernels.particles.model import (
-    LANES,
-    drags_of,
-    figures_of,
-    lanes_of,
-    lights_of,
-    particles_of,
-    points_of,
-    relativity_of,
-    third_bodies_of,
-    tides_of,
-    zonals_of,
-)
+from mbs_ref.kernels.particles.model import LANES
 from mbs_ref.kernels.particles.newton import central_relativity, einstein_infeld_hoffmann, newton_pairs
 from mbs_ref.kernels.particles.satellites import add_drags, add_lights, add_points, add_third_bodies
 
@@ -24,7 +12,7 @@ EIH = 2
 @jit
 def accelerate(model, work):
     """Fill `acceleration` from time, base, delta and velocity in `work`; a field not in use costs a comparison."""
-    particles, lanes, relativity = particles_of(model), lanes_of(work), relativity_of(model)
+    particles, lanes, relativity = model.particles, work.lanes, model.relativity
     out = lanes.acceleration
     for i in range(out.shape[0]):
         for c in range(3):
@@ -33,19 +21,19 @@ def accelerate(model, work):
     newton_pairs(particles.gm, lanes.base, lanes.delta, out)
     if relativity.form[0] != 0:
         _relativity(particles.gm, relativity.form[0], relativity.inverse_c2[0], lanes)
-    if zonals_of(model).body.shape[0] > 0:
+    if model.zonals.body.shape[0] > 0:
         add_zonals(model, work)
-    if figures_of(model).body.shape[0] > 0:
+    if model.figures.body.shape[0] > 0:
         add_figures(model, work)
-    if tides_of(model).body.shape[0] > 0:
+    if model.tides.body.shape[0] > 0:
         add_tides(model, work)
-    if points_of(model).gm.shape[0] > 0:
+    if model.points.gm.shape[0] > 0:
         add_points(model, work)
-    if third_bodies_of(model).body.shape[0] > 0:
+    if model.third_bodies.body.shape[0] > 0:
         add_third_bodies(model, work)
-    if drags_of(model).body.shape[0] > 0:
+    if model.drags.body.shape[0] > 0:
         add_drags(model, work)
-    if lights_of(model).body.shape[0] > 0:
+    if model.lights.body.shape[0] > 0:
         add_lights(model, work)
 
 
@@ -67,7 +55,7 @@ def _relativity(gm, form, inverse_c2, lanes):
 @jit
 def particle_derivative(model, work, t, y, dy):
     """Write dy/dt = [v, a]: one instant, in every lane."""
-    lanes = lanes_of(work)
+    lanes = work.lanes
     n = lanes.base.shape[0]
     for k in range(LANES):
         lanes.time[k] = t
@@ -84,6 +72,5 @@ def particle_derivative(model, work, t, y, dy):
             dy[3 * (n + i) + c] = lanes.acceleration[i, c, 0]
 
 
-@jit
-def particle_multipliers(work, lam):
-    """There are no multipliers."""
+# There are no multipliers.
+particle_multipliers = jit(lambda work, lam: None)

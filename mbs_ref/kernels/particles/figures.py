@@ -7,7 +7,7 @@ import numpy as np
 
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.directions import earth_pole, moon_axes
-from mbs_ref.kernels.particles.model import LANES, figures_of, lanes_of, particles_of, tides_of, zonals_of
+from mbs_ref.kernels.particles.model import LANES
 from mbs_ref.kernels.particles.pair import bulge
 
 DAY = 86_400.0  # s
@@ -72,7 +72,7 @@ def _j2_alone(factor, px, py, pz, gm, i, lanes):
 
 @jit
 def add_zonals(model, work):
-    zonals, particles, lanes = zonals_of(model), particles_of(model), lanes_of(work)
+    zonals, particles, lanes = model.zonals, model.particles, work.lanes
     px, py, pz = lanes.pair[0], lanes.pair[1], lanes.pair[2]
     for z in range(zonals.body.shape[0]):
         axis = lanes.axes[0]
@@ -96,7 +96,7 @@ def add_zonals(model, work):
 @jit
 def add_figures(model, work):
     """Add gm R^2 grad(q(r) / r^5), q = -J2/2 (2 z^2 - x^2 - y^2) + 3 C22 (x^2 - y^2), in body axes."""
-    figures, particles, lanes = figures_of(model), particles_of(model), lanes_of(work)
+    figures, particles, lanes = model.figures, model.particles, work.lanes
     base, delta, axes, gm = lanes.base, lanes.delta, lanes.axes, particles.gm
     for f in range(figures.body.shape[0]):
         i, j2, c22 = figures.body[f], figures.j2[f], figures.c22[f]
@@ -127,7 +127,7 @@ def add_figures(model, work):
 @jit
 def add_tides(model, work):
     """Mignard 1979: -3 k2 gm_m R^5 / r^8 [r + tau (2 r (r.v) / r^2 + r x w + v)] on the raiser, per gm ratio."""
-    tides, particles, lanes = tides_of(model), particles_of(model), lanes_of(work)
+    tides, particles, lanes = model.tides, model.particles, work.lanes
     base, delta, velocity, out, gm = lanes.base, lanes.delta, lanes.velocity, lanes.acceleration, particles.gm
     for q in range(tides.body.shape[0]):
         i, j, lag = tides.body[q], tides.raiser[q], tides.lag[q]

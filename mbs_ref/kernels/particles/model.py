@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
-from mbs_ref.kernels.border.handles import accessor, handle_class
+from mbs_ref.kernels.border.handles import handle_class
 
 EXPONENTIAL, STANDARD = 0, 1  # atmospheres
 LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
@@ -112,15 +112,3 @@ def particle_scratch(n: int) -> ParticleScratch:
 
 ParticleModel = handle_class(__name__, "ParticleModel", ParticleGroups)
 ParticleWork = handle_class(__name__, "ParticleWork", ParticleScratch, LANES=LANES)
-
-
-particles_of = accessor("particles")
-relativity_of = accessor("relativity")
-zonals_of = accessor("zonals")
-figures_of = accessor("figures")
-tides_of = accessor("tides")
-points_of = accessor("points")
-third_bodies_of = accessor("third_bodies")
-drags_of = accessor("drags")
-lights_of = accessor("lights")
-lanes_of = accessor("lanes")

@@ -5,16 +5,7 @@ import numpy as np
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.atmosphere import standard_density
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
-from mbs_ref.kernels.particles.model import (
-    LANES,
-    STANDARD,
-    drags_of,
-    lanes_of,
-    lights_of,
-    particles_of,
-    points_of,
-    third_bodies_of,
-)
+from mbs_ref.kernels.particles.model import LANES, STANDARD
 
 DAY = 86_400.0  # s
 AU = 149_597_870_700.0  # m
@@ -23,7 +14,7 @@ SUN_RADIUS = 6.957e8  # m, IAU 2015 Resolution B3
 
 @jit
 def add_points(model, work):
-    points, lanes = points_of(model), lanes_of(work)
+    points, lanes = model.points, work.lanes
     base, delta, out = lanes.base, lanes.delta, lanes.acceleration
     for i in range(base.shape[0]):
         for p in range(points.gm.shape[0]):
@@ -41,7 +32,7 @@ def add_points(model, work):
 @jit
 def add_third_bodies(model, work):
     """gm [(s - r)/|s - r|^3 - s/|s|^3] with r from the origin, where the body at rest is."""
-    third, particles, lanes = third_bodies_of(model), particles_of(model), lanes_of(work)
+    third, particles, lanes = model.third_bodies, model.particles, work.lanes
     place = lanes.axes[0]
     for q in range(third.body.shape[0]):
         i = third.body[q]
@@ -64,7 +55,7 @@ def add_third_bodies(model, work):
 @jit
 def add_drags(model, work):
     """-(1/2) rho (c_D A / m) |u| u with u the velocity in the turning air."""
-    drags, lanes = drags_of(model), lanes_of(work)
+    drags, lanes = model.drags, work.lanes
     base, delta, velocity = lanes.base, lanes.delta, lanes.velocity
     for q in range(drags.body.shape[0]):
         i, j, number = drags.body[q], drags.center[q], drags.number[q]
@@ -104,7 +95,7 @@ def lit_share(a, b, c):
 @jit
 def add_lights(model, work):
     """P (c_R A / m) (1 au)^2 (r - s)/|r - s|^3 times the visible share of the Sun."""
-    lights, particles, lanes = lights_of(model), particles_of(model), lanes_of(work)
+    lights, particles, lanes = model.lights, model.particles, work.lanes
     sun, away, here = lanes.axes[0], lanes.axes[1], lanes.axes[2]
     for q in range(lights.body.shape[0]):
         i, j, number = lights.body[q], lights.center[q], lights.number[q]

@@ -16,14 +16,13 @@ from mbs_ref.kernels.planar.model import RATES, PlanarGroups, PlanarScratch
 from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
-from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, solved_of, tree_of
 
 
 @jit
 def load_state(model, work, y):
     """Copy the state into elimination order and turn angles into cosines and sines."""
-    bodies, kin = bodies_of(model), kinematics_of(work)
-    solved_of(work).time[0] = np.nan
+    bodies, kin = model.bodies, work.kinematics
+    work.solved.time[0] = np.nan
     n = bodies.mass.shape[0]
     for i in range(n):
         k = 3 * bodies.scene_index[i]
@@ -38,25 +37,15 @@ def load_state(model, work, y):
         kin.motion[i, 3] = angle
 
 
-@jit
-def block(model):
-    return RATES
-
-
-@jit
-def normalize(model, y):
-    pass
-
-
-@jit
-def largest_norm_defect(model, work):
-    return 0.0
+block = jit(lambda model: RATES)
+normalize = jit(lambda model, y: None)
+largest_norm_defect = jit(lambda model, work: 0.0)
 
 
 @jit
 def subtract_inertia(model, work, acceleration, load):
     """Write f - M a into load."""
-    bodies, force = bodies_of(model), kinematics_of(work).force
+    bodies, force = model.bodies, work.kinematics.force
     for i in range(bodies.mass.shape[0]):
         load[i, 0] = force[i, 0] - bodies.mass[i] * acceleration[i, 0]
         load[i, 1] = force[i, 1] - bodies.mass[i] * acceleration[i, 1]
@@ -68,7 +57,7 @@ def planar_derivative(model, work, t, y, dy):
     """Write dy/dt = [v, a]."""
     if not is_solved(work, t, y):
         accelerate(model, work, t, y)
-    bodies, acceleration = bodies_of(model), tree_of(work).acceleration
+    bodies, acceleration = model.bodies, work.tree.acceleration
     n = bodies.mass.shape[0]
     for k in range(3 * n):
         dy[k] = y[3 * n + k]
@@ -85,9 +74,7 @@ def add_rates(model, work, i, factor, rates, out, k):
         out[k + c] += factor * rates[c]
 
 
-@jit
-def world_rates(model, work, i, values, k):
-    return values[k], values[k + 1], values[k + 2]
+world_rates = jit(lambda model, work, i, values, k: (values[k], values[k + 1], values[k + 2]))
 
 
 @jit
@@ -99,7 +86,7 @@ def plus_product(model, work, total, i, row, values, k):
 
 @jit
 def _add_correction(model, work, y, offset):
-    bodies, tree = bodies_of(model), tree_of(work)
+    bodies, tree = model.bodies, work.tree
     for i in range(bodies.mass.shape[0]):
         add_rates(model, work, i, 1.0, tree.acceleration[i], y, offset + bodies.q[i])
 
@@ -115,7 +102,7 @@ def planar_tangent(model, work, x):
 
     Uses the factorization in `work`, of the last acceleration or projection.
     """
-    bodies, slots, rows, tree = bodies_of(model), slots_of(model), rows_of(work), tree_of(work)
+    bodies, slots, rows, tree = model.bodies, model.slots, work.rows, work.tree
     n = bodies.mass.shape[0]
     for offset in (0, 3 * n):
         for i in range(n):
@@ -130,7 +117,7 @@ def planar_tangent(model, work, x):
 @jit
 def planar_times_mass(model, rate, out):
     """Write M rate (3 n,)."""
-    bodies = bodies_of(model)
+    bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
         k = 3 * bodies.scene_index[i]
         out[k] = bodies.mass[i] * rate[k]
@@ -151,6 +138,8 @@ def planar_position_rate(model, y, rate, out):
     for k in range(rate.shape[0]):
         out[k] = rate[k]
 
+
+planar_rate_from = planar_position_rate
 
 PlanarModel = handle_class(__name__, "PlanarModel", PlanarGroups, dimension=2, tangents=1, axes=0, turns=1, moments=1)
 PlanarWork = handle_class(__name__, "PlanarWork", PlanarScratch, rates=3)

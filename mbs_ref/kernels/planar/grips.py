@@ -8,7 +8,6 @@ import math
 
 from mbs_ref.kernels.contact.laws import FRICTION_SMOOTH, GRIP_BACKWARD, GRIP_FORWARD, GRIP_PROBE, GRIP_STICK
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of
 
 
 @bare
@@ -26,49 +25,43 @@ def _friction(laws, modes, k, normal, touch):
 
 @bare
 def friction_force(model, work, k, touch, normal):
-    tangential = _friction(contact_laws_of(model), contact_modes_of(model), k, normal, touch)
+    tangential = _friction(model.contact_laws, model.contact_modes, k, normal, touch)
     return tangential * touch.normal[1], -tangential * touch.normal[0]
 
 
-@bare
-def slip_of(model, touch):
-    return (touch.slip,)
+slip_of = bare(lambda model, touch: (touch.slip,))
 
 
 @jit
 def grip_force(model, work, k, touch, normal):
-    return (_friction(contact_laws_of(model), contact_modes_of(model), k, normal, touch),)
+    return (_friction(model.contact_laws, model.contact_modes, k, normal, touch),)
 
 
 @jit
 def ahead(model, k, touch):
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     return modes.grip[k] * touch.slip - modes.anchor[k, 0]
 
 
-@jit
-def has_stopped(model, k, touch):
-    return True
+has_stopped = jit(lambda model, k, touch: True)
 
 
 @jit
 def start_grip(model, k, touch):
-    contact_modes_of(model).anchor[k, 0] = touch.held
+    model.contact_modes.anchor[k, 0] = touch.held
 
 
-@jit
-def stop_together(model, work, y, g):
-    pass
+stop_together = jit(lambda model, work, y, g: None)
 
 
 @jit
 def stick(model, y, k, touch, force):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    laws, modes = model.contact_laws, model.contact_modes
     modes.anchor[k, 0] = touch.held + force[0] / laws.grip_stiffness[k]
 
 
 @jit
 def slide_along(model, k, touch, sign, u):
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     modes.grip[k] = GRIP_BACKWARD if sign * u[0] < 0.0 else GRIP_FORWARD
     modes.anchor[k, 0] = min(modes.grip[k] * touch.slip, 0.0)

@@ -1,12 +1,11 @@
 """Applied forces in the plane."""
 
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.rigid.model import bodies_of, forces_of, kinematics_of, torsion_springs_of, world_of
 
 
 @bare
 def apply_gravity(model, work):
-    weigh(bodies_of(model), world_of(model).gravity, kinematics_of(work))
+    weigh(model.bodies, model.world.gravity, work.kinematics)
 
 
 @bare
@@ -22,13 +21,13 @@ def weigh(bodies, gravity, kin):
 
 @bare
 def apply_torque(model, work, k, scale):
-    load = forces_of(model)
-    kinematics_of(work).force[load.body[k], 2] += scale * load.torque[k, 0]
+    load = model.forces
+    work.kinematics.force[load.body[k], 2] += scale * load.torque[k, 0]
 
 
 @bare
 def apply_own_loads(model, work):
-    spring, kin = torsion_springs_of(model), kinematics_of(work)
+    spring, kin = model.torsion_springs, work.kinematics
     for k in range(spring.a.shape[0]):
         a = spring.a[k]
         b = spring.b[k]
@@ -40,7 +39,7 @@ def apply_own_loads(model, work):
 
 @jit
 def put_state(work, i, k):
-    kin = kinematics_of(work)
+    kin = work.kinematics
     kin.user[0, k, 0], kin.user[0, k, 1], kin.user[0, k, 2] = kin.pose[i, 0], kin.pose[i, 1], kin.motion[i, 3]
     for c in range(3):
         kin.user[1, k, c] = kin.motion[i, c]

@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints, joined
-from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.rigid import model as shared
 
 RATES = tuple(range(3))  # of a body: a loop over it has bounds that the compiler knows
@@ -34,8 +33,6 @@ class AngleDrives(NamedTuple):
 
 
 PlanarGroups = joined("PlanarGroups", shared.GROUPS, angles=Angles, angle_drives=AngleDrives)
-angles_of = accessor("angles")
-angle_drives_of = accessor("angle_drives")
 
 
 class Kinematics(NamedTuple):

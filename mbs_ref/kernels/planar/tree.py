@@ -5,13 +5,9 @@ Factors L D L^T lie in the lower triangles: L below the diagonal, and 1 / D on i
 
 from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
 from mbs_ref.kernels.jit import bare, jit, placed
-from mbs_ref.kernels.rigid.model import bodies_of, closures_of, rows_of, slots_of, tree_of
 
-
-@bare
-def _factors(a):
-    """Return the factors in a lower triangle as `ldl3_solve` takes them."""
-    return a[0, 0], a[1, 1], a[2, 2], a[1, 0], a[2, 0], a[2, 1]
+# Return the factors in a lower triangle as `ldl3_solve` takes them.
+_factors = bare(lambda a: (a[0, 0], a[1, 1], a[2, 2], a[1, 0], a[2, 0], a[2, 1]))
 
 
 @bare
@@ -19,26 +15,16 @@ def _put_factors(a, m):
     a[0, 0], a[1, 1], a[2, 2], a[1, 0], a[2, 0], a[2, 1] = m
 
 
-@bare
-def _solve(m, b0, b1, b2):
-    return ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], b0, b1, b2)
-
-
-@bare
-def _product(a, r, b):
-    """Return row r of a times b."""
-    return a[r, 0] * b[0] + a[r, 1] * b[1] + a[r, 2] * b[2]
-
-
-@bare
-def _idle(count, row):
-    """Return the pivot of an unused row, which keeps S regular; 0 for a row in use."""
-    return 1.0 if row >= count else 0.0
+_solve = bare(lambda m, b0, b1, b2: ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], b0, b1, b2))
+# Return row r of a times b.
+_product = bare(lambda a, r, b: a[r, 0] * b[0] + a[r, 1] * b[1] + a[r, 2] * b[2])
+# Return the pivot of an unused row, which keeps S regular; 0 for a row in use.
+_idle = bare(lambda count, row: 1.0 if row >= count else 0.0)
 
 
 @placed
 def start_blocks(model, work):
-    bodies, tree = bodies_of(model), tree_of(work)
+    bodies, tree = model.bodies, work.tree
     for i in range(bodies.mass.shape[0]):
         art = tree.articulated[i]
         art[0, 0] = art[1, 1] = bodies.mass[i]
@@ -48,7 +34,7 @@ def start_blocks(model, work):
 
 @placed
 def factor_body(model, work, i, parent):
-    tree, jac, count = tree_of(work), rows_of(work).jacobian[i, 0], slots_of(model).count[i]
+    tree, jac, count = work.tree, work.rows.jacobian[i, 0], model.slots.count[i]
     art, lift = tree.articulated[i], tree.lift[i]
     m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
     _put_factors(art, m)
@@ -66,9 +52,9 @@ def factor_body(model, work, i, parent):
         _product(jac, 2, c) + _idle(count, 2),
     )
     _put_factors(tree.row_factor[i], s)
-    if parent == bodies_of(model).mass.shape[0]:
+    if parent == model.bodies.mass.shape[0]:
         return
-    far, transfer, up = rows_of(work).jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
+    far, transfer, up = work.rows.jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
     for c in range(3):
         transfer[0, c], transfer[1, c], transfer[2, c] = _solve(s, far[0, c], far[1, c], far[2, c])
     for r in range(3):
@@ -78,22 +64,22 @@ def factor_body(model, work, i, parent):
 
 @placed
 def solve_free(model, work, i, parent, gamma, multiplier):
-    tree, jac, far = tree_of(work), rows_of(work).jacobian[i, 0], rows_of(work).jacobian[i, 1]
+    tree, jac, far = work.tree, work.rows.jacobian[i, 0], work.rows.jacobian[i, 1]
     load, free = tree.load[i], tree.free[i]
     f = _solve(_factors(tree.articulated[i]), load[0], load[1], load[2])
     free[0], free[1], free[2] = f
     rest = _product(jac, 0, f) - gamma[0], _product(jac, 1, f) - gamma[1], _product(jac, 2, f) - gamma[2]
     u = _solve(_factors(tree.row_factor[i]), rest[0], rest[1], rest[2])
     multiplier[0], multiplier[1], multiplier[2] = u
-    if parent != bodies_of(model).mass.shape[0]:
+    if parent != model.bodies.mass.shape[0]:
         for c in range(3):
             tree.load[parent, c] -= far[0, c] * u[0] + far[1, c] * u[1] + far[2, c] * u[2]
 
 
 @placed
 def accelerate_body(model, work, i, parent, multiplier, acceleration):
-    tree, out = tree_of(work), acceleration[i]
-    if parent != bodies_of(model).mass.shape[0]:
+    tree, out = work.tree, acceleration[i]
+    if parent != model.bodies.mass.shape[0]:
         for r in range(3):
             multiplier[r] += _product(tree.transfer[i], r, acceleration[parent])
     for r in range(3):
@@ -104,13 +90,13 @@ def accelerate_body(model, work, i, parent, multiplier, acceleration):
 def plus_mobility(model, work, total, i, row):
     if row[0] == 0.0 and row[1] == 0.0 and row[2] == 0.0:
         return total  # an open contact's: most are
-    bodies = bodies_of(model)
+    bodies = model.bodies
     return total + ((row[0] * row[0] + row[1] * row[1]) / bodies.mass[i] + row[2] * row[2] / bodies.inertia[i, 0])
 
 
 @placed
 def pass_closure(model, work, i, here, there, count):
-    tree, closures = tree_of(work), closures_of(work)
+    tree, closures = work.tree, work.closures
     m, s, lift, transfer = _factors(tree.articulated[i]), _factors(tree.row_factor[i]), tree.lift[i], tree.transfer[i]
     joint, column = closures.joint[here], closures.column[here]
     for r in range(count):

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.border.handles import accessor, handle_class
+from mbs_ref.kernels.border.handles import handle_class
 
 FREE, REVOLUTE, PRISMATIC, WELD, SPHERICAL, HELD = range(6)  # HELD: a particle at a joint's point
 
@@ -73,10 +73,3 @@ class RelativeScratch(NamedTuple):
 
 TreeModel = handle_class(__name__, "TreeModel", RelativeGroups)
 TreeWork = handle_class(__name__, "TreeWork", RelativeScratch)
-
-
-joints_of = accessor("joints")
-redundant_of = accessor("redundant")
-links_of = accessor("links")
-recursion_of = accessor("recursion")
-full_of = accessor("full")

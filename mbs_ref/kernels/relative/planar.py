@@ -13,36 +13,19 @@ from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
 from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork
 from mbs_ref.kernels.planar.vectors import minus, pair, perpendicular, plus, rotated, times
-from mbs_ref.kernels.relative.model import (
-    FREE,
-    HELD,
-    PRISMATIC,
-    REVOLUTE,
-    full_of,
-    joints_of,
-    links_of,
-    recursion_of,
-    redundant_of,
-)
-from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
+from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE
 
 ORIGIN = (0.0, 0.0)
 
 
-@jit
-def _redundant_model(model):
-    return PlanarModel(redundant_of(model).address[0])
-
-
-@jit
-def _redundant_work(model):
-    return PlanarWork(redundant_of(model).address[1])
+_redundant_model = jit(lambda model: PlanarModel(model.redundant.address[0]))
+_redundant_work = jit(lambda model: PlanarWork(model.redundant.address[1]))
 
 
 @jit
 def place_planar(model, work, y):
     """Write every body's pose and motion to the redundant system's scratch, and the joints' links."""
-    place_tree(joints_of(model), links_of(work), kinematics_of(_redundant_work(model)), y)
+    place_tree(model.joints, work.links, _redundant_work(model).kinematics, y)
 
 
 @bare
@@ -104,10 +87,10 @@ def _put_joined(joints, links, kin, y, i):
 
 
 @jit
-def expand_planar(model, work, y):
+def relative_planar_expand(model, work, y):
     """Place the tree at y and write the redundant system's state to `full`."""
     place_planar(model, work, y)
-    full, bodies, kin = full_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
+    full, bodies, kin = work.full, _redundant_model(model).bodies, _redundant_work(model).kinematics
     n = bodies.mass.shape[0]
     for i in range(n):
         k = 3 * bodies.scene_index[i]
@@ -186,8 +169,8 @@ def relative_planar_derivative(model, work, t, y, dy):
     """Write dy/dt = [u, u']."""
     place_planar(model, work, y)
     ask.apply_loads(_redundant_model(model), _redundant_work(model), t)
-    bodies, kin = bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
-    release_tree(joints_of(model), links_of(work), bodies, kin, recursion_of(work), y, dy)
+    bodies, kin = _redundant_model(model).bodies, _redundant_work(model).kinematics
+    release_tree(model.joints, work.links, bodies, kin, work.recursion, y, dy)
 
 
 @bare
@@ -212,10 +195,13 @@ def relative_planar_position_rate(model, y, rate, out):
         out[k] = rate[k]
 
 
+relative_planar_rate_from = relative_planar_position_rate
+
+
 @jit
-def take_planar_velocities(model, work, y):
+def relative_planar_take_velocities(model, work, y):
     """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
-    joints, links, full, bodies = joints_of(model), links_of(work), full_of(work), bodies_of(_redundant_model(model))
+    joints, links, full, bodies = model.joints, work.links, work.full, _redundant_model(model).bodies
     n = bodies.mass.shape[0]
     for i in range(n):
         k, parent, v, own = 3 * (n + bodies.scene_index[i]), joints.parent[i], joints.v[i], links.velocity[i]

@@ -9,54 +9,31 @@ import numpy as np
 from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import inlined, jit
-from mbs_ref.kernels.relative.model import (
-    FREE,
-    HELD,
-    PRISMATIC,
-    REVOLUTE,
-    SPHERICAL,
-    WELD,
-    full_of,
-    joints_of,
-    links_of,
-    recursion_of,
-    redundant_of,
-)
-from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of
+from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE, SPHERICAL, WELD
 from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
 from mbs_ref.kernels.spatial.model import RATES
-from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, rotation, theta_rate, world_inertia
+from mbs_ref.kernels.spatial.orientation import (
+    composed,
+    parameters,
+    put_parameters,
+    rotation,
+    theta_rate,
+    world_inertia,
+)
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 
 NOTHING = (0.0, 0.0, 0.0)
 
 
-@jit
-def _redundant_model(model):
-    return SpatialModel(redundant_of(model).address[0])
-
-
-@jit
-def _redundant_work(model):
-    return SpatialWork(redundant_of(model).address[1])
-
-
-@jit
-def _composed(p, q):
-    """Return the Euler parameters of the turn q followed by p."""
-    return (
-        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-        p[0] * q[1] + q[0] * p[1] + p[2] * q[3] - p[3] * q[2],
-        p[0] * q[2] + q[0] * p[2] + p[3] * q[1] - p[1] * q[3],
-        p[0] * q[3] + q[0] * p[3] + p[1] * q[2] - p[2] * q[1],
-    )
+_redundant_model = jit(lambda model: SpatialModel(model.redundant.address[0]))
+_redundant_work = jit(lambda model: SpatialWork(model.redundant.address[1]))
 
 
 @jit
 def place_spatial(model, work, y):
     """Write every body's pose and motion to the redundant system's scratch, and the joints' links."""
-    joints, links = joints_of(model), links_of(work)
-    bodies, kin = bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
+    joints, links = model.joints, work.links
+    bodies, kin = _redundant_model(model).bodies, _redundant_work(model).kinematics
     for i in range(joints.kind.shape[0]):
         own = links.velocity[i]
         if bodies.rigid[i] == 1:
@@ -87,9 +64,9 @@ def _orient(joints, kin, y, i):
     own = parameters(joints.offset[i], 0)
     if kind == REVOLUTE:
         c, s, axis = np.cos(0.5 * y[q]), np.sin(0.5 * y[q]), joints.axis[i]
-        own = _composed(own, (c, s * axis[0], s * axis[1], s * axis[2]))
+        own = composed(own, (c, s * axis[0], s * axis[1], s * axis[2]))
     if parent < joints.kind.shape[0]:
-        own = _composed(parameters(kin.theta[parent], 0), own)
+        own = composed(parameters(kin.theta[parent], 0), own)
     put_parameters(kin.theta[i], 0, own)
 
 
@@ -100,9 +77,7 @@ def _put_freedom(freedom, axis, away):
     put(freedom, 3, axis)
 
 
-@jit
-def _column(a, k):
-    return a[0, k], a[1, k], a[2, k]
+_column = jit(lambda a, k: (a[0, k], a[1, k], a[2, k]))
 
 
 @inlined
@@ -139,10 +114,10 @@ def _put_joined(joints, links, kin, y, i):
 
 
 @jit
-def expand_spatial(model, work, y):
+def relative_spatial_expand(model, work, y):
     """Place the tree at y and write the redundant system's state to `full`."""
     place_spatial(model, work, y)
-    full, bodies, kin = full_of(work), bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model))
+    full, bodies, kin = work.full, _redundant_model(model).bodies, _redundant_work(model).kinematics
     for i in range(bodies.mass.shape[0]):
         put(full.state, bodies.q[i], kin.position[i])
         put(full.state, bodies.v[i], kin.velocity[i])
@@ -206,9 +181,7 @@ def _free_three(links, rec, i):
             a[r, c] -= z0 * u[0, c] + z1 * u[1, c] + z2 * u[2, c]
 
 
-@jit
-def _ball_solve(d, b):
-    return ldl3_solve(d[0], d[1], d[2], d[3], d[4], d[5], b[0], b[1], b[2])
+_ball_solve = jit(lambda d, b: ldl3_solve(d[0], d[1], d[2], d[3], d[4], d[5], b[0], b[1], b[2]))
 
 
 @inlined
@@ -236,10 +209,8 @@ def _pass_on(joints, links, rec, i):
     add(push, 3, plus(cross(d, triple(f, 0)), times(t, triple(f, 3))))
 
 
-@jit
-def _column_from(a, k):
-    """Return a column of H."""
-    return a[3, k], a[4, k], a[5, k]
+# Return a column of H.
+_column_from = jit(lambda a, k: (a[3, k], a[4, k], a[5, k]))
 
 
 @inlined
@@ -287,7 +258,7 @@ def _release(joints, links, kin, rec, i):
 
 @jit
 def _load_blocks(model, work):
-    bodies, kin, rec = bodies_of(_redundant_model(model)), kinematics_of(_redundant_work(model)), recursion_of(work)
+    bodies, kin, rec = _redundant_model(model).bodies, _redundant_work(model).kinematics, work.recursion
     for i in range(bodies.mass.shape[0]):
         a, j = rec.articulated[i], kin.inertia[i]
         for r in RATES:
@@ -305,8 +276,8 @@ def relative_spatial_derivative(model, work, t, y, dy):
     """Write dy/dt: lengths, angles and theta' = E^T omega / 2, then u'."""
     place_spatial(model, work, y)
     ask.apply_loads(_redundant_model(model), _redundant_work(model), t)
-    joints, links, rec = joints_of(model), links_of(work), recursion_of(work)
-    kin = kinematics_of(_redundant_work(model))
+    joints, links, rec = model.joints, work.links, work.recursion
+    kin = _redundant_work(model).kinematics
     n = joints.kind.shape[0]
     _load_blocks(model, work)
     for i in range(n - 1, -1, -1):
@@ -329,14 +300,14 @@ def relative_spatial_derivative(model, work, t, y, dy):
 @jit
 def relative_spatial_position_rate(model, y, rate, out):
     """Write the rates of lengths, angles and Euler parameters at `rate`: theta' = theta (0, omega) / 2."""
-    joints = joints_of(model)
+    joints = model.joints
     start = np.min(joints.v)
     for i in range(joints.kind.shape[0]):
         q, v, count = joints.q[i], joints.v[i] - start, joints.freedoms[i]
         k = _theta_of(joints, i)
         if k >= 0:
             half = times(0.5, triple(rate, v + k - q))
-            put_parameters(out, k, _composed(parameters(y, k), (0.0, half[0], half[1], half[2])))
+            put_parameters(out, k, composed(parameters(y, k), (0.0, half[0], half[1], half[2])))
         if joints.kind[i] != SPHERICAL:
             for c in range(min(count, 3)):
                 out[q + c] = rate[v + c]
@@ -345,14 +316,14 @@ def relative_spatial_position_rate(model, y, rate, out):
 @jit
 def relative_spatial_rate_from(model, y, moved, out):
     """Write the rates, turns in body axes, that rates of lengths, angles and Euler parameters mean."""
-    joints = joints_of(model)
+    joints = model.joints
     start = np.min(joints.v)
     for i in range(joints.kind.shape[0]):
         q, v = joints.q[i], joints.v[i] - start
         k = _theta_of(joints, i)
         if k >= 0:
             e0, e1, e2, e3 = parameters(y, k)
-            put(out, v + k - q, times(2.0, _composed((e0, -e1, -e2, -e3), parameters(moved, k))[1:]))
+            put(out, v + k - q, times(2.0, composed((e0, -e1, -e2, -e3), parameters(moved, k))[1:]))
         if joints.kind[i] != SPHERICAL:
             for c in range(min(joints.freedoms[i], 3)):
                 out[v + c] = moved[q + c]
@@ -369,7 +340,7 @@ def _theta_of(joints, i):
 @jit
 def relative_spatial_compliance(model, work, t, y):
     """Return the largest |theta . theta - 1|: no other constraint is left."""
-    joints, largest = joints_of(model), 0.0
+    joints, largest = model.joints, 0.0
     for i in range(joints.kind.shape[0]):
         k = _theta_of(joints, i)
         if k >= 0:
@@ -383,7 +354,7 @@ def relative_spatial_compliance(model, work, t, y):
 @jit
 def relative_spatial_project(model, work, t, y, tolerance, most):
     """Bring Euler parameters to norm one."""
-    joints = joints_of(model)
+    joints = model.joints
     for i in range(joints.kind.shape[0]):
         k = _theta_of(joints, i)
         if k >= 0:
@@ -394,10 +365,10 @@ def relative_spatial_project(model, work, t, y, tolerance, most):
 
 
 @jit
-def take_spatial_velocities(model, work, y):
+def relative_spatial_take_velocities(model, work, y):
     """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
-    joints, links, full, bodies = joints_of(model), links_of(work), full_of(work), bodies_of(_redundant_model(model))
-    kin = kinematics_of(_redundant_work(model))
+    joints, links, full, bodies = model.joints, work.links, work.full, _redundant_model(model).bodies
+    kin = _redundant_work(model).kinematics
     for i in range(bodies.mass.shape[0]):
         own, of_parent, v = links.velocity[i], links.velocity[joints.parent[i]], joints.v[i]
         put(own, 0, triple(full.state, bodies.v[i]))

@@ -3,14 +3,14 @@
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, position_count, rows_of, slots_of, tree_of
+from mbs_ref.kernels.rigid.model import position_count
 from mbs_ref.kernels.rows import take_reactions
 
 
 @jit
 def _as_rates(model, work, rates, out):
     """Write rates (n + 1, rates) of bodies in elimination order as the state has rates."""
-    bodies, start = bodies_of(model), position_count(model)
+    bodies, start = model.bodies, position_count(model)
     out[:] = 0.0
     for i in range(bodies.mass.shape[0]):
         core.add_rates(model, work, i, 1.0, rates[i], out, bodies.v[i] - start)
@@ -19,32 +19,32 @@ def _as_rates(model, work, rates, out):
 @jit
 def rigid_force_balance(model, work, t, y, lam, out):
     """Write f - C_q^T lambda as the state has rates, and leave C, C_dot and C_q in `work`."""
-    slots, rows, kin = slots_of(model), rows_of(work), kinematics_of(work)
+    slots, rows, kin = model.slots, work.rows, work.kinematics
     core.load_state(model, work, y)
     apply_loads(model, work, t)
     fill_rows(model, work, t)
     take_reactions(kin.force, slots.body, rows.jacobian, lam)
-    kin.force[bodies_of(model).mass.shape[0]] = 0.0
+    kin.force[model.bodies.mass.shape[0]] = 0.0
     _as_rates(model, work, kin.force, out)
 
 
 @jit
 def rigid_answer(model, work, balance, out):
     """Solve the augmented system for a balance and the gamma in `work`; write the accelerations to out."""
-    bodies, tree, start = bodies_of(model), tree_of(work), position_count(model)
+    bodies, tree, start = model.bodies, work.tree, position_count(model)
     factor(model, work)
     for i in range(bodies.mass.shape[0]):
         rates = core.world_rates(model, work, i, balance, bodies.v[i] - start)
         for c in range(len(core.block(model))):
             tree.load[i, c] = rates[c]
-    solve(model, work, rows_of(work).gamma)
+    solve(model, work, work.rows.gamma)
     _as_rates(model, work, tree.acceleration, out)
 
 
 @jit
 def rigid_row_times(model, work, slot, row, rate):
     """Return one constraint row applied to rates."""
-    bodies, slots, rows, start = bodies_of(model), slots_of(model), rows_of(work), position_count(model)
+    bodies, slots, rows, start = model.bodies, model.slots, work.rows, position_count(model)
     total = 0.0
     for side in range(2):
         i = slots.body[slot, side]
@@ -57,7 +57,7 @@ def rigid_row_times(model, work, slot, row, rate):
 @jit
 def rigid_add_row(model, work, slot, row, factor, out):
     """Add factor times one constraint row to out."""
-    bodies, slots, rows, start = bodies_of(model), slots_of(model), rows_of(work), position_count(model)
+    bodies, slots, rows, start = model.bodies, model.slots, work.rows, position_count(model)
     for side in range(2):
         i = slots.body[slot, side]
         if i < bodies.mass.shape[0]:
@@ -67,11 +67,9 @@ def rigid_add_row(model, work, slot, row, factor, out):
 @jit
 def rigid_defect_of(work, velocity_level):
     """Return C or C_dot (n_slots, rates)."""
-    rows = rows_of(work)
+    rows = work.rows
     return rows.rate if velocity_level else rows.residual
 
 
-@jit
-def rigid_gamma_of(work):
-    """Return gamma (n_slots, rates)."""
-    return rows_of(work).gamma
+# Return gamma (n_slots, rates).
+rigid_gamma_of = jit(lambda work: work.rows.gamma)

@@ -8,19 +8,7 @@ import numpy as np
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import (
-    CONTROL_POSITION_GAIN,
-    CONTROL_VELOCITY_GAIN,
-    bodies_of,
-    closures_of,
-    kinematics_of,
-    loops_of,
-    rows_of,
-    slots_of,
-    solved_of,
-    tree_of,
-    world_of,
-)
+from mbs_ref.kernels.rigid.model import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.kernels.rigid.tree import factor_tree, solve_tree
 from mbs_ref.kernels.rows import add_to, clear, copy_rows, largest_entry, negate, take_accelerations, take_reactions
 
@@ -47,14 +35,14 @@ def refinements(pivot):
 @jit
 def rigid_factor(model, work):
     """Factor the augmented matrix at the Jacobians in `work`."""
-    factor_tree(model, work, loops_of(model))
+    factor_tree(model, work, model.loops)
 
 
 @jit
 def rigid_solve(model, work, gamma):
     """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
-    solved_of(work).time[0] = np.nan
-    solve_tree(model, work, loops_of(model), gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+    work.solved.time[0] = np.nan
+    solve_tree(model, work, model.loops, gamma, work.tree.acceleration, work.rows.multiplier)
 
 
 @jit
@@ -66,8 +54,8 @@ def rigid_factor_open(model, work):
 @jit
 def rigid_solve_open(model, work, gamma):
     """The same of a tree without closed loops."""
-    solved_of(work).time[0] = np.nan
-    solve_tree(model, work, None, gamma, tree_of(work).acceleration, rows_of(work).multiplier)
+    work.solved.time[0] = np.nan
+    solve_tree(model, work, None, gamma, work.tree.acceleration, work.rows.multiplier)
 
 
 @jit
@@ -84,7 +72,7 @@ def _stabilize(control, gamma, rate, residual):
 @jit
 def _refine(model, work):
     """Add to acceleration and multipliers what the residuals of both equations ask for."""
-    rows, tree, body = rows_of(work), tree_of(work), slots_of(model).body
+    rows, tree, body = work.rows, work.tree, model.slots.body
     first, multiplier, gamma = tree.acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
     core.subtract_inertia(model, work, first, tree.load)
     take_reactions(tree.load, body, rows.jacobian, multiplier)
@@ -100,19 +88,19 @@ def rigid_accelerate(model, work, t, y):
     core.load_state(model, work, y)
     apply_loads(model, work, t)
     fill_rows(model, work, t)
-    rows = rows_of(work)
-    _stabilize(world_of(model).control, rows.gamma, rows.rate, rows.residual)
+    rows = work.rows
+    _stabilize(model.world.control, rows.gamma, rows.rate, rows.residual)
     factor(model, work)
-    copy_rows(kinematics_of(work).force, tree_of(work).load)
+    copy_rows(work.kinematics.force, work.tree.load)
     solve(model, work, rows.gamma)
-    for _ in range(refinements(closures_of(work).regularity[0])):
+    for _ in range(refinements(work.closures.regularity[0])):
         _refine(model, work)
 
 
 @bare
 def store_solved(work, t, y):
     """State that the accelerations in `work` are those at (t, y)."""
-    solved = solved_of(work)
+    solved = work.solved
     solved.time[0] = t
     for k in range(y.shape[0]):
         solved.state[k] = y[k]
@@ -121,7 +109,7 @@ def store_solved(work, t, y):
 @bare
 def is_solved(work, t, y):
     """Return whether the accelerations in `work` are those at (t, y)."""
-    solved = solved_of(work)
+    solved = work.solved
     if solved.time[0] != t:
         return False
     same = True
@@ -135,42 +123,40 @@ def rigid_compliance(model, work, t, y):
     """Return max |C|, with the norms that the state keeps, and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
     core.load_state(model, work, y)
     fill_rows(model, work, t)
-    rows = rows_of(work)
+    rows = work.rows
     return max(largest_entry(rows.residual), core.largest_norm_defect(model, work)), largest_entry(rows.rate)
 
 
-@jit
-def rigid_regularity(work):
-    """Return the smallest relative closure pivot of the last factorization; 1 without closures."""
-    return closures_of(work).regularity[0]
+# Return the smallest relative closure pivot of the last factorization; 1 without closures.
+rigid_regularity = jit(lambda work: work.closures.regularity[0])
 
 
 @jit
 def rigid_multipliers(work, lam):
     """Copy the multipliers of the last solution into lam (n_slots, rates)."""
-    copy_rows(rows_of(work).multiplier, lam)
+    copy_rows(work.rows.multiplier, lam)
 
 
 @jit
 def respond(model, work, defect):
     """Solve for the mass-weighted least-squares correction that removes `defect`."""
-    gamma = rows_of(work).gamma
+    gamma = work.rows.gamma
     negate(defect, gamma)
-    clear(tree_of(work).load)
+    clear(work.tree.load)
     solve(model, work, gamma)
 
 
 @jit
 def correct_rates(model, work, factor, y):
     """Add factor times the accelerations in `work` to the rates in y."""
-    bodies, acceleration = bodies_of(model), tree_of(work).acceleration
+    bodies, acceleration = model.bodies, work.tree.acceleration
     for i in range(bodies.mass.shape[0]):
         core.add_rates(model, work, i, factor, acceleration[i], y, bodies.v[i])
 
 
 @jit
 def _has_no_rows(model):
-    alone = bodies_of(model).alone
+    alone = model.bodies.alone
     count = 0
     for i in range(alone.shape[0]):
         count += alone[i]
@@ -187,7 +173,7 @@ def rigid_project(model, work, t, y, tolerance, most):
     core.load_state(model, work, y)
     if _has_no_rows(model):
         return core.largest_norm_defect(model, work)
-    rows = rows_of(work)
+    rows = work.rows
     fill_rows(model, work, t)
     left = largest_entry(rows.residual)
     for _ in range(most):

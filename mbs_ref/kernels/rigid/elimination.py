@@ -25,7 +25,6 @@ that the compiler knows. Rows that a closure does not have are zero.
 
 from mbs_ref.kernels.jit import jit, placed
 from mbs_ref.kernels.rigid.geometry import block, pass_closure, plus_mobility
-from mbs_ref.kernels.rigid.model import bodies_of, closures_of, loops_of, rows_of, slots_of, tree_of
 
 RANK_TOLERANCE = 1e-13  # of a pivot against the row's mobility without joints
 
@@ -49,11 +48,11 @@ def rows_times(block, body, jacobian, acceleration, out):
 @jit
 def begin_closures(model, work):
     """Put the closures' rows where their paths begin."""
-    loops, closures = loops_of(model), closures_of(work)
+    loops, closures = model.loops, work.closures
     for k in range(loops.slot.shape[0]):
         for r in range(loops.count[k]):
             closures.scale[k, r] = _row_mobility(model, work, loops.slot[k], r)
-    start_closures(block(model), loops, closures, rows_of(work).jacobian)
+    start_closures(block(model), loops, closures, work.rows.jacobian)
 
 
 @jit
@@ -61,9 +60,9 @@ def _row_mobility(model, work, slot, row):
     """Return a scale of G M^-1 G^T of one row, the bodies taken as free."""
     total = 0.0
     for side in range(2):
-        body = slots_of(model).body[slot, side]
-        if body < bodies_of(model).mass.shape[0]:
-            total = plus_mobility(model, work, total, body, rows_of(work).jacobian[slot, side, row])
+        body = model.slots.body[slot, side]
+        if body < model.bodies.mass.shape[0]:
+            total = plus_mobility(model, work, total, body, work.rows.jacobian[slot, side, row])
     return total
 
 
@@ -129,7 +128,7 @@ def _clear(block, target):
 @jit
 def pass_rows(model, work, i):
     """Condense body i under the closures that pass it: their rows go on to its parent."""
-    loops, closures = loops_of(model), closures_of(work)
+    loops, closures = model.loops, work.closures
     for j in range(closures.entry[i], closures.entry[i + 1]):
         e = closures.passing[j]
         pass_closure(model, work, i, loops.here[e], loops.next[e], loops.count[loops.passing[e]])
@@ -296,7 +295,7 @@ def eliminate(block, loops, closures, body, articulated):
 @jit
 def eliminate_closures(model, work, i):
     """Eliminate the closures whose apex is body i, or ground."""
-    eliminate(block(model), loops_of(model), closures_of(work), i, tree_of(work).articulated[i])
+    eliminate(block(model), model.loops, work.closures, i, work.tree.articulated[i])
 
 
 # --- solve ------------------------------------------------------------------------------------------

@@ -13,17 +13,7 @@ from mbs_ref.kernels.border.questions import derivative, fill_contact_rows
 from mbs_ref.kernels.jit import bare, jit, loop_jit, strict_jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import inward, separation
-from mbs_ref.kernels.rigid.model import (
-    CONTROL_MODE_TIME,
-    distances_of,
-    drives_of,
-    planes_of,
-    points_of,
-    rows_of,
-    signals_of,
-    slots_of,
-    world_of,
-)
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
 from mbs_ref.kernels.signals import evaluate
 
 
@@ -46,7 +36,7 @@ def put_row(row, force, torque):
 @bare
 def _put_along(work, slot, side, row, e, arm):
     """Write the row that gives the velocity along e of a point at an arm of its body."""
-    put_row(rows_of(work).jacobian[slot, side, row], e, core.moment(work, arm, e))
+    put_row(work.rows.jacobian[slot, side, row], e, core.moment(work, arm, e))
 
 
 @bare
@@ -58,7 +48,7 @@ def _put_line(work, slot, side, row, e, arm_a, arm_b):
 
 @bare
 def _fill_points(model, work):
-    joint, slots, rows = points_of(model), slots_of(model), rows_of(work)
+    joint, slots, rows = model.points, model.slots, work.rows
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
         apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
@@ -72,7 +62,7 @@ def _fill_points(model, work):
 
 @bare
 def _fill_planes(model, work):
-    joint, slots, rows = planes_of(model), slots_of(model), rows_of(work)
+    joint, slots, rows = model.planes, model.slots, work.rows
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
         apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
@@ -86,7 +76,7 @@ def _fill_planes(model, work):
 
 @bare
 def _fill_distances(model, work):
-    joint, slots, rows = distances_of(model), slots_of(model), rows_of(work)
+    joint, slots, rows = model.distances, model.slots, work.rows
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
         apart = separation(work, a, b, joint.point_a[k], joint.point_b[k])
@@ -103,8 +93,8 @@ def _fill_distances(model, work):
 @bare
 def _fill_drives(model, work, t):
     """Prescribed rows; ground is the other side, whose block stays zero."""
-    drive, slots, rows, signals = drives_of(model), slots_of(model), rows_of(work), signals_of(model)
-    mode_time = world_of(model).control[CONTROL_MODE_TIME]
+    drive, slots, rows, signals = model.drives, model.slots, work.rows, model.signals
+    mode_time = model.world.control[CONTROL_MODE_TIME]
     for k in range(drive.slot.shape[0]):
         slot, row, side, e = drive.slot[k], drive.row[k], drive.side[k], drive.direction[k]
         i = slots.body[slot, side]
@@ -127,8 +117,8 @@ def rigid_fill_rows(model, work, t):
     _fill_distances(model, work)
     _fill_drives(model, work, t)
     core.fill_own_rows(model, work, t)
-    if world_of(model).user_rows[0] != 0:
-        call_user(world_of(model).user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
+    if model.world.user_rows[0] != 0:
+        call_user(model.world.user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
     fill_contact_rows(model, work)
 
 

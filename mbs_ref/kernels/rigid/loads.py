@@ -24,22 +24,13 @@ from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import norm
 from mbs_ref.kernels.rigid.marks import exchange, rate_seen, separation, speed_between
-from mbs_ref.kernels.rigid.model import (
-    CONTROL_MODE_TIME,
-    bodies_of,
-    contact_modes_of,
-    forces_of,
-    kinematics_of,
-    signals_of,
-    springs_of,
-    world_of,
-)
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
 from mbs_ref.kernels.signals import evaluate
 
 
 @jit
 def _apply_forces(model, work, t):
-    load, signals, mode_time = forces_of(model), signals_of(model), world_of(model).control[CONTROL_MODE_TIME]
+    load, signals, mode_time = model.forces, model.signals, model.world.control[CONTROL_MODE_TIME]
     for k in range(load.body.shape[0]):
         scale, _, _ = evaluate(signals, load.signal[k], t, mode_time)
         body, force = load.body[k], core.times(work, scale, load.force[k])
@@ -52,13 +43,13 @@ def _apply_forces(model, work, t):
 @jit
 def _apply_user_force(model, work, t):
     """Call the user's law in scene order; it adds forces and torques about the centres of mass."""
-    bodies, kin = bodies_of(model), kinematics_of(work)
+    bodies, kin = model.bodies, work.kinematics
     n = bodies.mass.shape[0]
     for i in range(n):
         core.put_state(work, i, bodies.scene_index[i])
         for c in range(kin.user.shape[2]):
             kin.user[2, i, c] = 0.0
-    call_user(world_of(model).user_force[0], t, kin.user.ctypes.data)  # pyright: ignore[reportCallIssue]
+    call_user(model.world.user_force[0], t, kin.user.ctypes.data)  # pyright: ignore[reportCallIssue]
     for i in range(n):
         for c in range(len(core.block(model))):
             kin.force[i, c] += kin.user[2, bodies.scene_index[i], c]
@@ -72,7 +63,7 @@ def rigid_apply_loads(model, work, t):
     _apply_springs(model, work)
     core.apply_own_loads(model, work)
     apply_contacts(model, work)
-    if world_of(model).user_force[0] != 0:
+    if model.world.user_force[0] != 0:
         _apply_user_force(model, work, t)
 
 
@@ -95,7 +86,7 @@ def is_slack(modes, place, stretch, tension):
 @bare
 def _apply_springs(model, work):
     """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
-    spring, modes = springs_of(model), contact_modes_of(model)
+    spring, modes = model.springs, model.contact_modes
     for k in range(spring.a.shape[0]):
         a, b = spring.a[k], spring.b[k]
         apart = separation(work, a, b, spring.point_a[k], spring.point_b[k])
@@ -142,7 +133,7 @@ def _pull(spring, work, k):
 @jit
 def spring_roots(model, work, table):
     """Fill the functions of the tension-only springs at the state in `work`."""
-    spring, modes = springs_of(model), contact_modes_of(model)
+    spring, modes = model.springs, model.contact_modes
     noise = modes.noise[0]
     for k in range(spring.place.shape[0]):
         if spring.place[k] < 0:
@@ -165,7 +156,7 @@ def spring_roots(model, work, table):
 @jit
 def spring_transition(model, g):
     """Change the modes whose functions are negative."""
-    spring, modes = springs_of(model), contact_modes_of(model)
+    spring, modes = model.springs, model.contact_modes
     for k in range(spring.place.shape[0]):
         place = spring.place[k]
         if place < 0:
@@ -180,7 +171,7 @@ def spring_transition(model, g):
 @jit
 def start_springs(model, work, located):
     """Set the modes by the state in `work`; a stretch within its roundoff is none."""
-    spring, modes = springs_of(model), contact_modes_of(model)
+    spring, modes = model.springs, model.contact_modes
     for k in range(spring.place.shape[0]):
         place = spring.place[k]
         if place < 0:

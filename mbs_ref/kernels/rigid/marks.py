@@ -21,22 +21,12 @@ class Separation(NamedTuple):
     swing_b: Any  # m/s
 
 
-@bare
-def place_of_mark(work, i, point):
-    """Return the place (m) of a point of body i."""
-    return core.plus(work, core.centre(work, i), core.turned(work, i, point))
-
-
-@bare
-def magnitude(work, a):
-    """Return the length of a vector."""
-    return math.sqrt(core.dot(work, a, a))
-
-
-@bare
-def speed_between(work, a, b):
-    """Return how fast the centres of mass of two bodies move against each other, m/s."""
-    return magnitude(work, core.minus(work, core.speed(work, b), core.speed(work, a)))
+# Return the place (m) of a point of body i.
+place_of_mark = bare(lambda work, i, point: core.plus(work, core.centre(work, i), core.turned(work, i, point)))
+# Return the length of a vector.
+magnitude = bare(lambda work, a: math.sqrt(core.dot(work, a, a)))
+# Return how fast the centres of mass of two bodies move against each other, m/s.
+speed_between = bare(lambda work, a, b: magnitude(work, core.minus(work, core.speed(work, b), core.speed(work, a))))
 
 
 @bare
@@ -73,10 +63,8 @@ def inward(work, a, b, apart):
     return core.minus(work, core.swing(work, a, apart.swing_a), core.swing(work, b, apart.swing_b))
 
 
-@bare
-def rate_seen(work, a, gap, rate):
-    """Return the rate (m/s) of a gap as body a sees it."""
-    return core.minus(work, rate, core.swing(work, a, gap))
+# Return the rate (m/s) of a gap as body a sees it.
+rate_seen = bare(lambda work, a, gap, rate: core.minus(work, rate, core.swing(work, a, gap)))
 
 
 @bare

@@ -208,30 +208,17 @@ def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loop
 
 
 bodies_of = accessor("bodies")
-slots_of = accessor("slots")
-loops_of = accessor("loops")
-points_of = accessor("points")
-planes_of = accessor("planes")
-distances_of = accessor("distances")
-drives_of = accessor("drives")
-forces_of = accessor("forces")
-springs_of = accessor("springs")
-torsion_springs_of = accessor("torsion_springs")
 contact_pairs_of = accessor("contact_pairs")
 contact_laws_of = accessor("contact_laws")
 contact_modes_of = accessor("contact_modes")
 near_pairs_of = accessor("near_pairs")
 watches_of = accessor("watches")
-signals_of = accessor("signals")
-world_of = accessor("world")
-kinematics_of = accessor("kinematics")
 rows_of = accessor("rows")
 tree_of = accessor("tree")
-closures_of = accessor("closures")
-solved_of = accessor("solved")
 
 
-@jit
-def position_count(model):
-    """Return how many entries of the state are positions and orientations; rates follow."""
-    return bodies_of(model).start[0]
+# Return how many entries of the state are positions and orientations; rates follow.
+position_count = jit(lambda model: model.bodies.start[0])
+
+
+rigid_position_count = position_count

@@ -6,10 +6,11 @@ gap = n . (c - o) - r with n fixed in body b for a line or plane, gap = |c - o| 
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import gap_between, rate_between
-from mbs_ref.kernels.rigid.model import contact_pairs_of
 
 
 class Surface(NamedTuple):
@@ -44,6 +45,40 @@ def on_round(work, pairs, k, x, upwards, held):
 
 
 @bare
+def tooth_gap(pairs, k, x, seat):
+    """Return the direction outwards through the tooth gap nearest to a pin at x; `seat` points to the first gap.
+
+    All are pairs of numbers in the sprocket's plane.
+    """
+    pitch = 2.0 * math.pi / pairs.ends[k]
+    turned, ahead = seat[0] * x[1] - seat[1] * x[0], seat[0] * x[0] + seat[1] * x[1]
+    angle = pitch * np.round(math.atan2(turned, ahead) / pitch)
+    c, s = math.cos(angle), math.sin(angle)
+    return c * seat[0] - s * seat[1], s * seat[0] + c * seat[1]
+
+
+@bare
+def tooth_wall(pairs, k, x, seat, held):
+    """Return the Surface of the wall of the tooth gap nearest to a pin at x, in the sprocket's plane."""
+    outward = tooth_gap(pairs, k, x, seat)
+    out = x[0] * outward[0] + x[1] * outward[1] - pairs.half[k, 0]
+    side = outward[1] * x[0] - outward[0] * x[1]
+    wall = math.copysign(1.0, side)
+    cosine, sine = pairs.flank[k]
+    width = abs(side)
+    if width * sine + out * cosine > 0.0:  # on the straight flank
+        offset = width * cosine - out * sine
+        du = sine
+        dw = -wall * cosine
+    else:
+        offset = math.sqrt(width * width + out * out)
+        du = -out / offset if offset > 0.0 else 1.0
+        dw = -side / offset if offset > 0.0 else 0.0
+    normal = (du * outward[0] + dw * outward[1], du * outward[1] - dw * outward[0])
+    return Surface(pairs.radius[k] - offset, normal, out - pairs.thickness[k], 0.0, held)
+
+
+@bare
 def _places(pairs, work, k):
     """Return the arms of the centre and of the other shape's origin, and the way from this to that."""
     a, b = pairs.a[k], pairs.b[k]
@@ -54,7 +89,7 @@ def _places(pairs, work, k):
 @bare
 def contact_geometry(model, work, k):
     """Return the Touch of a pair."""
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     a, b = pairs.a[k], pairs.b[k]
     center, _, x = _places(pairs, work, k)
     surface = core.surface(model, work, k, x)
@@ -70,7 +105,7 @@ def contact_geometry(model, work, k):
 @bare
 def leaving_ends(model, work, k):
     """Return the rate (m/s) of the excess over open ends."""
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     center, origin, x = _places(pairs, work, k)
     out = core.outwards(model, work, k, x)
     return core.dot(work, out, rate_between(work, pairs.b[k], pairs.a[k], core.plus(work, x, origin), center))

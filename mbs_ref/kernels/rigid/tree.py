@@ -13,13 +13,12 @@ are eliminated on the way (mbs_ref.kernels.rigid.elimination).
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import elimination
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import bodies_of, closures_of, tree_of
 
 
 @jit
 def factor_tree(model, work, loops):
     """Factor every body's block and joint, leaf to root, and the closures at their apexes."""
-    parent = bodies_of(model).parent
+    parent = model.bodies.parent
     n = parent.shape[0]
     core.start_blocks(model, work)
     if loops is not None:
@@ -40,7 +39,7 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
 
     acceleration (n + 1, rates) and multiplier (n_slots, rates) receive the result; ground's row stays zero.
     """
-    parent, load, closures, block = bodies_of(model).parent, tree_of(work).load, closures_of(work), core.block(model)
+    parent, load, closures, block = model.bodies.parent, work.tree.load, work.closures, core.block(model)
     n = parent.shape[0]
     if loops is not None:
         elimination.start_rows(block, loops, closures, gamma)

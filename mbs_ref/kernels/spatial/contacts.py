@@ -1,11 +1,10 @@
-"""Shapes of space (mbs_ref.kernels.rigid.shapes): planes, rectangles and spheres."""
+"""Shapes of space (mbs_ref.kernels.rigid.shapes): planes, rectangles, and what they share with the plane."""
 
 import math
 
-from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT
+from mbs_ref.kernels.contact.laws import ENDS_CAPPED, ENDS_OPEN, PAIR_FLAT, PAIR_ROUND
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.rigid.model import contact_pairs_of
-from mbs_ref.kernels.rigid.shapes import Surface, on_round
+from mbs_ref.kernels.rigid.shapes import Surface, on_round, tooth_gap, tooth_wall
 from mbs_ref.kernels.spatial.marks import turned
 from mbs_ref.kernels.spatial.vectors import dot, minus, over, plus, times
 
@@ -34,23 +33,29 @@ def _edges(work, pairs, k):
 
 @bare
 def surface(model, work, k, x):
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     n = turned(work, pairs.b[k], pairs.axes[k, 2])
     if pairs.kind[k] == PAIR_FLAT:
         return _on_plane(pairs, k, x, _edges(work, pairs, k), n)
-    return on_round(work, pairs, k, x, n, _edges(work, pairs, k))
+    e, f = _edges(work, pairs, k)
+    if pairs.kind[k] == PAIR_ROUND:
+        return on_round(work, pairs, k, x, n, (e, f))
+    wall = tooth_wall(pairs, k, (dot(x, e), dot(x, f)), (1.0, 0.0), (e, f))
+    normal = plus(times(wall.normal[0], e), times(wall.normal[1], f))
+    return Surface(wall.gap, normal, wall.beyond, wall.back, wall.held)
 
 
 @bare
 def outwards(model, work, k, x):
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     e, f = _edges(work, pairs, k)
     along, across = dot(x, e), dot(x, f)
+    if pairs.kind[k] != PAIR_FLAT:
+        gap = tooth_gap(pairs, k, (along, across), (1.0, 0.0))
+        return plus(times(gap[0], e), times(gap[1], f))
     if abs(along) - pairs.half[k, 0] >= abs(across) - pairs.half[k, 1]:
         return times(math.copysign(1.0, along), e)
     return times(math.copysign(1.0, across), f)
 
 
-@bare
-def slip(n, u, closing):
-    return minus(u, times(closing, n))
+slip = bare(lambda n, u, closing: minus(u, times(closing, n)))

@@ -8,18 +8,16 @@ norm stays one, and needs no multiplier.
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.model import bodies_of, position_count
-from mbs_ref.kernels.spatial.orientation import parameters, put_parameters
+from mbs_ref.kernels.spatial.orientation import composed, parameters, put_parameters
 from mbs_ref.kernels.spatial.vectors import dot, put, symmetric_times, times, triple
 
 
 @jit
 def spatial_times_mass(model, rate, out):
     """Write M rate."""
-    bodies = bodies_of(model)
-    start = position_count(model)
+    bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
-        k = bodies.v[i] - start
+        k = bodies.v[i] - bodies.start[0]
         for c in range(3):
             out[k + c] = bodies.mass[i] * rate[k + c]
         if bodies.rigid[i] == 1:
@@ -27,61 +25,46 @@ def spatial_times_mass(model, rate, out):
 
 
 @jit
-def _parameters_times(theta, s, v):
-    """Return the product of theta and the quaternion (s, v)."""
-    e0, e1, e2, e3 = theta
-    x, y, z = v
-    return (
-        e0 * s - e1 * x - e2 * y - e3 * z,
-        e0 * x + e1 * s + e2 * z - e3 * y,
-        e0 * y + e2 * s + e3 * x - e1 * z,
-        e0 * z + e3 * s + e1 * y - e2 * x,
-    )
-
-
-@jit
 def spatial_displace(model, y, move, out):
     """Write y's positions moved by `move`, turns in body axes, to out."""
-    bodies = bodies_of(model)
-    start = position_count(model)
+    bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
-        q = bodies.q[i]
-        k = bodies.v[i] - start
+        q, k = bodies.q[i], bodies.v[i] - bodies.start[0]
         for c in range(3):
             out[q + c] = y[q + c] + move[k + c]
         if bodies.rigid[i] == 1:
             turning = triple(move, k + 3)
             half = 0.5 * np.sqrt(dot(turning, turning))
             s = 0.5 if half < 1e-8 else 0.5 * np.sin(half) / half
-            put_parameters(out, q + 3, _parameters_times(parameters(y, q + 3), np.cos(half), times(s, turning)))
+            put_parameters(
+                out,
+                q + 3,
+                composed(parameters(y, q + 3), (np.cos(half), s * turning[0], s * turning[1], s * turning[2])),
+            )
 
 
 @jit
 def spatial_position_rate(model, y, rate, out):
     """Write the rates of positions and Euler parameters at `rate`: theta' = theta (0, omega) / 2."""
-    bodies = bodies_of(model)
-    start = position_count(model)
+    bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
-        q = bodies.q[i]
-        k = bodies.v[i] - start
+        q, k = bodies.q[i], bodies.v[i] - bodies.start[0]
         for c in range(3):
             out[q + c] = rate[k + c]
         if bodies.rigid[i] == 1:
             half = times(0.5, triple(rate, k + 3))
-            put_parameters(out, q + 3, _parameters_times(parameters(y, q + 3), 0.0, half))
+            put_parameters(out, q + 3, composed(parameters(y, q + 3), (0.0, half[0], half[1], half[2])))
 
 
 @jit
 def spatial_rate_from(model, y, moved, out):
     """Write the velocities and turns in body axes that rates of positions and Euler parameters mean."""
-    bodies = bodies_of(model)
-    start = position_count(model)
+    bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
-        q = bodies.q[i]
-        k = bodies.v[i] - start
+        q, k = bodies.q[i], bodies.v[i] - bodies.start[0]
         for c in range(3):
             out[k + c] = moved[q + c]
         if bodies.rigid[i] == 1:
             e0, e1, e2, e3 = parameters(y, q + 3)
-            half = _parameters_times((e0, -e1, -e2, -e3), moved[q + 3], triple(moved, q + 4))
+            half = composed((e0, -e1, -e2, -e3), parameters(moved, q + 3))
             put(out, k + 3, times(2.0, half[1:]))

@@ -16,23 +16,19 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import correct_rates, is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
-from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, rows_of, slots_of, tree_of
 from mbs_ref.kernels.spatial import contacts, grips, joints, loads, marks, orientation, tree, vectors
 from mbs_ref.kernels.spatial.joints import leave_slips
 from mbs_ref.kernels.spatial.model import RATES, SpatialGroups, SpatialScratch
 from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, theta_rate, turn_theta, turning_of
 from mbs_ref.kernels.spatial.vectors import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
 
-
-@jit
-def block(model):
-    return RATES
+block = jit(lambda model: RATES)
 
 
 @jit
 def subtract_inertia(model, work, acceleration, load):
     """Write f - M a into load."""
-    bodies, kin = bodies_of(model), kinematics_of(work)
+    bodies, kin = model.bodies, work.kinematics
     for i in range(bodies.mass.shape[0]):
         for c in range(3):
             load[i, c] = kin.force[i, c] - bodies.mass[i] * acceleration[i, c]
@@ -44,7 +40,7 @@ def spatial_derivative(model, work, t, y, dy):
     """Write dy/dt = [R', E^T omega / 2; R'', alpha]."""
     if not is_solved(work, t, y):
         accelerate(model, work, t, y)
-    bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
+    bodies, kin, acceleration = model.bodies, work.kinematics, work.tree.acceleration
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
         v = bodies.v[i]
@@ -61,7 +57,7 @@ def spatial_derivative(model, work, t, y, dy):
 @jit
 def largest_norm_defect(model, work):
     largest = 0.0
-    norm, rigid = kinematics_of(work).norm, bodies_of(model).rigid
+    norm, rigid = work.kinematics.norm, model.bodies.rigid
     for i in range(rigid.shape[0]):
         if rigid[i] == 1 and not abs(norm[i]) <= largest:
             largest = abs(norm[i])
@@ -71,30 +67,30 @@ def largest_norm_defect(model, work):
 @jit
 def add_rates(model, work, i, factor, rates, out, k):
     add(out, k, times(factor, rates))
-    if bodies_of(model).rigid[i] == 1:
-        add(out, k + 3, times(factor, turn_back(kinematics_of(work).turned[i], triple(rates, 3))))
+    if model.bodies.rigid[i] == 1:
+        add(out, k + 3, times(factor, turn_back(work.kinematics.turned[i], triple(rates, 3))))
 
 
 @jit
 def world_rates(model, work, i, values, k):
     omega = (0.0, 0.0, 0.0)
-    if bodies_of(model).rigid[i] == 1:
-        omega = turn(kinematics_of(work).turned[i], triple(values, k + 3))
+    if model.bodies.rigid[i] == 1:
+        omega = turn(work.kinematics.turned[i], triple(values, k + 3))
     return values[k], values[k + 1], values[k + 2], omega[0], omega[1], omega[2]
 
 
 @jit
 def plus_product(model, work, total, i, row, values, k):
     total += dot(row, triple(values, k))
-    if bodies_of(model).rigid[i] == 1:
-        total += dot(triple(row, 3), turn(kinematics_of(work).turned[i], triple(values, k + 3)))
+    if model.bodies.rigid[i] == 1:
+        total += dot(triple(row, 3), turn(work.kinematics.turned[i], triple(values, k + 3)))
     return total
 
 
 @jit
 def correct_places(model, work, y):
     """Move and turn the bodies in y by the correction in `work`."""
-    bodies, acceleration = bodies_of(model), tree_of(work).acceleration
+    bodies, acceleration = model.bodies, work.tree.acceleration
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
         add(y, q, acceleration[i])
@@ -108,8 +104,8 @@ def _removed(model, work, of_places):
 
     Increments of places may be off what rows on velocities alone ask for, and the correction leaves that as it is.
     """
-    rows, tree = rows_of(work), tree_of(work)
-    rows_times(RATES, slots_of(model).body, rows.jacobian, tree.acceleration, rows.rate)
+    rows, tree = work.rows, work.tree
+    rows_times(RATES, model.slots.body, rows.jacobian, tree.acceleration, rows.rate)
     if of_places:
         leave_slips(model, rows.rate)
     respond(model, work, rows.rate)
@@ -121,7 +117,7 @@ def spatial_tangent(model, work, x):
 
     Uses the factorization in `work`, of the last acceleration or projection.
     """
-    bodies, kin, acceleration = bodies_of(model), kinematics_of(work), tree_of(work).acceleration
+    bodies, kin, acceleration = model.bodies, work.kinematics, work.tree.acceleration
     n = bodies.mass.shape[0]
     for i in range(n):
         q = bodies.q[i]
@@ -151,7 +147,7 @@ def spatial_tangent(model, work, x):
 @jit
 def normalize(model, y):
     """Scale every body's Euler parameters to norm one: the orientation does not change."""
-    bodies = bodies_of(model)
+    bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
         if bodies.rigid[i] == 1:
             turn_theta(y, bodies.q[i] + 3, (0.0, 0.0, 0.0))

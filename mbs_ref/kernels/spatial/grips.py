@@ -19,9 +19,7 @@ from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
 )
 from mbs_ref.kernels.jit import bare, jit
-from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of
 from mbs_ref.kernels.rigid.shapes import contact_geometry
-from mbs_ref.kernels.spatial.model import grips_of
 from mbs_ref.kernels.spatial.orientation import load_state
 from mbs_ref.kernels.spatial.vectors import dot, plus, times
 
@@ -33,9 +31,7 @@ TOGETHER = 10.0  # of the slip velocity that counts as a stop: so slow, a contac
 SLUGGISH = 1e3
 
 
-@bare
-def slip_of(model, touch):
-    return dot(touch.slip, touch.held[0]), dot(touch.slip, touch.held[1])
+slip_of = bare(lambda model, touch: (dot(touch.slip, touch.held[0]), dot(touch.slip, touch.held[1])))
 
 
 @bare
@@ -56,12 +52,12 @@ def _slide(laws, modes, k, normal, along, across):
 
 @bare
 def grip_force(model, work, k, touch, normal):
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    laws, modes = model.contact_laws, model.contact_modes
     along, across = slip_of(model, touch)
     if modes.grip[k] == GRIP_PROBE:
         return modes.anchor[k, 0], modes.anchor[k, 1]
     if modes.grip[k] == GRIP_STICK:
-        spring = grips_of(work).deflection[contact_pairs_of(model).deflection[k]]
+        spring = work.grips.deflection[model.contact_pairs.deflection[k]]
         stiffness, damping = laws.grip_stiffness[k], laws.grip_damping[k]
         return -stiffness * spring[0] - damping * along, -stiffness * spring[1] - damping * across
     return _slide(laws, modes, k, normal, along, across)
@@ -69,7 +65,7 @@ def grip_force(model, work, k, touch, normal):
 
 @bare
 def friction_force(model, work, k, touch, normal):
-    laws = contact_laws_of(model)
+    laws = model.contact_laws
     if laws.friction[k] == FRICTION_SMOOTH:
         speed = math.sqrt(dot(touch.slip, touch.slip))
         ratio = speed / laws.creep[k]
@@ -82,14 +78,14 @@ def friction_force(model, work, k, touch, normal):
 @jit
 def ahead(model, k, touch):
     along, across = slip_of(model, touch)
-    anchor = contact_modes_of(model).anchor[k]
+    anchor = model.contact_modes.anchor[k]
     return anchor[0] * along + anchor[1] * across - COSINE * math.sqrt(along * along + across * across)
 
 
 @jit
 def has_stopped(model, k, touch):
     along, across = slip_of(model, touch)
-    if math.sqrt(along * along + across * across) > contact_modes_of(model).slow[0]:  # it turns
+    if math.sqrt(along * along + across * across) > model.contact_modes.slow[0]:  # it turns
         slide_along(model, k, touch, 1.0, (along, across))
         return False
     return True
@@ -97,13 +93,13 @@ def has_stopped(model, k, touch):
 
 @jit
 def start_grip(model, k, touch):
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     modes.anchor[k, 0], modes.anchor[k, 1] = 1.0, 0.0
 
 
 @jit
 def stick(model, y, k, touch, force):
-    pairs, laws = contact_pairs_of(model), contact_laws_of(model)
+    pairs, laws = model.contact_pairs, model.contact_laws
     place = y.shape[0] - 2 * pairs.sticking[0] + 2 * pairs.deflection[k]
     y[place] = -force[0] / laws.grip_stiffness[k]
     y[place + 1] = -force[1] / laws.grip_stiffness[k]
@@ -111,7 +107,7 @@ def stick(model, y, k, touch, force):
 
 @jit
 def slide_along(model, k, touch, sign, u):
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     speed = math.sqrt(u[0] * u[0] + u[1] * u[1])
     modes.grip[k] = GRIP_FORWARD
     modes.anchor[k, 0] = sign * u[0] / speed
@@ -124,7 +120,7 @@ def stop_together(model, work, y, g):
 
     Their functions in g turn negative, as of all that change.
     """
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    laws, modes = model.contact_laws, model.contact_modes
     load_state(model, work, y)
     for k in range(modes.grip.shape[0]):
         closed = modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP
@@ -139,10 +135,10 @@ def stop_together(model, work, y, g):
 @jit
 def spatial_fill_deflection_rates(model, work, dy):
     """Write the rates of the sticking deflections: the slip velocity while a contact sticks, else none."""
-    count = grips_of(work).deflection.shape[0]
+    count = work.grips.deflection.shape[0]
     if count == 0:
         return
-    pairs, modes = contact_pairs_of(model), contact_modes_of(model)
+    pairs, modes = model.contact_pairs, model.contact_modes
     first = dy.shape[0] - 2 * count
     for k in range(pairs.kind.shape[0]):
         if pairs.deflection[k] < 0:

@@ -9,10 +9,9 @@ import numpy as np
 
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
-from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, kinematics_of, rows_of, signals_of, slots_of, world_of
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
 from mbs_ref.kernels.signals import evaluate
 from mbs_ref.kernels.spatial.marks import swing, turned
-from mbs_ref.kernels.spatial.model import products_of, turns_of, wheels_of
 from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, times, triple, turn
 
 NO_FORCE = (0.0, 0.0, 0.0)
@@ -45,7 +44,7 @@ def _product(kin, a, b, e, f):
 
 @bare
 def fill_products(model, work):
-    joint, slots, kin, rows = products_of(model), slots_of(model), kinematics_of(work), rows_of(work)
+    joint, slots, kin, rows = model.products, model.slots, work.kinematics, work.rows
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
         e, f = turn(kin.turned[a], joint.along_a[k]), turn(kin.turned[b], joint.along_b[k])
@@ -56,16 +55,14 @@ def fill_products(model, work):
         rows.gamma[slot, row] = product.gamma
 
 
-@bare
-def moment(arm, force):
-    return cross(arm, force)
+moment = bare(lambda arm, force: cross(arm, force))
 
 
 @bare
 def put_point(work, slot, side, row, apart):
     a0, a1, a2 = apart.arm_a
     b0, b1, b2 = apart.arm_b
-    on_a, on_b = rows_of(work).jacobian[slot, side], rows_of(work).jacobian[slot, 1 - side]
+    on_a, on_b = work.rows.jacobian[slot, side], work.rows.jacobian[slot, 1 - side]
     put_row(on_a[row], (-1.0, 0.0, 0.0), (0.0, -a2, a1))
     put_row(on_a[row + 1], (0.0, -1.0, 0.0), (a2, 0.0, -a0))
     put_row(on_a[row + 2], (0.0, 0.0, -1.0), (-a1, a0, 0.0))
@@ -74,9 +71,7 @@ def put_point(work, slot, side, row, apart):
     put_row(on_b[row + 2], (0.0, 0.0, 1.0), (b1, -b0, 0.0))
 
 
-@bare
-def rate_of_turning(work, i, n, gap):
-    return dot(swing(work, i, n), gap)
+rate_of_turning = bare(lambda work, i, n, gap: dot(swing(work, i, n), gap))
 
 
 @bare
@@ -88,9 +83,9 @@ def surplus_of_turning(work, i, n, apart, surplus):
 @bare
 def fill_turns(model, work, t):
     """m(phi) . b = 0 with m = cos(phi) quarter - sin(phi) zero: b follows the angle phi about the axis."""
-    joint, slots, kin, rows = turns_of(model), slots_of(model), kinematics_of(work), rows_of(work)
-    signals = signals_of(model)
-    mode_time = world_of(model).control[CONTROL_MODE_TIME]
+    joint, slots, kin, rows = model.turns, model.slots, work.kinematics, work.rows
+    signals = model.signals
+    mode_time = model.world.control[CONTROL_MODE_TIME]
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
         phi, speed, surge = evaluate(signals, joint.signal[k], t, mode_time)
@@ -115,7 +110,7 @@ def fill_wheels(model, work):
     With u = n - (n . a) a and s = |u|: e = -u / s, e' = -(u' - e (e . u')) / s. Along n it is the rate of the height
     n . (R + rho) - r s. Source: Neimark and Fufaev, Dynamics of Nonholonomic Systems (1972).
     """
-    wheel, slots, kin, rows = wheels_of(model), slots_of(model), kinematics_of(work), rows_of(work)
+    wheel, slots, kin, rows = model.wheels, model.slots, work.kinematics, work.rows
     for k in range(wheel.slot.shape[0]):
         slot, first = wheel.slot[k], wheel.row[k]
         body, radius, normal = slots.body[slot, wheel.side[k]], wheel.radius[k], triple(wheel.frame[k, 2], 0)
@@ -142,7 +137,7 @@ def fill_wheels(model, work):
 @bare
 def leave_slips(model, values):
     """Zero what rows on velocities alone have in `values` (n_slots, 6): they do not say where a body is."""
-    wheel = wheels_of(model)
+    wheel = model.wheels
     for k in range(wheel.slot.shape[0]):
         for c in range(2):
             values[wheel.slot[k], wheel.row[k] + c] = 0.0

@@ -7,9 +7,7 @@ import numpy as np
 
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.marks import rate_seen, separation
-from mbs_ref.kernels.rigid.model import bodies_of, forces_of, kinematics_of, torsion_springs_of, world_of
 from mbs_ref.kernels.spatial.marks import push, turned, twist
-from mbs_ref.kernels.spatial.model import attraction_of, bushings_of, gradients_of
 from mbs_ref.kernels.spatial.vectors import (
     add,
     cross,
@@ -32,7 +30,7 @@ SMALL_ANGLE = 1e-4  # rad: below, the rotation vector's functions use their seri
 @bare
 def apply_gravity(model, work):
     """The torque is -omega x J omega (Q_v)."""
-    bodies, kin, gravity = bodies_of(model), kinematics_of(work), world_of(model).gravity
+    bodies, kin, gravity = model.bodies, work.kinematics, model.world.gravity
     for i in range(bodies.mass.shape[0]):
         force, omega = kin.force[i], kin.omega[i]
         put(force, 0, times(bodies.mass[i], gravity))
@@ -41,7 +39,7 @@ def apply_gravity(model, work):
 
 @bare
 def apply_torque(model, work, k, scale):
-    load = forces_of(model)
+    load = model.forces
     body, torque = load.body[k], triple(load.torque[k], 0)
     twist(work, body, times(scale, turned(work, body, torque) if load.follows[k] == 1 else torque))
 
@@ -49,7 +47,7 @@ def apply_torque(model, work, k, scale):
 @bare
 def apply_torsion_springs(model, work):
     """Torque about an axis of body a on the angle of a mark of body b, counted from t = 0."""
-    spring, kin = torsion_springs_of(model), kinematics_of(work)
+    spring, kin = model.torsion_springs, work.kinematics
     for k in range(spring.a.shape[0]):
         a, b = spring.a[k], spring.b[k]
         zero, quarter = turned(work, a, spring.zero[k]), turned(work, a, spring.quarter[k])
@@ -124,7 +122,7 @@ def apply_bushings(model, work):
     Force K d on the offset d seen from a; torque J^-T K phi on the rotation vector phi of b seen from a,
     J^-T = I + [phi~] / 2 + c [phi~]^2, which is the gradient of phi^T K phi / 2.
     """
-    load, kin = bushings_of(model), kinematics_of(work)
+    load, kin = model.bushings, work.kinematics
     here, there, relative = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for k in range(load.a.shape[0]):
         a, b = load.a[k], load.b[k]
@@ -149,7 +147,7 @@ def apply_bushings(model, work):
 @jit
 def apply_attraction(model, work):
     """Add m_i gm_j d / r^3 over all pairs; a body of gm 0 is attracted and attracts nothing."""
-    gm, mass, kin = attraction_of(model).gm, bodies_of(model).mass, kinematics_of(work)
+    gm, mass, kin = model.attraction.gm, model.bodies.mass, work.kinematics
     for i in range(gm.shape[0]):
         for j in range(i + 1, gm.shape[0]):
             d = minus(kin.position[j], kin.position[i])
@@ -162,7 +160,7 @@ def apply_attraction(model, work):
 @jit
 def apply_gradients(model, work):
     """Add MacCullagh's torque 3 gm / d^5 (d x J d) and force, with the opposite on the centre."""
-    pairs, kin = gradients_of(model), kinematics_of(work)
+    pairs, kin = model.gradients, work.kinematics
     for k in range(pairs.a.shape[0]):
         a, b, inertia = pairs.a[k], pairs.b[k], kin.inertia[pairs.b[k]]
         d = minus(kin.position[b], kin.position[a])
@@ -178,7 +176,7 @@ def apply_gradients(model, work):
 
 @jit
 def put_state(work, i, k):
-    kin = kinematics_of(work)
+    kin = work.kinematics
     for c in range(3):
         kin.user[0, k, c] = kin.position[i, c]
         kin.user[1, k, c] = kin.velocity[i, c]
@@ -190,9 +188,9 @@ def put_state(work, i, k):
 @jit
 def apply_own_loads(model, work):
     apply_torsion_springs(model, work)
-    if bushings_of(model).a.shape[0] > 0:
+    if model.bushings.a.shape[0] > 0:
         apply_bushings(model, work)
-    if attraction_of(model).gm.shape[0] > 0:
+    if model.attraction.gm.shape[0] > 0:
         apply_attraction(model, work)
-    if gradients_of(model).a.shape[0] > 0:
+    if model.gradients.a.shape[0] > 0:
         apply_gradients(model, work)

@@ -6,54 +6,38 @@ Vectors are triples along world axes.
 import math
 
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.rigid.model import kinematics_of
 from mbs_ref.kernels.spatial.vectors import add, cross, dot, times, triple, turn
 
-
-@bare
-def centre(work, i):
-    return triple(kinematics_of(work).position[i], 0)
+centre = bare(lambda work, i: triple(work.kinematics.position[i], 0))
 
 
 @bare
 def spin(work, i):
-    w = kinematics_of(work).omega[i]
+    w = work.kinematics.omega[i]
     return math.sqrt(dot(w, w))
 
 
-@bare
-def speed(work, i):
-    return triple(kinematics_of(work).velocity[i], 0)
-
-
-@bare
-def turned(work, i, u):
-    return turn(kinematics_of(work).turned[i], u)
-
-
-@bare
-def swing(work, i, arm):
-    return cross(kinematics_of(work).omega[i], arm)
+speed = bare(lambda work, i: triple(work.kinematics.velocity[i], 0))
+turned = bare(lambda work, i, u: turn(work.kinematics.turned[i], u))
+swing = bare(lambda work, i, arm: cross(work.kinematics.omega[i], arm))
 
 
 @bare
 def push(work, i, arm, force):
-    add(kinematics_of(work).force[i], 0, force)
+    add(work.kinematics.force[i], 0, force)
     twist(work, i, cross(arm, force))
 
 
 @bare
 def twist(work, i, torque):
     """Add a torque (N m)."""
-    add(kinematics_of(work).force[i], 3, torque)
+    add(work.kinematics.force[i], 3, torque)
 
 
-@bare
-def pull(tension, gap, length):
-    return times(tension / length, gap)
+pull = bare(lambda tension, gap, length: times(tension / length, gap))
 
 
 @bare
 def coordinate(work, i, component):
-    kin = kinematics_of(work)
+    kin = work.kinematics
     return kin.position[i, component], kin.velocity[i, component]

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints, joined
-from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.rigid import model as shared
 
 RATES = tuple(range(6))  # of a body: a loop over it has bounds that the compiler knows
@@ -83,13 +82,6 @@ SpatialGroups = joined(
     "SpatialGroups", shared.GROUPS, products=Products, turns=Turns, wheels=Wheels,
     bushings=Bushings, attraction=Attraction, gradients=Gradients,
 )  # fmt: skip
-products_of = accessor("products")
-turns_of = accessor("turns")
-wheels_of = accessor("wheels")
-bushings_of = accessor("bushings")
-attraction_of = accessor("attraction")
-gradients_of = accessor("gradients")
-grips_of = accessor("grips")
 
 
 class Kinematics(NamedTuple):

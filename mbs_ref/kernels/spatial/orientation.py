@@ -7,21 +7,27 @@ rotation results whatever the norm; theta' = E^T omega / 2 with the world angula
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.rigid.model import bodies_of, kinematics_of, solved_of
-from mbs_ref.kernels.spatial.model import grips_of
 from mbs_ref.kernels.spatial.vectors import put, triple, turn
 
-
-@jit
-def parameters(row, k):
-    """Return row[k : k + 4]."""
-    return row[k], row[k + 1], row[k + 2], row[k + 3]
+# Return row[k : k + 4].
+parameters = jit(lambda row, k: (row[k], row[k + 1], row[k + 2], row[k + 3]))
 
 
 @jit
 def put_parameters(row, k, theta):
     """row[k : k + 4] = theta."""
     row[k], row[k + 1], row[k + 2], row[k + 3] = theta
+
+
+@jit
+def composed(p, q):
+    """Return the Euler parameters of the turn q followed by p."""
+    return (
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + q[0] * p[1] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] + q[0] * p[2] + p[3] * q[1] - p[1] * q[3],
+        p[0] * q[3] + q[0] * p[3] + p[1] * q[2] - p[2] * q[1],
+    )
 
 
 @jit
@@ -86,8 +92,8 @@ def world_inertia(a, j, out):
 @jit
 def load_state(model, work, y):
     """Copy the state into elimination order; turn Euler parameters into world axes and inertias."""
-    bodies, kin = bodies_of(model), kinematics_of(work)
-    solved_of(work).time[0] = np.nan
+    bodies, kin = model.bodies, work.kinematics
+    work.solved.time[0] = np.nan
     for i in range(bodies.mass.shape[0]):
         q = bodies.q[i]
         v = bodies.v[i]
@@ -100,7 +106,7 @@ def load_state(model, work, y):
             kin.norm[i] = rotation(parameters(y, q + 3), kin.turned[i]) - 1.0
             put(kin.omega[i], 0, turn(kin.turned[i], triple(y, v + 3)))
             world_inertia(kin.turned[i], bodies.inertia[i], kin.inertia[i])
-    deflection = grips_of(work).deflection
+    deflection = work.grips.deflection
     first = y.shape[0] - 2 * deflection.shape[0]
     for i in range(deflection.shape[0]):
         deflection[i, 0] = y[first + 2 * i]

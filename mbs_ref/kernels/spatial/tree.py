@@ -15,12 +15,11 @@ matrix densely and compares.
 
 from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
 from mbs_ref.kernels.jit import jit, placed
-from mbs_ref.kernels.rigid.model import bodies_of, closures_of, kinematics_of, rows_of, slots_of, tree_of
 
 
 @placed
 def start_blocks(model, work):
-    bodies, tree, kin = bodies_of(model), tree_of(work), kinematics_of(work)
+    bodies, tree, kin = model.bodies, work.tree, work.kinematics
     for i in range(bodies.mass.shape[0]):
         art = tree.articulated[i]
         j = kin.inertia[i]
@@ -54,9 +53,9 @@ def _factor_rows(jac, lift, factor, count):
 
 @placed
 def factor_body(model, work, i, parent):
-    if bodies_of(model).alone[i] == 1:
+    if model.bodies.alone[i] == 1:
         return
-    tree, jac, count = tree_of(work), rows_of(work).jacobian[i, 0], slots_of(model).count[i]
+    tree, jac, count = work.tree, work.rows.jacobian[i, 0], model.slots.count[i]
     art, lift = tree.articulated[i], tree.lift[i]
     factor_ldl(art, 6)
     for r in range(count):
@@ -64,9 +63,9 @@ def factor_body(model, work, i, parent):
             lift[r, c] = jac[r, c]
         solve_ldl(art, 6, lift[r])
     _factor_rows(jac, lift, tree.row_factor[i], count)
-    if parent == bodies_of(model).mass.shape[0]:
+    if parent == model.bodies.mass.shape[0]:
         return
-    far, transfer, up = rows_of(work).jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
+    far, transfer, up = work.rows.jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
     for r in range(count):
         for c in range(6):
             transfer[r, c] = far[r, c]
@@ -80,10 +79,10 @@ def factor_body(model, work, i, parent):
 
 @placed
 def solve_free(model, work, i, parent, gamma, multiplier):
-    if bodies_of(model).alone[i] == 1:
+    if model.bodies.alone[i] == 1:
         return
-    tree, jac, far = tree_of(work), rows_of(work).jacobian[i, 0], rows_of(work).jacobian[i, 1]
-    free, count = tree.free[i], slots_of(model).count[i]
+    tree, jac, far = work.tree, work.rows.jacobian[i, 0], work.rows.jacobian[i, 1]
+    free, count = tree.free[i], model.slots.count[i]
     for c in range(6):
         free[c] = tree.load[i, c]
     solve_ldl(tree.articulated[i], 6, free)
@@ -93,7 +92,7 @@ def solve_free(model, work, i, parent, gamma, multiplier):
             total += jac[r, c] * free[c]
         multiplier[r] = total
     solve_ldl(tree.row_factor[i], count, multiplier)
-    if parent != bodies_of(model).mass.shape[0]:
+    if parent != model.bodies.mass.shape[0]:
         for r in range(count):
             for c in range(6):
                 tree.load[parent, c] -= far[r, c] * multiplier[r]
@@ -111,7 +110,7 @@ def _accelerate_alone(mass, art, load, out):
 
 @placed
 def accelerate_body(model, work, i, parent, multiplier, acceleration):
-    bodies, tree, out, count = bodies_of(model), tree_of(work), acceleration[i], slots_of(model).count[i]
+    bodies, tree, out, count = model.bodies, work.tree, acceleration[i], model.slots.count[i]
     if bodies.alone[i] == 1:
         _accelerate_alone(bodies.mass[i], tree.articulated[i], tree.load[i], out)
         return
@@ -132,15 +131,15 @@ def accelerate_body(model, work, i, parent, multiplier, acceleration):
 @jit
 def plus_mobility(model, work, total, i, row):
     """A body counts as a sphere."""
-    j = kinematics_of(work).inertia[i]
-    total += (row[0] * row[0] + row[1] * row[1] + row[2] * row[2]) / bodies_of(model).mass[i]
+    j = work.kinematics.inertia[i]
+    total += (row[0] * row[0] + row[1] * row[1] + row[2] * row[2]) / model.bodies.mass[i]
     return total + 3.0 * (row[3] * row[3] + row[4] * row[4] + row[5] * row[5]) / (j[0] + j[1] + j[2])
 
 
 @placed
 def pass_closure(model, work, i, here, there, _count):
     """Condense body i under one closure, all of whose rows go through the same steps at once."""
-    tree, rows, closures, count = tree_of(work), rows_of(work), closures_of(work), slots_of(model).count[i]
+    tree, rows, closures, count = work.tree, work.rows, work.closures, model.slots.count[i]
     joint, column = closures.joint[here], closures.column[here]
     for c in range(6):
         for r in range(6):

@@ -2,11 +2,8 @@
 
 from mbs_ref.kernels.jit import bare
 
-
-@bare
-def triple(row, k):
-    """Return row[k : k + 3]."""
-    return row[k], row[k + 1], row[k + 2]
+# Return row[k : k + 3].
+triple = bare(lambda row, k: (row[k], row[k + 1], row[k + 2]))
 
 
 @bare
@@ -17,39 +14,13 @@ def put(row, k, a):
     row[k + 2] = a[2]
 
 
-@bare
-def plus(a, b):
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-@bare
-def minus(a, b):
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-@bare
-def negative(a):
-    return -a[0], -a[1], -a[2]
-
-
-@bare
-def times(factor, a):
-    return factor * a[0], factor * a[1], factor * a[2]
-
-
-@bare
-def over(a, divisor):
-    return a[0] / divisor, a[1] / divisor, a[2] / divisor
-
-
-@bare
-def cross(a, b):
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-@bare
-def dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+plus = bare(lambda a, b: (a[0] + b[0], a[1] + b[1], a[2] + b[2]))
+minus = bare(lambda a, b: (a[0] - b[0], a[1] - b[1], a[2] - b[2]))
+negative = bare(lambda a: (-a[0], -a[1], -a[2]))
+times = bare(lambda factor, a: (factor * a[0], factor * a[1], factor * a[2]))
+over = bare(lambda a, divisor: (a[0] / divisor, a[1] / divisor, a[2] / divisor))
+cross = bare(lambda a, b: (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]))
+dot = bare(lambda a, b: a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 
 
 @bare

@@ -1,14 +1,13 @@
 """Directions: whether two are perpendicular, unit vectors, and the normals of an axis."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from mbs_ref.scene.base.part import Vector3
 
-
-def require_perpendicular(name: str, first: Vector3, other_name: str, second: Vector3) -> None:
+def require_perpendicular(name: str, first: Sequence[float], other_name: str, second: Sequence[float]) -> None:
     cosine = math.sumprod(first, second) / math.hypot(*first) / math.hypot(*second)
     if not abs(cosine) <= 1e-9:
         pair = f"{name} = {first} and {other_name} = {second}"

@@ -50,15 +50,17 @@ def read(text: str) -> Read:
 def _node(node: ast.expr, names: set[str]) -> Formula:
     match node:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
-            return _constant(_finite(value))
+            number = _finite(value)
+            return lambda t, a, b: number
         case ast.Name(id="t"):
             names.add("t")
             return lambda t, a, b: t
         case ast.Name(id=name) if name in _CONSTANTS:
-            return _constant(_CONSTANTS[name])
+            return lambda t, a, b: _CONSTANTS[name]
         case ast.Attribute(value=ast.Name(id=end), attr=coordinate) if end in _ENDS:
             names.add(f"{end}.{coordinate}")
-            return _coordinate(_ENDS.index(end), coordinate)
+            k = _ENDS.index(end)
+            return lambda t, *ends: getattr(ends[k], coordinate)
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             inner = _node(operand, names)
             return lambda t, a, b: -inner(t, a, b)
@@ -73,18 +75,10 @@ def _node(node: ast.expr, names: set[str]) -> Formula:
     raise ValueError(f"{ast.unparse(node)!r} is not allowed in an expression; allowed: {allowed}")
 
 
-def _constant(value: float) -> Formula:
-    return lambda t, a, b: value
-
-
 def _finite(value: int | float) -> float:
     if not abs(value) <= 1e300:
         raise ValueError(f"{value!r} in the expression is too large")
     return float(value)
-
-
-def _coordinate(end: int, name: str) -> Formula:
-    return lambda t, *ends: getattr(ends[end], name)
 
 
 def _call(name: str, args: list[Formula]) -> Formula:

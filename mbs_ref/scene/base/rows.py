@@ -16,20 +16,12 @@ Point = tuple[float, ...]
 
 
 class Axes(Protocol):
-    """A body's place and axes at t = 0."""
+    """The bodies of a scene by name, and their places and axes at t = 0."""
 
-    @property
-    def angle(self) -> float:
-        """Return the body's angle, rad (plane)."""
-        ...
-
-    def point(self, world: Any) -> np.ndarray:
-        """Return a world point in body axes, m."""
-        ...
-
-    def direction(self, world: Any) -> np.ndarray:
-        """Return a world direction in body axes."""
-        ...
+    def body(self, name: str) -> int: ...
+    def angle(self, name: str) -> float: ...  # rad, in the plane
+    def point(self, name: str, world: Any) -> np.ndarray: ...  # of a world point, in body axes, m
+    def direction(self, name: str, world: Any) -> np.ndarray: ...  # of a world direction, in body axes
 
 
 class Row:
@@ -42,8 +34,8 @@ class Row:
     def count(self) -> int:
         return 1
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        """Return its numbers in the axes of the bodies, in the order of its group's arrays."""
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        """Return its numbers in the axes of the bodies a and b, in the order of its group's arrays."""
         raise NotImplementedError(f"{type(self).__name__} names no numbers")
 
 
@@ -59,8 +51,8 @@ class SharedPoint(Row):
     def count(self) -> int:
         return len(self.point_a)
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        return a.point(self.point_a), b.point(self.point_b)
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        return axes.point(a, self.point_a), axes.point(b, self.point_b)
 
 
 @dataclass(frozen=True)
@@ -72,8 +64,8 @@ class OnPlane(Row):
     normal: np.ndarray  # fixed in a
     GROUP: ClassVar[str] = "planes"
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        return a.point(self.point_a), b.point(self.point_b), a.direction(self.normal)
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        return axes.point(a, self.point_a), axes.point(b, self.point_b), axes.direction(a, self.normal)
 
 
 @dataclass(frozen=True)
@@ -85,8 +77,8 @@ class Rod(Row):
     length: float  # m
     GROUP: ClassVar[str] = "distances"
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        return a.point(self.point_a), b.point(self.point_b), self.length
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        return axes.point(a, self.point_a), axes.point(b, self.point_b), self.length
 
 
 @dataclass(frozen=True)
@@ -98,8 +90,8 @@ class Product(Row):
     GROUP: ClassVar[str] = "products"
     TURNS: ClassVar[bool] = True
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        return a.direction(self.along_a), b.direction(self.along_b), 0.0
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        return axes.direction(a, self.along_a), axes.direction(b, self.along_b), 0.0
 
 
 @dataclass(frozen=True)
@@ -109,8 +101,8 @@ class SameAngle(Row):
     GROUP: ClassVar[str] = "angles"
     TURNS: ClassVar[bool] = True
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        return (b.angle - a.angle,)
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        return (axes.angle(b) - axes.angle(a),)
 
 
 @dataclass(frozen=True)
@@ -122,8 +114,8 @@ class Turn(Row):
     GROUP: ClassVar[str] = "turns"
     TURNS: ClassVar[bool] = True
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        return a.direction(self.zero), a.direction(self.quarter), b.direction(self.zero)
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        return axes.direction(a, self.zero), axes.direction(a, self.quarter), axes.direction(b, self.zero)
 
 
 @dataclass(frozen=True)
@@ -133,8 +125,8 @@ class PrescribedAngle(Row):
     GROUP: ClassVar[str] = "angle_drives"
     TURNS: ClassVar[bool] = True
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        return (b.angle,)
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        return (axes.angle(b),)
 
 
 @dataclass(frozen=True)
@@ -145,8 +137,8 @@ class Prescribed(Row):
     direction: np.ndarray
     GROUP: ClassVar[str] = "drives"
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
-        return b.point(self.point), self.direction, float(self.direction @ self.point)
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
+        return axes.point(b, self.point), self.direction, float(self.direction @ self.point)
 
 
 @dataclass(frozen=True)
@@ -171,9 +163,15 @@ class RollingContact(Row):
         down = np.dot(self.normal, self.axis) * self.axis - self.normal
         return np.asarray(self.centre) + self.radius * unit(tuple(down))
 
-    def numbers(self, a: Axes, b: Axes) -> tuple[Any, ...]:
+    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
         frame = np.array([*normals(tuple(self.normal)), self.normal])
-        return b.point(self.centre), b.direction(self.axis), self.radius, frame, float(self.normal @ self.lowest())
+        return (
+            axes.point(b, self.centre),
+            axes.direction(b, self.axis),
+            self.radius,
+            frame,
+            float(self.normal @ self.lowest()),
+        )
 
 
 @dataclass(frozen=True)

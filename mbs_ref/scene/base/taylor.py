@@ -39,7 +39,7 @@ class Taylor(NDArrayOperatorsMixin):
         if any(isinstance(x, np.ndarray) and x.ndim for x in inputs):
             return np.frompyfunc(ufunc, ufunc.nin, 1)(*map(_boxed, inputs))
         if ufunc.__name__ in COMPARISONS:
-            return ufunc(*map(_value, inputs))
+            return ufunc(*(_parts(x)[0] for x in inputs))
         if ufunc.__name__ in UNARY:
             return _chain(ufunc.__name__, inputs[0])
         return BINARY[ufunc.__name__](*inputs) if ufunc.__name__ in BINARY else NotImplemented
@@ -55,10 +55,6 @@ def _boxed(x: Any) -> Any:
     return box if isinstance(x, Taylor) else x
 
 
-def _value(x: Any) -> Any:
-    return x.value if isinstance(x, Taylor) else x
-
-
 def _parts(x: Any) -> tuple[float, Any, float]:
     return (x.value, x.first, x.second) if isinstance(x, Taylor) else (float(x), 0.0, 0.0)
 
@@ -66,10 +62,6 @@ def _parts(x: Any) -> tuple[float, Any, float]:
 def _along(first: Any) -> float:
     """Return the derivative along the motion."""
     return float(first[0]) if isinstance(first, np.ndarray) else 0.0
-
-
-def _scaled(x: Taylor, factor: float) -> Taylor:
-    return Taylor(factor * x.value, factor * x.first, factor * x.second)
 
 
 def add(x: Any, y: Any) -> Taylor:
@@ -88,7 +80,7 @@ def multiply(x: Any, y: Any) -> Taylor:
 
 
 def divide(x: Any, y: Any) -> Taylor:
-    return multiply(x, power(y, -1.0)) if isinstance(y, Taylor) else _scaled(x, 1.0 / float(y))
+    return multiply(x, power(y, -1.0) if isinstance(y, Taylor) else 1.0 / float(y))
 
 
 def power(x: Any, y: Any) -> Taylor:
@@ -157,9 +149,7 @@ BINARY: dict[str, Callable[[Any, Any], Taylor]] = {
 COMPARISONS = {"less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "isfinite"}
 
 
-def _method(name: str) -> Callable[[Taylor], Taylor]:
-    return lambda self: _chain(name, self)
-
-
 for _name in ("sin", "cos", "tan", "arcsin", "arccos", "arctan", "sinh", "cosh", "tanh", "exp", "log", "sqrt"):
-    setattr(Taylor, _name, _method(_name))  # NumPy calls these methods of an object array's elements
+    setattr(
+        Taylor, _name, lambda self, name=_name: _chain(name, self)
+    )  # NumPy calls these methods of an object array's elements

@@ -13,16 +13,6 @@ from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, Contact, PinOnSprocket
 from mbs_ref.scene.signals import Table
 from mbs_ref.scenes.tracked_vehicle import running_gear as gear
-from mbs_ref.scenes.tracked_vehicle.numbers import (
-    AXLE_HEIGHT,
-    DATA,
-    HEIGHT,
-    PITCH,
-    PITCH_RADIUS,
-    TEETH,
-    contact_law,
-    friction,
-)
 from mbs_ref.scenes.tracked_vehicle.terrain import foot
 
 FEET = (-0.25, 0.25)  # of the pitch: where a link's two round feet are
@@ -65,8 +55,8 @@ def tracked_vehicle(
     """
     if model == "paper":
         wheel_friction, preload, start = _bare(wheel_friction=wheel_friction, preload=preload, start=start)
-    if ground == "step" and height > 0.5 * HEIGHT:
-        raise ValueError(f"height = {height} m of a step must not exceed half a link, {0.5 * HEIGHT} m")
+    if ground == "step" and height > 0.5 * gear.HEIGHT:
+        raise ValueError(f"height = {height} m of a step must not exceed half a link, {0.5 * gear.HEIGHT} m")
     if law == "constraint" and wheel_friction:
         raise ValueError(
             f"wheel_friction = {wheel_friction} must be 0 with law = 'constraint', which has no friction; "
@@ -96,10 +86,10 @@ def _settled(drawn: str) -> Scene:
 def _drawn(links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, ground, height) -> Scene:
     """Return the vehicle without its torque: chain straight and tangent, every contact at depth 0."""
     track = _pins(links)
-    base = (links - TEETH) // 2 * PITCH
+    base = (links - gear.TEETH) // 2 * gear.PITCH
     wheels = gear.wheels_of(base, rollers, upper_rollers, suspension, preload > 0.0)
     hull = _chassis(base)
-    front = base + PITCH_RADIUS
+    front = base + gear.PITCH_RADIUS
     return Scene(
         name="tracked_vehicle",
         description=_description(links, rollers + upper_rollers, wheel_friction, suspension, ground, height),
@@ -125,21 +115,21 @@ def _description(links: int, rollers: int, rub: float, suspension: bool, ground:
 
 def _pins(links: int) -> np.ndarray:
     """Return the pins (links, 2) counterclockwise from the top of the sprocket: the inside is on the left."""
-    straight = (links - TEETH) // 2
-    base = straight * PITCH
-    half = TEETH // 2
-    around = 0.5 * math.pi + 2.0 * math.pi / TEETH * np.arange(half + 1)
-    left = PITCH_RADIUS * np.column_stack((np.cos(around), np.sin(around)))
-    inner = PITCH * np.arange(1, straight)
-    below = np.column_stack((inner, np.full(straight - 1, -PITCH_RADIUS)))
-    above = np.column_stack((base - inner, np.full(straight - 1, PITCH_RADIUS)))
+    straight = (links - gear.TEETH) // 2
+    base = straight * gear.PITCH
+    half = gear.TEETH // 2
+    around = 0.5 * math.pi + 2.0 * math.pi / gear.TEETH * np.arange(half + 1)
+    left = gear.PITCH_RADIUS * np.column_stack((np.cos(around), np.sin(around)))
+    inner = gear.PITCH * np.arange(1, straight)
+    below = np.column_stack((inner, np.full(straight - 1, -gear.PITCH_RADIUS)))
+    above = np.column_stack((base - inner, np.full(straight - 1, gear.PITCH_RADIUS)))
     pins = np.vstack((left, below, (base, 0.0) - left, above))
-    return pins + np.array([0.0, AXLE_HEIGHT])
+    return pins + np.array([0.0, gear.AXLE_HEIGHT])
 
 
 def _chassis(base: float) -> PlanarBody:
-    data = DATA["chassis"]
-    place = (0.5 * base, AXLE_HEIGHT + data["axle_below_centre"])
+    data = gear.DATA["chassis"]
+    place = (0.5 * base, gear.AXLE_HEIGHT + data["axle_below_centre"])
     return PlanarBody(name="chassis", mass=data["mass"], inertia=data["inertia"], position=place)
 
 
@@ -148,7 +138,7 @@ def _links(pins: np.ndarray) -> list[PlanarBody]:
     along = ahead - pins
     return [
         PlanarBody(
-            name=f"link{k}", mass=DATA["link"]["mass"], inertia=DATA["link"]["inertia"],
+            name=f"link{k}", mass=gear.DATA["link"]["mass"], inertia=gear.DATA["link"]["inertia"],
             position=tuple(0.5 * (a + b)), angle=math.atan2(d[1], d[0]),
         )
         for k, (a, b, d) in enumerate(zip(pins, ahead, along, strict=True))
@@ -178,13 +168,13 @@ def _drive(torque: float, ramp: float) -> tuple[Torque, ...]:
 def _link_contacts(k: int, pins: np.ndarray, wheels: list[gear.Wheel], law: str, rub: float) -> Iterator[Contact]:
     """Yield what wheels and sprocket touch of link k."""
     a, b = pins[k], pins[(k + 1) % len(pins)]
-    along = (b - a) / PITCH
-    inner = 0.5 * HEIGHT * np.array([-along[1], along[0]])
+    along = (b - a) / gear.PITCH
+    inner = 0.5 * gear.HEIGHT * np.array([-along[1], along[0]])
     for wheel in wheels[1:]:
         yield CircleOnLine(
             name=f"{wheel.name}.link{k}", body_a=wheel.name, center=wheel.center, radius=wheel.radius,
             body_b=f"link{k}", point_1=tuple(a + inner), point_2=tuple(b + inner), extent="segment",
-            thickness=0.5 * HEIGHT, law=contact_law("link_wheel", law), friction=friction(rub),
+            thickness=0.5 * gear.HEIGHT, law=gear.contact_law("link_wheel", law), friction=gear.friction(rub),
         )  # fmt: skip
     yield _tooth(k, a, wheels[0].center, law)
 
@@ -197,10 +187,10 @@ def _ground_contacts(pins: np.ndarray, law: str, ground, height: float, front: f
 
 
 def _tooth(k: int, pin: np.ndarray, axle: tuple[float, float], law: str) -> PinOnSprocket:
-    seat = DATA["pin_seat"]
+    seat = gear.DATA["pin_seat"]
     return PinOnSprocket(
-        name=f"tooth.pin{k}", body_a=f"link{k}", center=tuple(pin), body_b="sprocket", axle=axle, teeth=TEETH,
-        pitch_radius=PITCH_RADIUS, addendum_radius=DATA["sprocket"]["addendum_radius"], first_seat=0.5 * math.pi,
-        clearance=seat["clearance"], flank_angle=math.radians(seat["flank_angle_deg"]),
-        law=contact_law("sprocket_pin", law),
+        name=f"tooth.pin{k}", body_a=f"link{k}", center=tuple(pin), body_b="sprocket", axle=axle, teeth=gear.TEETH,
+        pitch_radius=gear.PITCH_RADIUS, addendum_radius=gear.DATA["sprocket"]["addendum_radius"],
+        first_seat=0.5 * math.pi, clearance=seat["clearance"], flank_angle=math.radians(seat["flank_angle_deg"]),
+        law=gear.contact_law("sprocket_pin", law),
     )  # fmt: skip

@@ -1,13 +1,25 @@
-"""What turns on the hull: sprocket, idler and rollers, on axles of the hull or on sprung trailing arms."""
+"""What turns on the hull: sprocket, idler and rollers, on axles of the hull or on sprung trailing arms.
 
+The numbers of the vehicle and their origin are in scenes/data/tracked_vehicle.json.
+"""
+
+import json
 import math
 from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
 
 import numpy as np
 
 from mbs_ref.scene import Joint, Load, PlanarBody, Prismatic, Revolute, SpringDamper, TorsionSpring
-from mbs_ref.scenes.tracked_vehicle.numbers import APOTHEM, AXLE_HEIGHT, DATA, HEIGHT, PITCH_RADIUS, ROLLER_RADIUS
+from mbs_ref.scene.contact import ConstraintLaw, ContactLaw, ProgressiveLaw, RegularisedCoulomb, SpringDamperLaw
 
+DATA: dict[str, Any] = json.loads((files("mbs_ref.scenes") / "data" / "tracked_vehicle.json").read_text())
+PITCH, HEIGHT, TEETH = (DATA[name]["value"] for name in ("pitch", "link_height", "teeth"))
+PITCH_RADIUS = PITCH / (2.0 * math.sin(math.pi / TEETH))  # m
+APOTHEM = PITCH / (2.0 * math.tan(math.pi / TEETH))  # m
+AXLE_HEIGHT = PITCH_RADIUS + 0.5 * HEIGHT  # m, of sprocket and idler above ground
+ROLLER_RADIUS = DATA["roller"]["radius"]  # m
 Point = tuple[float, float]
 BAR, SLIDE = DATA["suspension"], DATA["tensioner"]
 
@@ -112,3 +124,20 @@ def torsion_bars(wheels: list[Wheel], weight: float) -> list[Load]:
         )
         for w, angle in zip(sprung, wound, strict=True)
     ]  # fmt: skip
+
+
+def contact_law(kind: str, law: str) -> ContactLaw:
+    """Return the law of link_wheel, link_ground or sprocket_pin: the first alone may be a constraint."""
+    data = DATA["contact"][kind]
+    if law == "constraint" and kind == "link_wheel":
+        return ConstraintLaw()
+    if law != "spring_damper":
+        return ProgressiveLaw(stiffness=data["k"], damping=data["c_progressive"])
+    return SpringDamperLaw(stiffness=data["k"], damping=data["c_kv"], release="force")
+
+
+def friction(coefficient: float) -> RegularisedCoulomb | None:
+    """Return friction that creeps where it would stick; None where there is none."""
+    if coefficient == 0.0:
+        return None
+    return RegularisedCoulomb(coefficient=coefficient, speed=DATA["friction_creep"]["value"])

@@ -8,7 +8,7 @@ from typing import Literal
 
 from mbs_ref.scene import GROUND
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, Contact
-from mbs_ref.scenes.tracked_vehicle.numbers import DATA, HEIGHT, contact_law, friction
+from mbs_ref.scenes.tracked_vehicle.running_gear import DATA, HEIGHT, contact_law, friction
 
 Kind = Literal["flat", "bump", "slope", "step"]
 RADIUS = 0.5 * HEIGHT  # m, of a foot

@@ -69,7 +69,7 @@ def _as_strained(part: Any, motion: Motion) -> dict[str, Any]:
     if isinstance(part, SpringDamper | Distance):
         name = "length" if isinstance(part, Distance) else "rest_length"
         return {name: math.dist(part.point_a, part.point_b)} if getattr(part, name) is None else {}
-    if isinstance(part, PinOnSprocket):
+    if isinstance(part, PinOnSprocket) and part.axis is None:
         return {"first_seat": part.first_seat + float(motion.angle(part.body_b)[-1])}
     if not isinstance(part, TorsionSpring):
         return {}

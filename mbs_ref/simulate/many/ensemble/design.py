@@ -100,14 +100,13 @@ def read_law(text: str, own: float | None) -> Law:
         mean = _finite(match[1]) if match[1] else own
         if mean is None:
             raise ValueError(f"{text!r} needs a value of the scene as its mean, and there is none; give MEAN+-SD")
-        return _normal(mean, _finite(match[2]), match[3] == "%")
+        deviation = _finite(match[2])
+        if not match[3]:
+            return Normal(mean, deviation)
+        if mean == 0.0:
+            raise ValueError(f"{deviation:g} % of 0 is nothing; give the standard deviation itself")
+        return Normal(mean, abs(mean) * deviation / 100.0)
     raise ValueError(f"{text!r} is no law; allowed: {NOTATION}")
-
-
-def _normal(mean: float, deviation: float, is_share: bool) -> Normal:
-    if is_share and mean == 0.0:
-        raise ValueError(f"{deviation:g} % of 0 is nothing; give the standard deviation itself")
-    return Normal(mean, abs(mean) * deviation / 100.0 if is_share else deviation)
 
 
 def _finite(text: str) -> float:

@@ -133,14 +133,14 @@ def _jobs(variants: Variants, values: np.ndarray) -> list[_Job | Trajectory]:
     """Return the jobs of a portion; an impossible one is replaced by a trajectory without samples, with the reason."""
     scene = variants.source.scene
     if not variants.is_one_scene:
-        return [or_empty(scene, lambda one=one: _job(variants, one), ValueError) for one in values]
+
+        def job(one: np.ndarray) -> _Job:
+            varied = variants.scene(one)
+            return _Job(varied, variants.start(varied, one) if variants.moves else None)
+
+        return [or_empty(scene, lambda one=one: job(one), ValueError) for one in values]
     together = variants.starts(values)
     return [_Job(scene, Poses(*(part[k : k + 1] for part in together))) for k in range(len(values))]
-
-
-def _job(variants: Variants, values: np.ndarray) -> _Job:
-    scene = variants.scene(values)
-    return _Job(scene, variants.start(scene, values) if variants.moves else None)
 
 
 def _paths(
@@ -154,14 +154,14 @@ def _paths(
     elif lanes and not starts:
         done = simulate_scenes([job.scene for job in there.values()], settings, None, threads, lanes)
     else:
-        done = shared(lambda job: _path(job, settings), list(there.values()), threads)
+
+        def path(job: _Job) -> Trajectory:
+            return or_empty(job.scene, lambda: simulate(job.scene, settings, None, job.start), ValueError)
+
+        done = shared(path, list(there.values()), threads)
     stand_in = {k: job for k, job in enumerate(jobs) if isinstance(job, Trajectory)}
     paths = stand_in | dict(zip(there, done, strict=True))
     return [paths[k] for k in range(len(jobs))]
-
-
-def _path(job: _Job, settings: Settings) -> Trajectory:
-    return or_empty(job.scene, lambda: simulate(job.scene, settings, None, job.start), ValueError)
 
 
 class _Store:

@@ -95,7 +95,10 @@ class Variants:
     def scene(self, values: np.ndarray) -> Scene:
         """Return a run's scene with its velocities, without the start's poses; ValueError if the scene is invalid."""
         pairs = list(zip(self.targets, values.tolist(), strict=True))
-        parameters = {target.name: _as_number(value) for target, value in pairs if target.place is None}
+        given = {target.name: value for target, value in pairs if target.place is None}
+        parameters: dict[str, Any] = {
+            name: int(x) if x.is_integer() else x for name, x in given.items()
+        }  # they may count
         scene = self.source.rebuild(**parameters) if parameters and self.source.rebuild else self.source.scene
         if scene.body_names != self.source.scene.body_names:
             raise ValueError(f"{', '.join(parameters)} changes the number or names of bodies; vary another parameter")
@@ -136,16 +139,7 @@ def _set(starts: Poses, targets: Sequence[Target], values: np.ndarray, fields: t
             else:
                 getattr(starts, FIELDS.get(str(field), str(field)))[(slice(None), body, *component)] = column
     for body, vectors in turns.items():
-        starts.orientation[:, body] = product(_turned_by(vectors), starts.orientation[:, body])
+        from scipy.spatial.transform import Rotation  # takes long to import
 
-
-def _turned_by(vectors: np.ndarray) -> np.ndarray:
-    """Return the Euler parameters (n, 4) of rotation vectors (n, 3)."""
-    from scipy.spatial.transform import Rotation
-
-    return Rotation.from_rotvec(vectors).as_quat(scalar_first=True)
-
-
-def _as_number(value: float) -> Any:
-    """Return an integer as such, for parameters that count."""
-    return int(value) if value.is_integer() else value
+        turned = Rotation.from_rotvec(vectors).as_quat(scalar_first=True)
+        starts.orientation[:, body] = product(turned, starts.orientation[:, body])
