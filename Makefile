@@ -113,7 +113,7 @@ pictures: venv  ## the README's pictures, from the last report; needs Chromium
 	$(BIN)/python -m reports.site.pictures
 
 PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
-EXTRAS := --extra engines --extra cluster --extra dev
+EXTRAS := --extra engines --extra cluster --extra proofs --extra dev
 NIGHTLY := --extra ephemeris --extra lsodar --extra heyoka --extra drake --extra dart --extra mjx --extra opensim --extra notebooks \
   --extra polars --extra film --extra parquet --extra robots
 SITE := --extra docs --extra engines --extra notebooks
