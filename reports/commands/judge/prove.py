@@ -57,8 +57,7 @@ def command(
     The theorem is about the scene's numbers: each binary64 value, or each decimal, is exact; rates that loops decide
     solve the closures.
     """
-    if find_spec("flint") is None:
-        raise EngineAbsent("proofs need the package python-flint: pip install 'mbs-ref[proofs]'")
+    need_flint()
     if (scene is None) == (log_file is None):
         raise click.UsageError("give either a scene or --check LOG")
     if log_file is not None:
@@ -93,6 +92,12 @@ def command(
         raise Failed(f"not proven beyond t = {proven.reached:g} s, radius {proven.radius:.1e}: {proven.reason}")
     if proven.radius > radius:
         raise Failed(f"proven to radius {proven.radius:.1e}, above the requested {radius:.1e}")
+
+
+def need_flint() -> None:
+    """Raise EngineAbsent unless python-flint is installed."""
+    if find_spec("flint") is None:
+        raise EngineAbsent("proofs need the package python-flint: pip install 'mbs-ref[proofs]'")
 
 
 def _check(file: Path, as_json: bool) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import json
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -17,7 +16,7 @@ pytest.importorskip("flint", reason="proofs need python-flint: pip install 'mbs-
 from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
 from cross_checks.truths import seek_truth
-from cross_checks.truths.proofs.certified import enclosed
+from cross_checks.truths.proofs.certified import as_truth
 from cross_checks.truths.proofs.checker.balls import Refused, precision
 from cross_checks.truths.proofs.checker.formulas import Formulas, roots
 from cross_checks.truths.proofs.checker.proof import check
@@ -25,6 +24,7 @@ from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
+from mbs_ref.observables.distance import farthest, unmasked_distances
 from reports.cli import main
 
 TIMES = [0.0, 0.1, 0.2]  # s
@@ -60,13 +60,13 @@ def test_a_proof_is_checked_and_holds_the_truth(name, proofs, logs):
     checked, enclosures = check(logs[name])
     assert checked.radius < 1e-15
     assert len(enclosures) == len(TIMES)
-    truth = seek_truth(scenes.make(name, **COVERED[name]), np.array(TIMES))
+    scene = scenes.make(name, **COVERED[name])
+    truth = seek_truth(scene, np.array(TIMES))
     assert isinstance(truth, Truth)
-    proof = proofs[name].proof
-    assert enclosed(proof, truth).inside
-    wrong = truth.position.copy()
-    wrong[1] += 100.0 * truth.uncertainty
-    assert not enclosed(proof, replace(truth, position=wrong)).inside
+    proof = as_truth(scene, enclosures)
+    assert max(farthest(scene, truth, proof)[:2]) <= truth.uncertainty + proof.uncertainty
+    rates = unmasked_distances(truth, proof, None)[..., 2:].max((1, 2))
+    assert (rates <= truth.rate_uncertainty + proof.rate_uncertainty).all()
 
 
 def test_an_enclosure_holds_a_finer_one():
