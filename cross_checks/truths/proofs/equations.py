@@ -11,15 +11,16 @@ from fractions import Fraction
 from typing import Any
 
 from cross_checks.truths.proofs import kinematics
-from cross_checks.truths.proofs.derivation import Derivation, Exact, NotCovered, Units
+from cross_checks.truths.proofs.derivation import ANALYTIC, Derivation, Exact, NotCovered, Units
 from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
 from cross_checks.truths.proofs.loads import LAWS, Marks
 from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
 from mbs_ref.scene import GROUND
 
-JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")
-LOOPS = ("revolute", "spherical", "distance", "universal")
-NO_COORDINATES = ("distance", "universal")  # joints that close a loop wherever they are
+DRIVES = ("coordinate_drive", "point_drive")
+NO_COORDINATES = ("distance", "universal", *DRIVES)  # joints that close a loop wherever they are
+LOOPS = ("revolute", "spherical", *NO_COORDINATES)
+JOINTS = ("prismatic", "weld", *LOOPS)
 
 
 def complaints(scene: Any) -> Iterator[str]:
@@ -29,6 +30,8 @@ def complaints(scene: Any) -> Iterator[str]:
     for joint in scene.joints:
         if joint.type not in JOINTS or (joint.type != "distance" and getattr(joint, "point_b", None) is not None):
             yield f"joint {joint.name} ({joint.type}) is not covered"
+        if joint.type in DRIVES and joint.motion.type not in ANALYTIC:
+            yield f"joint {joint.name} follows a signal with breakpoints, which is not covered"
         axis = getattr(joint, "axis", None)
         if joint.type == "revolute" and axis is not None and sum(x != 0.0 for x in axis) != 1:
             yield f"joint {joint.name}: an axis in space must be a coordinate axis"
@@ -61,6 +64,7 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
         "f": [rate.place for rate in work.unknowns.rates],
         "g": [residual.place for residual in work.residuals],
         "z": work.unknowns.z_count,
+        "clock": work.clock,
         "starts": [None if s is None else list(s.as_integer_ratio()) for s in work.unknowns.starts],
         "outputs": [[one.place for one in _output(work, body)] for body in scene.bodies],
         "units": [str(units.length), str(units.time), str(units.mass)],
@@ -82,7 +86,7 @@ def _tree(work: Derivation) -> list[Any]:
             queue.append(name)
         here = queue.popleft()
         for joint in remaining:
-            if joint.name in used or here not in (joint.body_a, joint.body_b):
+            if joint.name in used or here not in joint.ends:
                 continue
             there = joint.body_b if here == joint.body_a else joint.body_a
             if there not in work.frames:
@@ -218,6 +222,9 @@ def _inertia_at_start(work: Derivation, body: Any, unit: Fraction) -> Any:
 
 def _close(work: Derivation, joint: Any) -> None:
     """Add the multipliers of a loop's joint and the second derivatives of its closure."""
+    if joint.type in DRIVES:
+        work.residuals.append(_drive(work, joint))
+        return
     marks = Marks.of(work, joint)
     if joint.type == "distance":
         gap = minus(marks.b[0], marks.a[0])
@@ -236,6 +243,25 @@ def _close(work: Derivation, joint: Any) -> None:
     work.residuals += rows
     for first, second in _square(joint, work.scene.dimension):
         work.residuals.append(_keep_square(work, joint, work.vector(first), work.vector(second)))
+
+
+def _drive(work: Derivation, joint: Any) -> Formula:
+    """Apply a drive's multiplier, and return the second derivative of what it prescribes."""
+    frame, still = work.frames[joint.body], work.frames[GROUND].place
+    unit, push = work.units.length, work.unknowns.dependent()
+    if joint.type == "coordinate_drive" and joint.coordinate == "angle":
+        work.apply(joint.body, still, still, (still[0], still[0], push))
+        rate, bend, size, unit = frame.spin[2], frame.spin_rate[2], work.tape.number(1), 1
+    else:
+        chosen = joint.type == "coordinate_drive"
+        axis = work.vector([float(c == joint.coordinate) for c in "xyz"] if chosen else joint.direction)
+        mark = work.bodies[joint.body].position if chosen else joint.point
+        place, velocity, acceleration = frame.carried(work.offset(joint.body, mark))
+        work.apply(joint.body, place, times(axis, push))
+        size = work.tape.line("root", *(dot(axis, axis).constant or Fraction(1)).as_integer_ratio())
+        rate, bend = dot(axis, velocity), dot(axis, acceleration)
+    work.closing.append(rate - size * work.displacement(joint, 1, unit))
+    return bend - size * work.displacement(joint, 2, unit)
 
 
 def _square(joint: Any, dimension: int) -> list[tuple[Any, Any]]:
@@ -299,9 +325,14 @@ def _leave_rates_to_closures(work: Derivation) -> None:
     starts, lines = work.unknowns.starts, work.tape.lines
     rates = [k for k, rate in enumerate(work.unknowns.rates) if lines[rate.place][0] == "z"]
     basis: list[tuple[int, list[Fraction]]] = []
-    for k in reversed(rates if any(starts[k] for k in rates) else []):
-        y = [Fraction(j == k) if j in rates else Fraction(start or 0) for j, start in enumerate(starts)]
-        column = work.tape.at_start([row.place for row in work.closing], y)
+    places, still = (
+        [row.place for row in work.closing],
+        [Fraction(0 if j in rates else s or 0) for j, s in enumerate(starts)],
+    )
+    base = work.tape.at_start(places, still)
+    for k in reversed(rates if any(starts[k] for k in rates) or any(base) else []):
+        y = [Fraction(1) if j == k else value for j, value in enumerate(still)]
+        column = [x - b for x, b in zip(work.tape.at_start(places, y), base, strict=True)]
         for pivot, other in basis:
             factor = column[pivot] / other[pivot]
             column = [x - factor * o for x, o in zip(column, other, strict=True)]

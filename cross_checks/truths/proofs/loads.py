@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
-from cross_checks.truths.proofs.derivation import Derivation
+from cross_checks.truths.proofs.derivation import ANALYTIC, Derivation
 from cross_checks.truths.proofs.tape import Formula, Vector, dot, minus, plus, times
 
 Point = tuple[Vector, Vector, Vector]  # place, velocity, acceleration
@@ -86,10 +86,9 @@ def _turn(work: Derivation, body: str, torque: Formula) -> None:
 def _torque(work: Derivation, load: Any) -> None:
     units = work.units
     unit = units.mass * units.length**2 / units.time**2
-    size = load.factor.value if load.factor.type == "constant" else 1.0
     values = (0.0, 0.0, load.torque) if load.type == "torque" else load.vector
     zero = work.tape.number(0)
-    moment = times(work.vector(values, unit), work.number(size))
+    moment = times(work.vector(values, unit), work.signal(load.factor))
     work.apply(load.body, (zero, zero, zero), (zero, zero, zero), moment)
 
 
@@ -97,7 +96,7 @@ def _force(work: Derivation, load: Any) -> None:
     units = work.units
     place = work.frames[load.body].carried(work.offset(load.body, load.point))[0]
     vector = work.vector(load.vector, units.mass * units.length / units.time**2)
-    work.apply(load.body, place, times(vector, work.number(load.factor.value)))
+    work.apply(load.body, place, times(vector, work.signal(load.factor)))
 
 
 def _newton(work: Derivation, load: Any) -> None:
@@ -158,9 +157,9 @@ def _legendre_slopes(s: Formula, degree: int) -> list[Formula]:
     return slope
 
 
-def _constant(load: Any) -> str:
-    if load.factor.type != "constant":
-        return "varies in time, which is not covered"
+def _analytic(load: Any) -> str:
+    if load.factor.type not in ANALYTIC:
+        return "follows a signal with breakpoints, which is not covered"
     return "along a body's axes is not covered" if getattr(load, "frame", "world") == "body" else ""
 
 
@@ -180,9 +179,9 @@ def _polar(load: Any) -> str:
 LAWS: dict[str, Law] = {
     "spring_damper": Law(_spring, _taut),
     "torsion_spring": Law(_torsion, _flat),
-    "torque": Law(_torque, _constant),
-    "torque_vector": Law(_torque, _constant),
-    "force": Law(_force, _constant),
+    "torque": Law(_torque, _analytic),
+    "torque_vector": Law(_torque, _analytic),
+    "force": Law(_force, _analytic),
     "newton": Law(_newton),
     "oblateness": Law(_oblateness, _polar),
     "epoch": Law(lambda work, load: None),

@@ -44,7 +44,7 @@ class Tape:
                 case "*":
                     value.append(value[a] * value[b])
                 case _:
-                    value.append(Fraction(operation == "cos"))
+                    value.append(Fraction(operation in ("cos", "root")))  # not zero, which suffices
         return [value[place] for place in places]
 
 

@@ -42,7 +42,7 @@ class Series:
                 self._run(self.fixed, k)
                 self._append_z(k, inverse)
             for own, place in zip(self.y, self.f, strict=True):
-                rate = self.terms[place][k]
+                rate = self._term(place, k)
                 own.append((rate << exponent if exponent >= 0 else rate >> -exponent) // (k + 1))
         self._run(self.fixed, self.degree)
         self._append_z(self.degree, inverse)

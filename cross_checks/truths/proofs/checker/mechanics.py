@@ -16,7 +16,9 @@ from mbs_ref.scene import GROUND
 
 ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted
 LOADS = (*ENERGETIC, "force", "torque", "torque_vector")
-JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")
+DRIVES = ("coordinate_drive", "point_drive")
+JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal", *DRIVES)
+SIGNALS = ("constant", "harmonic", "polynomial")
 ROD_GAP = 1e-12  # of a rod's length: how far its points may be from it at t = 0; the start decides
 
 
@@ -34,6 +36,7 @@ class Mechanics:
         self.free = [
             {"planar": (0, 1, 5), "spatial": range(6)}.get(b.type, range(len(b.position))) for b in scene.bodies
         ]
+        self.now = arb(0)  # s
         self.columns = [(k, c) for k, free in enumerate(self.free) for c in free]
 
     def vector(self, values: Sequence[float]) -> list[arb]:
@@ -43,8 +46,8 @@ class Mechanics:
         place = self.scene.bodies[body].position if body >= 0 else (0.0,) * 3
         return [x - y for x, y in zip(self.vector(point), self.vector(place), strict=True)]
 
-    def jets(self, state: list[Any], rate: list[list[arb]], acceleration: list[list[arb]]) -> list[Any]:
-        """Return place, turn and angle of every body as series to t^2; the last is ground."""
+    def jets(self, state: list[Any], rate: list[Any], acceleration: list[Any], pace: int = 1) -> list[Any]:
+        """Return place, turn and angle of every body as series to t^2; the last are time, at a pace, and ground."""
         moved = []
         for (r, turn, angle), v, a in zip(state, rate, acceleration, strict=True):
             place = [arb_series([r[i], v[i], a[i] / 2]) for i in range(3)]
@@ -56,14 +59,42 @@ class Mechanics:
             ]
             moved.append((place, _matmul(series, turn), arb_series([angle, v[5], a[5] / 2])))
         unit = [[arb_series([arb(i == j)]) for j in range(3)] for i in range(3)]
-        return [*moved, ([arb_series([0])] * 3, unit, arb_series([0]))]
+        return [*moved, arb_series([self.now, pace]), ([arb_series([0])] * 3, unit, arb_series([0]))]
 
     def mark(self, jets: list[Any], body: int, point: Sequence[float]) -> list[Number]:
         place, turn, _ = jets[body]
         return [x + y for x, y in zip(place, _apply(turn, self.offset(body, point)), strict=True)]
 
+    def signal(self, signal: Any, t: Number) -> Number:
+        """Return the value of a signal at a time, or along a series of times."""
+        names = {"constant": ("value",), "harmonic": ("offset",), "polynomial": ("coefficients",)}[signal.type]
+        own = getattr(signal, names[0])
+        total = arb(0) * t
+        for c in reversed(own if isinstance(own, tuple) else (own,)):
+            total = total * t + exact(self.number(c))
+        if signal.type == "harmonic":
+            amplitude, omega, phase = (exact(self.number(x)) for x in (signal.amplitude, signal.omega, signal.phase))
+            total += amplitude * (omega * t + phase).sin()
+        return total
+
+    def driven(self, jets: list[Any], joint: Any) -> list[Number]:
+        """Return how far a body is from where a drive wants it, up to a constant; a virtual motion has no time."""
+        body, t = self.index[joint.body], jets[-2]
+        wanted = self.signal(joint.motion, t)
+        for _ in range(("position", "velocity", "acceleration").index(joint.level)):
+            wanted = wanted.integral() * t.derivative()
+        if joint.type == "coordinate_drive":
+            return [
+                (jets[body][2] if joint.coordinate == "angle" else jets[body][0]["xyz".index(joint.coordinate)])
+                - wanted
+            ]
+        axis = self.vector(joint.direction)
+        return [_dot(axis, self.mark(jets, body, joint.point)) - wanted * _dot(axis, axis).sqrt()]
+
     def closure(self, jets: list[Any], joint: Any) -> list[Number]:
         """Return the rows of a joint, each zero where it holds."""
+        if joint.type in DRIVES:
+            return self.driven(jets, joint)
         a, b = self.index[joint.body_a], self.index[joint.body_b]
         points = (joint.point_a, joint.point_b) if joint.type == "distance" else (joint.point, joint.point)
         gap = [y - x for x, y in zip(self.mark(jets, a, points[0]), self.mark(jets, b, points[1]), strict=True)]
@@ -129,7 +160,7 @@ class Mechanics:
         newton = next((load for load in self.scene.loads if load.type == "newton"), None)
         for load in self.scene.loads:
             if load.type == "force" and self.index[load.body] == body:
-                vector = [x * exact(self.number(load.factor.value)) for x in self.vector(load.vector)]
+                vector = [x * self.signal(load.factor, self.now) for x in self.vector(load.vector)]
                 total -= _dot(vector, self.mark(jets, body, load.point))
             elif load.type in ("newton", "oblateness"):
                 for k in range(len(self.scene.bodies)):
@@ -161,11 +192,11 @@ class Mechanics:
         for column, (body, c) in enumerate(self.columns):
             unit = [list(row) for row in rest]
             unit[body][c] = arb(1)
-            virtual = self.jets(state, unit, rest)
+            virtual = self.jets(state, unit, rest, 0)
             right[column, 0] = -self.potential(virtual, body)[1] + self._driven(zero, virtual, body, c)
             row = len(self.columns)
             for joint in self.scene.joints:
-                touched = body in (self.index[joint.body_a], self.index[joint.body_b])
+                touched = body in [self.index[end] for end in joint.ends]
                 rows = self.closure(virtual, joint) if touched else None
                 for k in range(len(self.closure(zero, joint))) if rows is None else range(len(rows)):
                     if rows is not None:
@@ -188,7 +219,7 @@ class Mechanics:
         for load in self.scene.loads:
             if load.type in ("torque", "torque_vector") and self.index[load.body] == body and c >= 3:
                 vector = (0.0, 0.0, load.torque) if load.type == "torque" else load.vector
-                total += exact(self.number(vector[c - 3]) * self.number(load.factor.value))
+                total += exact(self.number(vector[c - 3])) * self.signal(load.factor, self.now)
         return total
 
     def _inertial(self, matrix: arb_mat, right: arb_mat, state: list[Any], rate: list[list[arb]]) -> None:
@@ -216,6 +247,7 @@ class Mechanics:
         """Whether `energy` is constant: nothing takes or gives any, and no body feels both a field and others."""
         kinds = {load.type for load in self.scene.loads}
         damped = any(getattr(load, "damping", 0.0) for load in self.scene.loads)
+        damped = damped or any(joint.type in DRIVES for joint in self.scene.joints)
         return not damped and kinds <= set(ENERGETIC) and ("newton" not in kinds or not any(self.scene.gravity))
 
     def energy(self, state: list[Any], rate: list[list[arb]]) -> arb:
@@ -247,10 +279,11 @@ def _unknown(scene: Any) -> Iterator[str]:
     for joint in scene.joints:
         rod = joint.type == "distance"
         apart = rod and joint.length and abs(joint.length / math.dist(joint.point_a, joint.point_b) - 1.0) > ROD_GAP
-        if joint.type not in JOINTS or apart or (not rod and getattr(joint, "point_b", None)):
+        wave = joint.type in DRIVES and joint.motion.type not in SIGNALS
+        if joint.type not in JOINTS or apart or wave or (not rod and getattr(joint, "point_b", None)):
             yield joint.name
     for load in scene.loads:
-        varies = getattr(getattr(load, "factor", None), "type", "constant") != "constant"
+        varies = getattr(getattr(load, "factor", None), "type", "constant") not in SIGNALS
         turns = getattr(load, "frame", "world") != "world" or (load.type == "torsion_spring" and load.axis)
         tilted = load.type == "oblateness" and (load.pole != "fixed" or sorted(map(abs, load.axis)) != [0.0, 0.0, 1.0])
         if load.type not in LOADS or varies or turns or tilted or getattr(load, "tension_only", False):

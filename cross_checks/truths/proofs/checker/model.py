@@ -27,6 +27,9 @@ class Model:
             raise Refused("a unit is not positive")
         self.formulas = Formulas(header["system"])
         self.mechanics = Mechanics(self.scene, header["inputs"])
+        self.clock = header["system"]["clock"]
+        if self.clock is not None:
+            self._refuse_unless_time(self.clock, header["system"]["starts"])
         self.plans = {
             "motion": self.formulas.plan([*self.formulas.f, *self.formulas.g]),
             "jacobian": self.formulas.plan([p for row in self.formulas.jacobian for p in row.values()]),
@@ -36,6 +39,10 @@ class Model:
             self.start = self._start(header["system"]["starts"])
             self._compare(self.start)
             self.z_start = roots(self.formulas, self.start)
+
+    def _refuse_unless_time(self, clock: int, starts: list[Any]) -> None:
+        if Fraction(*starts[clock]) or self.formulas.lines[self.formulas.f[clock]] != ("c", 1, 1):
+            raise Refused(f"coordinate {clock} is not time")
 
     def bodies(self, y: Sequence[Number]) -> list[list[Number]]:
         """Return place, turn since t = 0, velocity and spin of every body, SI units."""
@@ -125,6 +132,7 @@ class Model:
 
     def _compare_at(self, y: list[arb]) -> None:
         formulas = self.formulas
+        self.mechanics.now = arb(0) if self.clock is None else y[self.clock] * exact(self.units[1])
         value = formulas.run(self.plans["motion"], y, roots(formulas, y))
         rate_of = [value[place] for place in formulas.f]
         moving = [arb_series([x, v]) for x, v in zip(y, rate_of, strict=True)]
