@@ -5,6 +5,7 @@ of one joint: what the bodies beyond it need, along its freedom. Closures enter 
 the start alone decides where they are closed.
 """
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterator
 from fractions import Fraction
@@ -18,6 +19,8 @@ from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, 
 from mbs_ref.scene import GROUND
 
 DRIVES = ("coordinate_drive", "point_drive")
+IDENTICAL = 1e-12  # of a closure in units of the scene's length that holds at any angle; the checker decides
+AT_START = {"sin": lambda x: 0, "cos": lambda x: 1, "root": lambda x: 1}  # at angles 0; a root's size does not matter
 NO_COORDINATES = ("distance", "universal", *DRIVES)  # joints that close a loop wherever they are
 LOOPS = ("revolute", "spherical", *NO_COORDINATES)
 JOINTS = ("prismatic", "weld", *LOOPS)
@@ -49,13 +52,16 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
     reasons = list(complaints(scene))
     if reasons:
         raise NotCovered("; ".join(reasons))
-    work = Derivation(scene, exact, units)
+    work = Derivation(scene, exact, units, parallel=True)
     loops = _tree(work)
+    if not (loops and work.shared and _is_closed(work, loops)):
+        work = Derivation(scene, exact, units)
+        loops = _tree(work)
     for body in scene.bodies:
         work.wrench[body.name] = _inertial(work, body)
     for load in scene.loads:
         LAWS[load.type].apply(work, load)
-    for joint in loops:
+    for joint in () if work.shared else loops:
         _close(work, joint)
     _balance(work)
     _leave_rates_to_closures(work)
@@ -100,6 +106,15 @@ def _tree(work: Derivation) -> list[Any]:
     return loops
 
 
+def _is_closed(work: Derivation, loops: list[Any]) -> bool:
+    """Return whether the joints of loops hold at any angles, so that the motion of the tree is one of the scene."""
+    if not all(joint.type == "revolute" for joint in (*loops, *work.scene.joints)) or work.scene.dimension == 3:
+        return False
+    rows = [x.place for joint in loops for x in minus(*(mark[0] for mark in vars(Marks.of(work, joint)).values()))]
+    y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
+    return max(map(abs, work.tape.values(rows, y, {"sin": math.sin, "cos": math.cos}))) < IDENTICAL
+
+
 def _add(work: Derivation, parent: str, name: str, joint: Any) -> None:
     """State the frame of a body that hangs on `parent` by a joint; None where it is free."""
     kind = "free" if joint is None else joint.type
@@ -126,7 +141,11 @@ def _spinning(work: Derivation, name: str) -> Frame:
     if body.type == "point_mass":
         return base
     if body.type == "planar":
-        return _planar_spin(work, unknowns.motion(Fraction(0), spin[2]))
+        if not work.parallel:
+            return _planar_spin(work, unknowns.motion(Fraction(0), spin[2]))
+        if spin[2] and spin[2] not in work.shared:
+            work.shared[spin[2]] = unknowns.motion(Fraction(0), spin[2])
+        return _planar_spin(work, work.shared[spin[2]]) if spin[2] else base
     e = tuple(unknowns.state(Fraction(k == 0)) for k in range(4))
     w = tuple(unknowns.state(x) for x in spin)
     rate = tuple(unknowns.dependent() for _ in range(3))
@@ -293,13 +312,20 @@ def _keep_square(work: Derivation, joint: Any, first: Vector, second: Vector) ->
 
 
 def _balance(work: Derivation) -> None:
-    """Add the power balance of every joint, from the leaves inward."""
+    """Add the power balance of every joint, from the leaves inward, or of every shared angle."""
+    powers = [work.tape.number(0) for _ in work.shared]
     for parent, name, joint in reversed(work.order):
         force, moment = work.wrench[name]
         mass = Fraction(2) ** round(work.exact(work.bodies[name].mass) / work.units.mass).bit_length()
-        work.residuals += [row * (1 / mass) for row in _rows(work, parent, name, joint, force, moment)]
+        rows = [row * (1 / mass) for row in _rows(work, parent, name, joint, force, moment)]
+        if not work.shared:
+            work.residuals += rows
+        for k, spin in enumerate(work.shared):
+            turns = int(work.rate(name)[1][2] == spin) - int(work.rate(parent)[1][2] == spin)
+            powers[k] = powers[k] + rows[0] * (mass * turns)
         if parent != GROUND:
             work.wrench[parent] = plus(work.wrench[parent][0], force), plus(work.wrench[parent][1], moment)
+    work.residuals += powers
 
 
 def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, moment: Vector) -> list[Formula]:
@@ -329,10 +355,10 @@ def _leave_rates_to_closures(work: Derivation) -> None:
         [row.place for row in work.closing],
         [Fraction(0 if j in rates else s or 0) for j, s in enumerate(starts)],
     )
-    base = work.tape.at_start(places, still)
+    base = work.tape.values(places, still, AT_START)
     for k in reversed(rates if any(starts[k] for k in rates) or any(base) else []):
         y = [Fraction(1) if j == k else value for j, value in enumerate(still)]
-        column = [x - b for x, b in zip(work.tape.at_start(places, y), base, strict=True)]
+        column = [x - b for x, b in zip(work.tape.values(places, y, AT_START), base, strict=True)]
         for pivot, other in basis:
             factor = column[pivot] / other[pivot]
             column = [x - factor * o for x, o in zip(column, other, strict=True)]

@@ -9,7 +9,7 @@ from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImpor
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision
 from cross_checks.truths.proofs.checker.formulas import Formulas, roots, solve
-from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
+from cross_checks.truths.proofs.checker.mechanics import DRIVES, Mechanics, rotation
 from mbs_ref.scene import Scene
 
 POINTS, POINT_BITS, EQUAL = 3, 1000, 600  # random points, bits of numbers, bits that must agree
@@ -43,6 +43,17 @@ class Model:
     def _refuse_unless_time(self, clock: int, starts: list[Any]) -> None:
         if Fraction(*starts[clock]) or self.formulas.lines[self.formulas.f[clock]] != ("c", 1, 1):
             raise Refused(f"coordinate {clock} is not time")
+
+    @property
+    def is_exhibited(self) -> bool:
+        """Whether the formulas exhibit a motion of a scene with loops without their multipliers.
+
+        It obeys the equations of motion, but in singular poses of the loops others may branch off.
+        """
+        joints, lines = [j for j in self.scene.joints if j.type not in DRIVES], self.formulas.lines
+        return len(joints) > len(self.scene.bodies) and self.formulas.m == sum(
+            lines[place][0] == "z" for place in self.formulas.f
+        )
 
     def bodies(self, y: Sequence[Number]) -> list[list[Number]]:
         """Return place, turn since t = 0, velocity and spin of every body, SI units."""
