@@ -12,6 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from cross_checks.truths.proofs import kinematics
+from cross_checks.truths.proofs.checker import impacts
 from cross_checks.truths.proofs.derivation import ANALYTIC, Derivation, Exact, NotCovered, Units
 from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
 from cross_checks.truths.proofs.loads import LAWS, Marks
@@ -28,8 +29,9 @@ JOINTS = ("prismatic", "weld", *LOOPS)
 
 def complaints(scene: Any) -> Iterator[str]:
     """Yield why no proof covers a scene."""
-    if scene.contacts or scene.events:
-        yield "contacts and events are not covered"
+    if scene.events:
+        yield "events are not covered"
+    yield from impacts.refusals(scene)
     for joint in scene.joints:
         if joint.type not in JOINTS or (joint.type != "distance" and getattr(joint, "point_b", None) is not None):
             yield f"joint {joint.name} ({joint.type}) is not covered"

@@ -12,6 +12,7 @@ from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.taylor import NoConvergence, Series, radius, rescaled
+from cross_checks.truths.proofs.touch import first_touch
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
@@ -20,6 +21,7 @@ DIGITS_PROVEN = 18.0  # of a radius, that DEGREE and DIGITS reach in most motion
 SAFETY = 7.0  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
+WIDER = 16  # times so much an impact's window in the next attempt
 FINEST = 3  # attempts at a radius, each with half as many digits more
 
 
@@ -74,13 +76,13 @@ def _attempt(
     header = _header(scene, times, inputs, bits, units)
     proof = Proof(header)
     series = Series(header["system"], bits, degree)
-    z, steps, exponent, share = [round_to(x, bits) for x in proof.model.z_start], [], 2, 1.0 / SAFETY
+    steps, exponent, share = [], 2, 1.0 / SAFETY
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
             reason = f"the limit of {limit:g} s of processor time is reached"
             break
         try:
-            rows = series.propose([round_to(x, bits) for x in proof.middle], z, exponent)
+            rows = series.propose(*([round_to(x, bits) for x in own] for own in (proof.middle, proof.z)), exponent)
         except (NoConvergence, ZeroDivisionError) as error:
             reason = f"no polynomial: {error}"
             break
@@ -88,9 +90,13 @@ def _attempt(
         h = Fraction(max(1, int(length * 64))) / 64 if length > 0.25 else Fraction(length).limit_denominator(1 << 30)
         h = _dyadic(min(h, proof.times[-1] - proof.t), h)
         for attempt in range(ATTEMPTS):
-            own = rescaled(rows, h / Fraction(2) ** exponent)
+            own, window = rescaled(rows, h / Fraction(2) ** exponent), Fraction(0)
+            touch = first_touch(proof, h, own) if scene.contacts else None
+            if touch is not None:
+                h, window = touch[0], touch[1] * WIDER**attempt
+                own = rescaled(rows, h / Fraction(2) ** exponent)
             try:
-                proof.step(h, own)
+                proof.step(h, own, window)
                 share = min(1.0 / SAFETY, share * LONGER)
                 break
             except Refused as error:
@@ -98,8 +104,7 @@ def _attempt(
                 h, share = _dyadic(h * SHORTER, h), share * float(SHORTER)
         if reason:
             break
-        steps.append([h.numerator, h.denominator, own])
-        z = [sum(row) for row in own[proof.model.formulas.n :]]
+        steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
         exponent = max(-40, round(math.log2(float(h) * SAFETY)))
         report(float(proof.t * units.time), proof.radius)
     log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)]}

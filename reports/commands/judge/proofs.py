@@ -25,7 +25,7 @@ COLUMNS = ("t_end", "reached", "radius", "steps", "prover_s", "checker_s", "log_
     "--seed", type=int, metavar="N", help="Random parameters, at most a tenth off; the scene's own unless given."
 )
 @click.option("--radius", type=float, default=1e-18, show_default=True, metavar="R", callback=inputs.positive,
-              help="Largest radius of an enclosure, m, rad, m/s, rad/s; times the scene's length (m) where that exceeds 1.")  # fmt: skip
+              help="Largest radius, m, rad, m/s, rad/s; times the scene's length (m) above 1 m.")  # fmt: skip
 @click.option("--limit", type=float, default=60.0, show_default=True, metavar="S", callback=inputs.positive,
               help="Limit of the prover's processor time for one scene, s.")  # fmt: skip
 @click.option("--write", is_flag=True, help="Store the enclosures of certified scenes: their truths are then proven.")

@@ -10,6 +10,7 @@ from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exa
 
 OPERATIONS = ("c", "root", "y", "z", "+", "-", "*", "sin", "cos")
 ITERATIONS = 60  # of Newton's method for z, from 1
+WIDE = 2.0**-100  # by which a ball of z is wider than the change that Newton's method makes
 NEGLIGIBLE = 2.0**-800  # of a change of z, where it ends
 
 
@@ -116,6 +117,30 @@ def solve(matrix: arb_mat, right: arb_mat) -> arb_mat:
         return matrix.solve(right)
     except ZeroDivisionError as error:
         raise Refused("a matrix is singular") from error
+
+
+def enclose(formulas: Formulas, y: list[arb]) -> list[arb]:
+    """Return balls of z with g(y, z) = 0 for every y in balls, by Krawczyk's test about the roots at their middles."""
+    n, m = formulas.n, formulas.m
+    if not m:
+        return []
+    middle = roots(formulas, [x.mid() for x in y])
+    plan = formulas.plan([*formulas.g, *(p for row in formulas.jacobian[n:] for p in row.values())])
+
+    def at(y: list[arb], z: list[arb]) -> tuple[arb_mat, arb_mat]:
+        value = formulas.run(plan, y, z)
+        slopes = [[value[row[n + j]] if n + j in row else arb(0) for j in range(m)] for row in formulas.jacobian[n:]]
+        return arb_mat([[value[place]] for place in formulas.g]), arb_mat(slopes)
+
+    inverse = at([x.mid() for x in y], middle)[1].mid().inv().mid()
+    shift = [-x for x in (inverse * at(y, middle)[0]).entries()]
+    z = [x + arb(0, 1) * 2 * (above(s) + WIDE) for x, s in zip(middle, shift, strict=True)]
+    gap = arb_mat(m, m, [int(i == j) for i in range(m) for j in range(m)]) - inverse * at(y, z)[1]
+    spread = (gap * arb_mat([[x - c] for x, c in zip(z, middle, strict=True)])).entries()
+    image = [c + s + w for c, s, w in zip(middle, shift, spread, strict=True)]
+    if not all(a.contains_interior(b) for a, b in zip(z, image, strict=True)):
+        raise Refused("the accelerations are not enclosed")
+    return image
 
 
 def roots(formulas: Formulas, y: list[arb]) -> list[arb]:
