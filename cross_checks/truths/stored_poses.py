@@ -4,6 +4,7 @@ import hashlib
 import json
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,9 @@ def load(scene: Scene, times: np.ndarray, folder: Path = FOLDER) -> Truth | None
         if "velocity" not in stored or len(rows) < len(times):
             return None
         arrays = {name: stored[name][rows] for name in ARRAYS}
-        values = {"kind": "converged"} | {name: stored[name].item() for name in VALUES if name in stored}
+        values: dict[str, Any] = {"kind": "converged"} | {
+            name: stored[name].item() for name in VALUES if name in stored
+        }
         return Truth(**arrays, **values, is_costly=values["kind"] != "proven")
 
 

@@ -81,7 +81,8 @@ def as_truth(scene: Scene, enclosures: Enclosures, digest: str = "") -> Truth:
     position, velocity = np.zeros((2, count, len(scene.bodies), dimension))
     orientation = unturned(position)
     spin = np.zeros((count, len(scene.bodies), *((3,) if dimension == 3 else ())))
-    for j, body in enumerate(scene.bodies):
+    bodies: tuple[Any, ...] = scene.bodies
+    for j, body in enumerate(bodies):
         own = np.array([[float(x.mid()) for x in at[j]] for at in enclosures])
         turns = TURNS[body.type]
         position[:, j], velocity[:, j] = own[:, :dimension], own[:, dimension + turns : 2 * dimension + turns]

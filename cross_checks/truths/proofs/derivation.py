@@ -13,7 +13,6 @@ from mbs_ref.scene import GROUND
 
 Exact = Callable[[float], Fraction]
 LEVELS = ("position", "velocity", "acceleration")  # the derivative of a displacement that a signal may give
-ANALYTIC = ("constant", "harmonic", "polynomial")  # types of signals
 READINGS: dict[str, Exact] = {"binary64": Fraction, "decimal": lambda x: Fraction(repr(float(x)))}
 
 

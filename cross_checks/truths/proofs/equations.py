@@ -7,43 +7,22 @@ the start alone decides where they are closed.
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
 from cross_checks.truths.proofs import kinematics
-from cross_checks.truths.proofs.checker import impacts
-from cross_checks.truths.proofs.derivation import ANALYTIC, Derivation, Exact, NotCovered, Units
+from cross_checks.truths.proofs.checker.coverage import DRIVES, complaints
+from cross_checks.truths.proofs.derivation import Derivation, Exact, NotCovered, Units
 from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
 from cross_checks.truths.proofs.loads import LAWS, Marks
 from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
 from mbs_ref.scene import GROUND
 
-DRIVES = ("coordinate_drive", "point_drive")
 IDENTICAL = 1e-12  # of a closure in units of the scene's length that holds at any angle; the checker decides
 AT_START = {"sin": lambda x: 0, "cos": lambda x: 1, "root": lambda x: 1}  # at angles 0; a root's size does not matter
 NO_COORDINATES = ("distance", "universal", *DRIVES)  # joints that close a loop wherever they are
 LOOPS = ("revolute", "spherical", *NO_COORDINATES)
-JOINTS = ("prismatic", "weld", *LOOPS)
-
-
-def complaints(scene: Any) -> Iterator[str]:
-    """Yield why no proof covers a scene."""
-    if scene.events:
-        yield "events are not covered"
-    yield from impacts.refusals(scene)
-    for joint in scene.joints:
-        if joint.type not in JOINTS or (joint.type != "distance" and getattr(joint, "point_b", None) is not None):
-            yield f"joint {joint.name} ({joint.type}) is not covered"
-        if joint.type in DRIVES and joint.motion.type not in ANALYTIC:
-            yield f"joint {joint.name} follows a signal with breakpoints, which is not covered"
-        axis = getattr(joint, "axis", None)
-        if joint.type == "revolute" and axis is not None and sum(x != 0.0 for x in axis) != 1:
-            yield f"joint {joint.name}: an axis in space must be a coordinate axis"
-    for load in scene.loads:
-        reason = LAWS[load.type].complaint(load) if load.type in LAWS else "is not covered"
-        if reason:
-            yield f"load {load.name} ({load.type}) {reason}"
 
 
 def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
@@ -62,7 +41,7 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
     for body in scene.bodies:
         work.wrench[body.name] = _inertial(work, body)
     for load in scene.loads:
-        LAWS[load.type].apply(work, load)
+        LAWS[load.type](work, load)
     for joint in () if work.shared else loops:
         _close(work, joint)
     _balance(work)

@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
-from cross_checks.truths.proofs.derivation import ANALYTIC, Derivation
+from cross_checks.truths.proofs.derivation import Derivation
 from cross_checks.truths.proofs.tape import Formula, Vector, dot, minus, plus, times
 
 Point = tuple[Vector, Vector, Vector]  # place, velocity, acceleration
@@ -27,14 +27,6 @@ class Marks:
         points = (part.point_a, part.point_b) if hasattr(part, "point_a") else (part.point, part.point)
         ends = zip((part.body_a, part.body_b), points, strict=True)
         return cls(*(work.frames[body].carried(work.offset(body, point)) for body, point in ends))
-
-
-@dataclass(frozen=True)
-class Law:
-    """How a load acts, and why one of its kind is not covered."""
-
-    apply: Callable[[Derivation, Any], None]
-    complaint: Callable[[Any], str] = lambda load: ""
 
 
 def _inverse_length(work: Derivation, gap: Vector) -> Formula:
@@ -157,32 +149,7 @@ def _legendre_slopes(s: Formula, degree: int) -> list[Formula]:
     return slope
 
 
-def _analytic(load: Any) -> str:
-    if load.factor.type not in ANALYTIC:
-        return "follows a signal with breakpoints, which is not covered"
-    return "along a body's axes is not covered" if getattr(load, "frame", "world") == "body" else ""
-
-
-def _taut(load: Any) -> str:
-    return "acts in tension only, which is not covered" if load.tension_only else ""
-
-
-def _flat(load: Any) -> str:
-    return "in space is not covered" if load.axis is not None else ""
-
-
-def _polar(load: Any) -> str:
-    fixed = load.pole == "fixed" and sorted(map(abs, load.axis)) == [0.0, 0.0, 1.0]
-    return "" if fixed else "needs a fixed pole along a coordinate axis"
-
-
-LAWS: dict[str, Law] = {
-    "spring_damper": Law(_spring, _taut),
-    "torsion_spring": Law(_torsion, _flat),
-    "torque": Law(_torque, _analytic),
-    "torque_vector": Law(_torque, _analytic),
-    "force": Law(_force, _analytic),
-    "newton": Law(_newton),
-    "oblateness": Law(_oblateness, _polar),
-    "epoch": Law(lambda work, load: None),
-}
+LAWS: dict[str, Callable[[Derivation, Any], None]] = {
+    "spring_damper": _spring, "torsion_spring": _torsion, "torque": _torque, "torque_vector": _torque, "force": _force,
+    "newton": _newton, "oblateness": _oblateness, "epoch": lambda work, load: None,
+}  # fmt: skip

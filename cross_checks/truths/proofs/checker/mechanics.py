@@ -3,7 +3,6 @@
 Every derivative is a coefficient of a series in time: closures, energies and stretches are evaluated on motions.
 """
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import Any
@@ -11,23 +10,17 @@ from typing import Any
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, exact
+from cross_checks.truths.proofs.checker.coverage import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.checker.formulas import solve
 from mbs_ref.scene import GROUND
-
-ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted
-LOADS = (*ENERGETIC, "force", "torque", "torque_vector")
-DRIVES = ("coordinate_drive", "point_drive")
-JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal", *DRIVES)
-SIGNALS = ("constant", "harmonic", "polynomial")
-ROD_GAP = 1e-12  # of a rod's length: how far its points may be from it at t = 0; the start decides
 
 
 class Mechanics:
     """A scene in absolute coordinates."""
 
     def __init__(self, scene: Any, inputs: str) -> None:
-        if list(_unknown(scene)):
-            raise Refused(f"no proof covers {', '.join(_unknown(scene))}")
+        if list(complaints(scene)):
+            raise Refused("; ".join(complaints(scene)))
         self.scene = scene
         self.number: Callable[[float], Fraction] = (
             Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
@@ -37,6 +30,7 @@ class Mechanics:
             {"planar": (0, 1, 5), "spatial": range(6)}.get(b.type, range(len(b.position))) for b in scene.bodies
         ]
         self.now = arb(0)  # s
+        self.gm = next((load.gm for load in scene.loads if load.type == "newton"), ())
         self.columns = [(k, c) for k, free in enumerate(self.free) for c in free]
 
     def ball(self, value: float) -> arb:
@@ -156,18 +150,20 @@ class Mechanics:
         for stretch, stiffness, _, bodies in self.stretches(jets):
             if body in bodies:
                 total += stretch * stretch * stiffness / 2
-        newton = next((load for load in self.scene.loads if load.type == "newton"), None)
         for load in self.scene.loads:
             if load.type == "force" and self.index[load.body] == body:
                 vector = [x * self.signal(load.factor, self.now) for x in self.vector(load.vector)]
                 total -= dot(vector, self.mark(jets, body, load.point))
-            elif load.type in ("newton", "oblateness"):
-                for k in range(len(self.scene.bodies)):
-                    pulls = load.type == "newton" or self.index[load.body] in (k, body)
-                    if k != body and pulls and newton is not None:
-                        gap = [y - x for x, y in zip(jets[k][0], jets[body][0], strict=True)]
-                        total -= mass * self.ball(newton.gm[k]) * self._well(gap, load)
-        return total
+        others = (k for k in range(len(self.scene.bodies)) if k != body and self.gm)
+        return total - sum((mass * self.ball(self.gm[k]) * self.well(jets, body, k) for k in others), arb(0))
+
+    def well(self, jets: list[Any], a: int, b: int) -> Number:
+        """Return the sum of 1 / r of two bodies, and of what zonal harmonics add to it."""
+        gap = [y - x for x, y in zip(jets[b][0], jets[a][0], strict=True)]
+        fields = (load for load in self.scene.loads if load.type in ("newton", "oblateness"))
+        return sum(
+            (self._well(gap, one) for one in fields if self.index.get(getattr(one, "body", ""), a) in (a, b)), arb(0)
+        )
 
     def _well(self, gap: list[Number], load: Any) -> Number:
         """Return 1 / r of a point, or what zonal harmonics add: -sum J_n R^n P_n(z / r) / r^(n + 1)."""
@@ -252,8 +248,7 @@ class Mechanics:
 
     def energy(self, state: list[Any], rate: list[list[arb]]) -> arb:
         """Return kinetic and potential energy without dampers; gm counts as mass among attracting bodies."""
-        newton = next((load for load in self.scene.loads if load.type == "newton"), None)
-        gm = () if newton is None else newton.gm
+        gm = self.gm
         jets, total = self.jets(state, [[arb(0)] * 6] * len(rate), [[arb(0)] * 6] * len(rate)), arb(0)
         for k, (part, own) in enumerate(zip(self.scene.bodies, rate, strict=True)):
             mass = self.ball(gm[k] if gm else part.mass)
@@ -264,30 +259,11 @@ class Mechanics:
                 total += self.ball(part.inertia) * own[5] * own[5] / 2
             elif part.type == "spatial":
                 total += dot(own[3:], _apply(self._inertia(part, state[k][1]), own[3:])) / 2
-            for load in (load for load in self.scene.loads if load.type in ("newton", "oblateness")):
-                for j in (j for j in range(k) if load.type == "newton" or self.index[load.body] in (j, k)):
-                    gap = [y - x for x, y in zip(jets[j][0], jets[k][0], strict=True)]
-                    total -= mass * self.ball(gm[j]) * self._well(gap, load)[0]
+            for j in range(k if gm else 0):
+                total -= mass * self.ball(gm[j]) * self.well(jets, k, j)[0]
         for stretch, stiffness, *_ in self.stretches(jets):
             total += (stretch * stretch)[0] * stiffness / 2
         return total
-
-
-def _unknown(scene: Any) -> Iterator[str]:
-    """Yield the parts of a scene whose motion is not derived here."""
-    yield from (part.name for part in scene.events)
-    for joint in scene.joints:
-        rod = joint.type == "distance"
-        apart = rod and joint.length and abs(joint.length / math.dist(joint.point_a, joint.point_b) - 1.0) > ROD_GAP
-        wave = joint.type in DRIVES and joint.motion.type not in SIGNALS
-        if joint.type not in JOINTS or apart or wave or (not rod and getattr(joint, "point_b", None)):
-            yield joint.name
-    for load in scene.loads:
-        varies = getattr(getattr(load, "factor", None), "type", "constant") not in SIGNALS
-        turns = getattr(load, "frame", "world") != "world" or (load.type == "torsion_spring" and load.axis)
-        tilted = load.type == "oblateness" and (load.pole != "fixed" or sorted(map(abs, load.axis)) != [0.0, 0.0, 1.0])
-        if load.type not in LOADS or varies or turns or tilted or getattr(load, "tension_only", False):
-            yield load.name
 
 
 def _skew(w: Sequence[Number]) -> list[list[Number]]:

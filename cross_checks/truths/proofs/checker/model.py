@@ -8,8 +8,9 @@ from typing import Any
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision
+from cross_checks.truths.proofs.checker.coverage import DRIVES
 from cross_checks.truths.proofs.checker.formulas import Formulas, roots, solve
-from cross_checks.truths.proofs.checker.mechanics import DRIVES, Mechanics, rotation
+from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
 from mbs_ref.scene import Scene
 
 POINTS, POINT_BITS, EQUAL = 3, 1000, 600  # random points, bits of numbers, bits that must agree

@@ -63,7 +63,7 @@ class Proof:
             size = np.array([[above(c) for c in row] for row in p])
             w = up(self.z_box + [above(row[0] - z) for row, z in zip(p[n:], self.z, strict=True)])
         defect, disc = self._defects(h, p, size)
-        jacobian, error = self._jacobian(float(h), p, disc)
+        jacobian, error = self._jacobian(float(h), p, size, disc)
         flow = variations(jacobian, n)
         flow_size, r = defects_of(jacobian, error, flow, n)
         inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
@@ -119,7 +119,7 @@ class Proof:
         roots = [*formulas.f, *formulas.g]
         with precision(self.bits + 64, degree):
             series = [arb_series(row, degree) for row in p]
-            value = formulas.run(self.model.plans["motion"], series[: formulas.n], series[formulas.n :])
+            value = self._run("motion", series)
             sums = []
             for k, place in enumerate(roots):
                 own = terms(value[place], degree)
@@ -127,44 +127,35 @@ class Proof:
                     own = [p[k][j + 1] * (j + 1) - exact(h) * own[j] for j in range(degree)]
                 sums.append(up(sum(above(c) for c in own)))
         factor = np.array([float(h)] * formulas.n + [1.0] * formulas.m)
-        tails = [
-            (
-                up(
-                    self._on_disc("motion", p, size, radius, roots)
-                    * factor
-                    * radius ** -float(degree)
-                    / (1 - 1 / radius)
-                ),
-                radius,
-            )
-            for radius in DISCS
-        ]
+        bounds = [(self._on_disc("motion", p, size, radius, roots), radius) for radius in DISCS]
+        tails = [(up(most * factor * radius ** -float(degree) / (1 - 1 / radius)), radius) for most, radius in bounds]
         tail, radius = min(tails, key=lambda one: np.nan_to_num(one[0], nan=np.inf).max())
         return up(np.array(sums) + tail), radius
+
+    def _run(self, plan: str, values: list[Any]) -> dict[int, Any]:
+        n = self.model.formulas.n
+        return self.model.formulas.run(self.model.plans[plan], values[:n], values[n:])
 
     def _on_disc(self, plan: str, p: list[list[arb]], size: np.ndarray, radius: float, roots: list[int]) -> np.ndarray:
         """Return bounds of lines for |t| <= radius steps."""
         reach = up(size[:, 1:] @ (radius ** np.arange(1.0, size.shape[1])))
         with precision(64):
             discs = [acb(arb(row[0].mid(), d) + 0, arb(0, d)) for row, d in zip(p, reach, strict=True)]
-            value = self.model.formulas.run(
-                self.model.plans[plan], discs[: self.model.formulas.n], discs[self.model.formulas.n :]
-            )
+            value = self._run(plan, discs)
             return np.array([above(value[place]) for place in roots])
 
-    def _jacobian(self, h: float, p: list[list[arb]], radius: float) -> tuple[np.ndarray, np.ndarray]:
+    def _jacobian(self, h: float, p: list[list[arb]], size: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the series of the Jacobian, rows of f times h, and bounds of its error on the step."""
         formulas, total = self.model.formulas, self.model.formulas.n + self.model.formulas.m
         entries = [(i, j, place) for i, row in enumerate(formulas.jacobian) for j, place in row.items()]
         jacobian, error = np.zeros((ORDER, total, total)), np.zeros((total, total))
         with precision(64, ORDER):
             series = [arb_series(row[:ORDER], ORDER) for row in p]
-            value = formulas.run(self.model.plans["jacobian"], series[: formulas.n], series[formulas.n :])
+            value = self._run("jacobian", series)
             for i, j, place in entries:
                 own = terms(value[place], ORDER)
                 jacobian[:, i, j] = [float(c.mid()) for c in own]
                 error[i, j] = sum(float(c.rad()) for c in own)
-        size = np.array([[above(c) for c in row] for row in p])
         bound = self._on_disc("jacobian", p, size, radius, [place for *_, place in entries])
         for (i, j, _), most in zip(entries, bound, strict=True):
             error[i, j] += most * radius ** -float(ORDER) / (1.0 - 1.0 / radius)
@@ -181,7 +172,7 @@ class Proof:
             boxes = [
                 arb_series([arb(row[0].mid(), d), arb(0, float(s))], 3) for row, d, s in zip(p, reach, e, strict=True)
             ]
-            value = formulas.run(self.model.plans["motion"], boxes[: formulas.n], boxes[formulas.n :])
+            value = self._run("motion", boxes)
             bound = np.array([above(terms(value[place], 3)[2]) for place in (*formulas.f, *formulas.g)])
         bound[: formulas.n] *= float(h)
         return up(bound)
@@ -245,15 +236,10 @@ class Proof:
                     if lines[place][0] != "y":
                         raise Refused("a velocity is no coordinate")
                     y[lines[place][1]] = v / speed
-            while_ = _ball(Fraction(0), window * h)
-            z = enclose(formulas, y)
-            for _ in range(3):
-                wide = [x + 2 * while_ * rate for x, rate in zip(y, self._rates(y, z), strict=True)]
-                z = enclose(formulas, wide)
-                end = [x + while_ * rate for x, rate in zip(y, self._rates(wide, z), strict=True)]
-                if all(a.contains(b) for a, b in zip(wide, end, strict=True)):
-                    break
-            else:
+            lasting = _ball(Fraction(0), window * h)
+            wide = [x + 2 * lasting * rate for x, rate in zip(y, self._rates(y), strict=True)]
+            end = [x + lasting * rate for x, rate in zip(y, self._rates(wide), strict=True)]
+            if not all(a.contains(b) for a, b in zip(wide, end, strict=True)):
                 raise Refused("the motion after an impact is not enclosed")
             for part in self.contacts.parts:
                 if not self.contacts.gap(part, self.model.bodies(end))[part is self.opening] > 0:
@@ -262,8 +248,8 @@ class Proof:
         self._begin(end, enclose(formulas, end))
         self.t += h
 
-    def _rates(self, y: list[arb], z: list[arb]) -> list[arb]:
-        value = self.model.formulas.run(self.model.plans["motion"], y, z)
+    def _rates(self, y: list[arb]) -> list[arb]:
+        value = self._run("motion", y + enclose(self.model.formulas, y))
         return [value[place] for place in self.model.formulas.f]
 
     @property
