@@ -20,6 +20,7 @@ DEGREE, DIGITS = 40, 45  # of the polynomials, at least
 DIGITS_PROVEN = 18.0  # of a radius, that DEGREE and DIGITS reach in most motions
 SAFETY = 7.0  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
+SHORTEST = Fraction(1, 1 << 12)  # step in units of time, below which none is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
 WIDER = 16  # times so much an impact's window in the next attempt
 FINEST = 3  # attempts at a radius, each with half as many digits more
@@ -82,7 +83,8 @@ def _attempt(
             reason = f"the limit of {limit:g} s of processor time is reached"
             break
         try:
-            rows = series.propose(*([round_to(x, bits) for x in own] for own in (proof.middle, proof.z)), exponent)
+            y, z = ([round_to(x, bits) for x in own] for own in (proof.middle, proof.z))
+            rows = series.propose(y, z, exponent)
         except (NoConvergence, ZeroDivisionError) as error:
             reason = f"no polynomial: {error}"
             break
@@ -100,12 +102,15 @@ def _attempt(
                 share = min(1.0 / SAFETY, share * LONGER)
                 break
             except Refused as error:
-                reason = f"a step is not proven: {error}" if attempt == ATTEMPTS - 1 else ""
+                is_last = attempt == ATTEMPTS - 1 or h < SHORTEST
+                reason = f"a step is not proven: {error}" if is_last else ""
+                if is_last:
+                    break
                 h, share = _dyadic(h * SHORTER, h), share * float(SHORTER)
         if reason:
             break
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
-        exponent = max(-40, round(math.log2(float(h) * SAFETY)))
+        exponent = max(-40, round(math.log2(float(h) / share)))
         report(float(proof.t * units.time), proof.radius)
     log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)]}
     return Proven(log, proof, time.process_time() - began, float(proof.t * units.time), reason)

@@ -11,7 +11,7 @@ from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from reports import inputs
-from reports.commands.judge.prove import need_flint
+from reports.commands.judge.prove import limit_option, need_flint, radius_option
 from reports.terminal.console import Failed, echo_json, number, progress, show_table
 
 COLUMNS = ("t_end", "reached", "radius", "steps", "prover_s", "checker_s", "log_bytes", "distance", "uncertainty")
@@ -21,13 +21,9 @@ COLUMNS = ("t_end", "reached", "radius", "steps", "prover_s", "checker_s", "log_
 @click.argument("scene", required=False)
 @inputs.PARAMETERS
 @inputs.SHARD
-@click.option(
-    "--seed", type=int, metavar="N", help="Random parameters, at most a tenth off; the scene's own unless given."
-)
-@click.option("--radius", type=float, default=1e-18, show_default=True, metavar="R", callback=inputs.positive,
-              help="Largest radius, m, rad, m/s, rad/s; times the scene's length (m) above 1 m.")  # fmt: skip
-@click.option("--limit", type=float, default=60.0, show_default=True, metavar="S", callback=inputs.positive,
-              help="Limit of the prover's processor time for one scene, s.")  # fmt: skip
+@click.option("--seed", type=int, metavar="N", help="Parameters off by at most a tenth, at random.")
+@radius_option(1e-18)
+@limit_option(60.0)
 @click.option("--write", is_flag=True, help="Store the enclosures of certified scenes: their truths are then proven.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of proofs.")
 def command(
@@ -36,6 +32,7 @@ def command(
 ) -> None:  # fmt: skip
     """Prove scenes at the times of judged runs and compare their truths. Without SCENE, all that proofs cover.
 
+    The radius is for scenes up to 1 m; of larger ones it is multiplied by their length in m.
     Exit code 1 where a truth is outside its enclosure by more than its uncertainty.
     """
     need_flint()

@@ -12,6 +12,22 @@ from reports import inputs
 from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show, table
 
 
+def radius_option(default: float) -> Any:
+    """Return the option of the largest radius."""
+    words = "Largest radius of an enclosure: m, rad, m/s, rad/s."
+    return click.option(
+        "--radius", type=float, default=default, show_default=True, metavar="R", callback=inputs.positive, help=words
+    )
+
+
+def limit_option(default: float) -> Any:
+    """Return the option of the prover's processor time."""
+    words = "Limit of the prover's processor time for a scene, s."
+    return click.option(
+        "--limit", type=float, default=default, show_default=True, metavar="S", callback=inputs.positive, help=words
+    )
+
+
 @click.command(name="prove", epilog="Example: mbs-ref prove double_pendulum --t-end 10 --radius 1e-25 -o double.log.gz")
 @click.argument("scene", metavar="SCENE|FILE.toml", required=False)
 @inputs.PARAMETERS
@@ -19,32 +35,10 @@ from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo
 @click.option(
     "--samples", type=click.IntRange(2), default=11, show_default=True, help="Output times from 0 to the end."
 )
-@click.option(
-    "--radius",
-    type=float,
-    default=1e-15,
-    show_default=True,
-    metavar="R",
-    callback=inputs.positive,
-    help="Largest radius of an enclosure: m, rad, m/s, rad/s.",
-)
-@click.option(
-    "--inputs",
-    "reading",
-    type=click.Choice(["binary64", "decimal"]),
-    default="binary64",
-    show_default=True,
-    help="The scene's numbers as engines run them, or the decimals as written.",
-)
-@click.option(
-    "--limit",
-    type=float,
-    default=600.0,
-    show_default=True,
-    metavar="S",
-    callback=inputs.positive,
-    help="Limit of processor time, s.",
-)
+@radius_option(1e-15)
+@click.option("--inputs", "reading", type=click.Choice(["binary64", "decimal"]), default="binary64", show_default=True,
+              help="The scene's numbers as engines run them, or the decimals as written.")  # fmt: skip
+@limit_option(600.0)
 @click.option("--json", "as_json", is_flag=True, help="Print the enclosures as JSON.")
 @click.option("-o", "output", metavar="LOG", help="Write the log of the proof.")
 @click.option("--check", "log_file", metavar="LOG", help="Check a log instead; nothing of the prover is trusted.")
@@ -115,7 +109,9 @@ def _check(file: Path, as_json: bool) -> None:
     made = Scene.model_validate(log["scene"])
     facts = {"scene": made.name, "inputs": log["inputs"], "radius": checked.radius, "reached": checked.proven_to,
              "steps": checked.steps, "energy": "constant" if checked.energy else "not compared",
-             "seconds": time.process_time() - began}  # fmt: skip
+             "unique": "yes" if checked.unique else "not in singular poses of its loops, where others may branch off",
+             "seconds": time.process_time() - began,
+             "impacts": [f"{name} at {t.str(25)} s" for name, t in checked.impacts]}  # fmt: skip
     _show(facts, made, log["times"], enclosures, as_json)
 
 

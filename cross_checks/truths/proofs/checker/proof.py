@@ -242,7 +242,8 @@ class Proof:
             if not all(a.contains(b) for a, b in zip(wide, end, strict=True)):
                 raise Refused("the motion after an impact is not enclosed")
             for part in self.contacts.parts:
-                if not self.contacts.gap(part, self.model.bodies(end))[part is self.opening] > 0:
+                gap, rate, *_ = self.contacts.gap(part, self.model.bodies(end))
+                if not (rate if part is self.opening else gap) > 0:
                     raise Refused("an impact does not open its contact, or closes another")
             self.impacts.append((self.opening.name, _ball(self.t + h * (1 - window), self.t + h) * exact(unit)))
         self._begin(end, enclose(formulas, end))
@@ -289,6 +290,7 @@ class Checked:
     steps: int
     impacts: list[tuple[str, arb]]  # contact and time, s
     energy: bool  # whether the enclosures of the energy share a value, too; False where it is not constant
+    unique: bool  # whether no other motion starts so; an exhibited one may have branches
 
 
 def check(log: dict[str, Any]) -> tuple[Checked, list[list[list[arb]]]]:
@@ -306,6 +308,5 @@ def check(log: dict[str, Any]) -> tuple[Checked, list[list[list[arb]]]]:
         raise Refused(f"the radius is {proof.radius:.2g}, above the stated {claimed[0]:.2g}")
     proof.check_energy()
     end = float(proof.t * proof.model.units[1])
-    return Checked(
-        end, proof.radius, len(log["steps"]), proof.impacts, proof.model.mechanics.conserves
-    ), proof.enclosures
+    energy, unique = proof.model.mechanics.conserves, not proof.model.is_exhibited
+    return Checked(end, proof.radius, len(log["steps"]), proof.impacts, energy, unique), proof.enclosures
