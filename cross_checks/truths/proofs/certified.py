@@ -3,10 +3,8 @@
 import gzip
 import hashlib
 import json
-import math
 import random
 import time
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +15,7 @@ from cross_checks.truths.proofs.checker.model import TURNS
 from cross_checks.truths.proofs.checker.proof import check
 from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove
-from cross_checks.truths.truth import Truth, unturned
+from cross_checks.truths.truth import NoTruth, Truth, unturned
 from mbs_ref import scenes
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import Scene
@@ -25,53 +23,34 @@ from mbs_ref.scene import Scene
 Enclosures = list[list[list[Any]]]  # at every time and of every body: balls of place, turn, velocity and spin
 
 
-@dataclass(frozen=True)
-class Examined:
-    """A scene's proof, as the checker confirms it, beside the truth that it has. Seconds are of the processor."""
+def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[dict[str, Any], Truth | None]:
+    """Prove a scene at `times` (s), check the log as a file holds it, and compare the truth computed afresh.
 
-    scene: str
-    t_end: float  # s
-    reached: float = 0.0  # s
-    radius: float = math.inf  # m, rad, m/s, rad/s
-    steps: int = 0
-    prover_s: float = 0.0
-    checker_s: float = 0.0
-    log_bytes: int = 0
-    distance: float | None = None  # m or rad, of poses of the truth from those proven; None without a truth
-    uncertainty: float | None = None  # m, as the truth states, and of the proof in doubles
-    reason: str = ""  # why it is not proven to the end; empty where it is
-
-    @property
-    def word(self) -> str:
-        """Return "inside" or "outside" for a truth, and else why there is none to compare."""
-        if self.distance is None or self.uncertainty is None:
-            return "no truth" if not self.reason else "not proven"
-        return "inside" if self.distance <= self.uncertainty else "outside"
-
-
-def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[Examined, Truth | None]:
-    """Prove a scene at `times` (s), check the log as a file holds it, and compare the truth; return the proof as one.
-
-    `limit` is the prover's processor time (s). None where the proof does not reach the end.
+    Return the figures, and the proof as a truth; None where it does not reach the end. `limit` is the prover's
+    processor time (s). The truth's places and turns are off those proven by `distance` (m) and `turned` (rad), which both
+    uncertainties and the rounding of angles allow where the truth is inside.
     """
-    row = Examined(scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters)), float(times[-1]))
+    row: dict[str, Any] = {"scene": scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters))}
     try:
         proven = prove(scene, times.tolist(), aim, limit=limit)
         data, began = json.dumps(proven.log, separators=(",", ":")).encode(), time.process_time()
         checked, enclosures = check(json.loads(data))
     except (NotCovered, Refused) as error:
-        return replace(row, reason=str(error)), None
-    row = replace(
-        row, reached=min(proven.reached, row.t_end), radius=checked.radius, steps=checked.steps, reason=proven.reason,
-        prover_s=proven.seconds, checker_s=time.process_time() - began, log_bytes=len(gzip.compress(data, mtime=0)),
-    )  # fmt: skip
-    if row.reason:
-        return row, None
+        return row | {"truth": "not proven", "reason": str(error)}, None
+    row |= {
+        "t_end": float(times[-1]), "reached": min(proven.reached, float(times[-1])), "radius": checked.radius,
+        "steps": checked.steps, "prover_s": proven.seconds, "checker_s": time.process_time() - began,
+        "log_bytes": len(gzip.compress(data, mtime=0)), "reason": proven.reason,
+    }  # fmt: skip
+    if proven.reason:
+        return row | {"truth": "not proven"}, None
     proof, truth = as_truth(scene, enclosures, hashlib.sha256(data).hexdigest()), seek_truth(scene, times, afresh=True)
-    if isinstance(truth, Truth):
-        apart = max(farthest(scene, proof, truth)[:2])
-        row = replace(row, distance=apart, uncertainty=truth.uncertainty + proof.uncertainty)
-    return row, proof
+    if isinstance(truth, NoTruth):
+        return row | {"truth": "none"}, proof
+    (apart, turned, *_), allowed = farthest(scene, proof, truth), truth.uncertainty + proof.uncertainty
+    outside = apart > allowed or turned > allowed + EPS * np.abs(proof.orientation).max()  # NaN of particles
+    word = "outside" if outside else "inside"
+    return row | {"truth": word, "distance": apart, "turned": turned, "uncertainty": allowed}, proof
 
 
 def as_truth(scene: Scene, enclosures: Enclosures, digest: str = "") -> Truth:

@@ -1,6 +1,5 @@
 """mbs-ref proofs: the library's scenes proven, their logs checked, and their truths compared."""
 
-from dataclasses import asdict
 from typing import Any
 
 import click
@@ -14,7 +13,18 @@ from reports import inputs
 from reports.commands.judge.prove import limit_option, need_flint, radius_option
 from reports.terminal.console import Failed, echo_json, number, progress, show_table
 
-COLUMNS = ("t_end", "reached", "radius", "steps", "prover_s", "checker_s", "log_bytes", "distance", "uncertainty")
+COLUMNS = (
+    "t_end",
+    "reached",
+    "radius",
+    "steps",
+    "prover_s",
+    "checker_s",
+    "log_bytes",
+    "distance",
+    "turned",
+    "uncertainty",
+)
 
 
 @click.command(name="proofs", epilog="Example: mbs-ref proofs double_pendulum")
@@ -50,11 +60,13 @@ def command(
             if write and truth is not None and certificate.stored(built) is not None:
                 stored_poses.save(built, ladder.grid(built), truth)
     if as_json:
-        echo_json([asdict(row) | {"word": row.word} for row in rows])
+        echo_json(rows)
     else:
-        shown = [(row.scene, row.word, *(number(getattr(row, key)) for key in COLUMNS), row.reason) for row in rows]
+        shown = [
+            (row["scene"], row["truth"], *(number(row.get(key)) for key in COLUMNS), row["reason"]) for row in rows
+        ]
         show_table("", ("scene", "truth", *(key.replace("_", " ") for key in COLUMNS), "not proven because"), shown)
-    outside = [row.scene for row in rows if row.word == "outside"]
+    outside = [row["scene"] for row in rows if row["truth"] == "outside"]
     if outside:
         raise Failed(f"truths outside their enclosures: {', '.join(outside)}")
 
