@@ -26,9 +26,9 @@ Enclosures = list[list[list[Any]]]  # at every time and of every body: balls of 
 def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[dict[str, Any], Truth | None]:
     """Prove a scene at `times` (s), check the log as a file holds it, and compare the truth computed afresh.
 
-    Return the figures, and the proof as a truth; None where it does not reach the end. `limit` is the prover's
-    processor time (s). The truth's places and turns are off those proven by `distance` (m) and `turned` (rad), which both
-    uncertainties and the rounding of angles allow where the truth is inside.
+    Return the figures, and the proof as a truth; None where it does not reach the end, or where the motion is not
+    unique. `limit` is the prover's processor time (s). `distance` (m) and `turned` (rad) are those of the truth from the
+    proof; where it is inside, both uncertainties and the rounding of angles allow them.
     """
     row: dict[str, Any] = {"scene": scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters))}
     try:
@@ -46,11 +46,16 @@ def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[
         return row | {"truth": "not proven"}, None
     proof, truth = as_truth(scene, enclosures, hashlib.sha256(data).hexdigest()), seek_truth(scene, times, afresh=True)
     if isinstance(truth, NoTruth):
-        return row | {"truth": "none"}, proof
+        return row | {"truth": "none"}, proof if checked.unique else None
     (apart, turned, *_), allowed = farthest(scene, proof, truth), truth.uncertainty + proof.uncertainty
     outside = apart > allowed or turned > allowed + EPS * np.abs(proof.orientation).max()  # NaN of particles
     word = "outside" if outside else "inside"
-    return row | {"truth": word, "distance": apart, "turned": turned, "uncertainty": allowed}, proof
+    return row | {
+        "truth": word,
+        "distance": apart,
+        "turned": turned,
+        "uncertainty": allowed,
+    }, proof if checked.unique else None
 
 
 def as_truth(scene: Scene, enclosures: Enclosures, digest: str = "") -> Truth:
