@@ -27,7 +27,7 @@ def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[
     """Prove a scene at `times` (s), check the log as a file holds it, and compare the truth computed afresh.
 
     Return the figures, and the proof as a truth; None where it does not reach the end, or where the motion is not
-    unique. `limit` is the prover's processor time (s). `distance` (m) and `turned` (rad) are those of the truth from the
+    unique. `limit` is the prover's processor time (s). `distance` (m) and `turned` (rad) are of the truth from the
     proof; where it is inside, both uncertainties and the rounding of angles allow them.
     """
     row: dict[str, Any] = {"scene": scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters))}

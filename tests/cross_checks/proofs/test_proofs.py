@@ -188,6 +188,14 @@ def test_a_doctored_log_is_refused(what, logs):
         check(log)
 
 
+@pytest.mark.parametrize("clock", [None, 0])
+def test_a_doctored_clock_is_refused(clock, logs):
+    log = copy.deepcopy(logs["driven_pendulum"])
+    log["system"]["clock"] = clock
+    with pytest.raises(Refused, match="time"):
+        check(log)
+
+
 def _rates(log: dict[str, Any]) -> list[arb]:
     """Return y' by a log's formulas at one point."""
     with precision(1000):

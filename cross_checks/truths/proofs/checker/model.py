@@ -29,8 +29,7 @@ class Model:
         self.formulas = Formulas(header["system"])
         self.mechanics = Mechanics(self.scene, header["inputs"])
         self.clock = header["system"]["clock"]
-        if self.clock is not None:
-            self._refuse_unless_time(self.clock, header["system"]["starts"])
+        self._refuse_without_time(header["system"]["starts"])
         self.plans = {
             "motion": self.formulas.plan([*self.formulas.f, *self.formulas.g]),
             "jacobian": self.formulas.plan([p for row in self.formulas.jacobian for p in row.values()]),
@@ -41,9 +40,13 @@ class Model:
             self._compare(self.start)
             self.z_start = roots(self.formulas, self.start)
 
-    def _refuse_unless_time(self, clock: int, starts: list[Any]) -> None:
-        if Fraction(*starts[clock]) or self.formulas.lines[self.formulas.f[clock]] != ("c", 1, 1):
-            raise Refused(f"coordinate {clock} is not time")
+    def _refuse_without_time(self, starts: list[Any]) -> None:
+        signals = (signal for part in (*self.scene.joints, *self.scene.loads) for signal in part.signals)
+        if self.clock is None:
+            if any(signal.type != "constant" for signal in signals):
+                raise Refused("no coordinate is time, on which the scene depends")
+        elif Fraction(*starts[self.clock]) or self.formulas.lines[self.formulas.f[self.clock]] != ("c", 1, 1):
+            raise Refused(f"coordinate {self.clock} is not time")
 
     @property
     def is_exhibited(self) -> bool:
