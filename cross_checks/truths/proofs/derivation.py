@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from cross_checks.truths.proofs import kinematics
+from cross_checks.truths.proofs.family import Varied
 from cross_checks.truths.proofs.kinematics import Frame, Unknowns
 from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, minus, plus
 from mbs_ref.scene import GROUND
@@ -50,14 +51,22 @@ class Derivation:
         self.bodies = {body.name: body for body in self.scene.bodies}
         self.frames[GROUND] = kinematics.ground(self.tape)
         self.clock: int | None = None  # the coordinate that is time, where a signal needs it
+        self.free: int | None = None  # the coordinate that is the parameter of a family
 
     def vector(self, values: Any, unit: Fraction | int = 1) -> Vector:
         """Return a scene's vector as constants, in multiples of a unit."""
-        numbers = [self.tape.number(self.exact(x) / unit) for x in values]
+        numbers = [self.number(x, unit) for x in values]
         return tuple((numbers + [self.tape.number(0)] * 3)[:3])  # type: ignore[return-value]
 
     def number(self, value: float, unit: Fraction | int = 1) -> Formula:
-        """Return a scene's number as a constant."""
+        """Return a scene's number as a constant, or as a polynomial of a family's parameter."""
+        if isinstance(value, Varied):
+            if self.free is None:
+                self.free = len(self.unknowns.starts)
+                self.unknowns.state(Fraction(0))
+            a, b, c = (x / unit for x in value.coefficients(self.exact))
+            s = self.tape.line("y", self.free)
+            return s * (s * c + self.tape.number(b)) + self.tape.number(a)
         return self.tape.number(self.exact(value) / unit)
 
     def signal(self, signal: Any, order: int = 0) -> Formula:

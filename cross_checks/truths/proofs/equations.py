@@ -14,6 +14,7 @@ from typing import Any
 from cross_checks.truths.proofs import kinematics
 from cross_checks.truths.proofs.checker.coverage import DRIVES, complaints
 from cross_checks.truths.proofs.derivation import Derivation, Exact, NotCovered, Units
+from cross_checks.truths.proofs.family import Varied
 from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
 from cross_checks.truths.proofs.loads import LAWS, Marks
 from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
@@ -51,11 +52,11 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
         "f": [rate.place for rate in work.unknowns.rates],
         "g": [residual.place for residual in work.residuals],
         "z": work.unknowns.z_count,
-        "clock": work.clock,
+        "clock": work.clock, "free": work.free,
         "starts": [None if s is None else list(s.as_integer_ratio()) for s in work.unknowns.starts],
         "outputs": [[one.place for one in _output(work, body)] for body in scene.bodies],
         "units": [str(units.length), str(units.time), str(units.mass)],
-    }
+    }  # fmt: skip
 
 
 def _tree(work: Derivation) -> list[Any]:
@@ -106,8 +107,11 @@ def _add(work: Derivation, parent: str, name: str, joint: Any) -> None:
 def _free(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     body, unknowns = work.bodies[name], work.unknowns
     speed, _ = work.rate(name)
-    start = [work.exact(x) / work.units.length for x in body.position]
-    moves = [unknowns.motion(q, u) for q, u in zip(start, speed, strict=False)]
+    varied = [isinstance(x, Varied) for x in body.position]
+    start = [0 if v else work.exact(x) / work.units.length for x, v in zip(body.position, varied, strict=True)]
+    moves = [unknowns.motion(Fraction(q), u) for q, u in zip(start, speed, strict=False)]
+    for k in (k for k, is_varied in enumerate(varied) if is_varied):  # the coordinate is the place beyond its start
+        moves[k] = (moves[k][0] + work.number(body.position[k], work.units.length), *moves[k][1:])
     zero = work.tape.number(0)
     place, velocity, rate = (tuple([m[k] for m in moves] + [zero] * (3 - len(moves))) for k in range(3))
     own = _spinning(work, name)

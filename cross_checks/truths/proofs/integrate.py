@@ -5,12 +5,14 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from cross_checks.truths.proofs.checker.balls import Refused
 from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
+from cross_checks.truths.proofs.family import family
 from cross_checks.truths.proofs.taylor import NoConvergence, Series, radius, rescaled
 from cross_checks.truths.proofs.touch import first_touch
 from mbs_ref.scene import Scene
@@ -23,6 +25,7 @@ SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried aga
 SHORTEST = Fraction(1, 1 << 12)  # step in units of time, below which none is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
 WIDER = 16  # times so much an impact's window in the next attempt
+PARTS = (1, 2, 4, 8, 16)  # of a parameter's interval
 FINEST = 3  # attempts at a radius, each with half as many digits more
 
 
@@ -45,36 +48,66 @@ class Proven:
 def prove(
     scene: Scene, times: Sequence[float], aim: float = 1e-15, inputs: str = "binary64",
     limit: float = math.inf, report: Callable[[float, float], None] = lambda t, radius: None,
+    ends: tuple[Scene, Scene] | None = None,
 ) -> Proven:  # fmt: skip
     """Return a proof at `times` (s, increasing from 0) with a radius below `aim`, or how far it reaches.
 
     `report` receives the time reached (s) and the radius; `limit` is processor time (s). Raises NotCovered, and Refused
-    where the start or the formulas are not the scene's.
+    where the start or the formulas are not the scene's. With `ends`, the whole `family` is enclosed.
     """
     began, last = time.process_time(), None
     for attempt in range(FINEST):
         factor = 1.5**attempt * max(1.0, -math.log10(aim) / DIGITS_PROVEN)
         left = limit - (time.process_time() - began)
-        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report)
-        if last.radius <= aim or (last.reason and "limit" in last.reason):
+        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report, ends)
+        if ends or last.radius <= aim or (last.reason and "limit" in last.reason):
             break
     assert last is not None
     return last
 
 
+def prove_family(
+    make: Callable[[float], Scene], low: float, high: float, times: Sequence[float], inputs: str = "binary64",
+    limit: float = math.inf, report: Callable[[float, float], None] = lambda t, radius: None,
+) -> list[Proven]:  # fmt: skip
+    """Return proofs of all scenes that `make` returns for a parameter from low to high.
+
+    The interval has as few parts of PARTS as reach the last time within the `limit`.
+    """
+    began, proofs = time.process_time(), []
+    for parts in PARTS:
+        edges = [*(low + (high - low) * k / parts for k in range(parts)), high]
+        proofs = [
+            prove(
+                make(0.5 * (a + b)),
+                times,
+                math.inf,
+                inputs,
+                began + limit - time.process_time(),
+                report,
+                (make(a), make(b)),
+            )
+            for a, b in pairwise(edges)
+        ]
+        if time.process_time() - began > limit or not any(one.reason for one in proofs):
+            break
+    return proofs
+
+
 def _attempt(
-    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, limit: float, report: Any
-) -> Proven:
+    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, limit: float, report: Any,
+    ends: tuple[Scene, Scene] | None,
+) -> Proven:  # fmt: skip
     began, bits = time.process_time(), int(digits * math.log2(10.0))
     units = _units(scene)
-    header = _header(scene, times, inputs, bits, units)
+    header = _header(scene, times, inputs, bits, units, ends)
     proof, reason = Proof(header), ""
     try:
         reach = float(units.time) * _first_radius(proof, header, bits, degree) / SAFETY
     except (NoConvergence, ZeroDivisionError) as error:
         raise Refused(f"the accelerations at the start are not determined: {error}") from error
     units = Units(units.length, _power(reach), units.mass)
-    header = _header(scene, times, inputs, bits, units)
+    header = _header(scene, times, inputs, bits, units, ends)
     proof = Proof(header)
     series = Series(header["system"], bits, degree)
     steps, exponent, share = [], 2, 1.0 / SAFETY
@@ -139,10 +172,13 @@ def _units(scene: Scene) -> Units:
     return Units(_power(scales.length), _power(scales.time), _power(math.exp(sum(map(math.log, masses)) / len(masses))))
 
 
-def _header(scene: Scene, times: Sequence[float], inputs: str, bits: int, units: Units) -> dict[str, Any]:
-    return {
+def _header(
+    scene: Scene, times: Sequence[float], inputs: str, bits: int, units: Units, ends: tuple[Scene, Scene] | None
+) -> dict[str, Any]:
+    whole = family(scene, *ends) if ends else scene
+    return ({"ends": [one.model_dump(mode="json") for one in ends]} if ends else {}) | {
         "scene": scene.model_dump(mode="json"), "inputs": inputs, "bits": bits, "times": list(times),
-        "system": derive(scene, READINGS[inputs], units),
+        "system": derive(whole, READINGS[inputs], units),
     }  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from cross_checks.truths.proofs.checker.formulas import Formulas, roots
 from cross_checks.truths.proofs.checker.mechanics import Mechanics
 from cross_checks.truths.proofs.checker.proof import Proof, check
 from cross_checks.truths.proofs.derivation import NotCovered
-from cross_checks.truths.proofs.integrate import prove, round_to
+from cross_checks.truths.proofs.integrate import prove, prove_family, round_to
 from cross_checks.truths.proofs.taylor import Series, rescaled
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
@@ -116,8 +116,8 @@ def _changed(scene: Any, kind: str, part: int, **fields: Any) -> Any:
     return scene.model_copy(update={kind: tuple(parts)})
 
 
-PENDULUM = scenes.make("double_pendulum", angle_1=2.0, angle_2=1.5)
-UPPER, LOWER = PENDULUM.bodies
+PENDULUM: Any = scenes.make("double_pendulum", angle_1=2.0, angle_2=1.5)
+LOWER = PENDULUM.bodies[1]
 WRONG_SOLVERS = {
     "a mass": _changed(PENDULUM, "bodies", 1, mass=LOWER.mass * (1 + 1e-12)),
     "an inertia": _changed(PENDULUM, "bodies", 1, inertia=LOWER.inertia * (1 + 1e-12)),
@@ -261,6 +261,31 @@ def test_a_wrong_equation_of_the_checker_is_detected(what, logs, monkeypatch):
     monkeypatch.setattr(Mechanics, method, wrong(getattr(Mechanics, method)))
     with pytest.raises(Refused):
         check(logs[name])
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "value"), [("pendulum", "length", 1.0), ("double_pendulum", "mass_2", 0.6)]
+)
+def test_a_family_holds_its_members(name, parameter, value):
+    def make(x: float) -> Any:
+        return scenes.make(name, **{parameter: x})
+
+    low, high = value - 1e-6, value + 1e-6
+    (family,) = prove_family(make, low, high, TIMES)
+    enclosures = check(json.loads(json.dumps(family.log)))[1]
+    assert family.radius < 1e-5
+    for member in (low, value + 3e-7, high):
+        own = prove(make(member), TIMES).proof.enclosures[-1]
+        pairs = zip(enclosures[-1], own, strict=True)
+        assert all(a.contains(b) for first, second in pairs for a, b in zip(first, second, strict=True))
+    beyond = prove(make(high + 1e-5), TIMES).proof.enclosures[-1]
+    pairs = zip(enclosures[-1], beyond, strict=True)
+    assert not all(a.overlaps(b) for first, second in pairs for a, b in zip(first, second, strict=True))
+
+
+def test_a_family_whose_start_rates_vary_is_refused():
+    with pytest.raises(Refused, match="start rates"):
+        prove_family(lambda x: scenes.make("slider_crank", rod_length=x), 2.0, 2.1, TIMES)
 
 
 def test_lasting_contact_is_not_covered():

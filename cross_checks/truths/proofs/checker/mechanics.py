@@ -3,7 +3,7 @@
 Every derivative is a coefficient of a series in time: closures, energies and stretches are evaluated on motions.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -12,6 +12,7 @@ from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImpor
 from cross_checks.truths.proofs.checker.balls import Number, Refused, exact
 from cross_checks.truths.proofs.checker.coverage import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.checker.formulas import solve
+from cross_checks.truths.proofs.family import Varied
 from mbs_ref.scene import GROUND
 
 
@@ -22,9 +23,8 @@ class Mechanics:
         if list(complaints(scene)):
             raise Refused("; ".join(complaints(scene)))
         self.scene = scene
-        self.number: Callable[[float], Fraction] = (
-            Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
-        )
+        self.exact = Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
+        self.s = Fraction(0)  # of a family of scenes
         self.index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
         self.free = [
             {"planar": (0, 1, 5), "spatial": range(6)}.get(b.type, range(len(b.position))) for b in scene.bodies
@@ -32,6 +32,12 @@ class Mechanics:
         self.now = arb(0)  # s
         self.gm = next((load.gm for load in scene.loads if load.type == "newton"), ())
         self.columns = [(k, c) for k, free in enumerate(self.free) for c in free]
+
+    def number(self, value: float) -> Fraction:
+        if isinstance(value, Varied):
+            a, b, c = value.coefficients(self.exact)
+            return a + self.s * (b + self.s * c)
+        return self.exact(value)
 
     def ball(self, value: float) -> arb:
         return exact(self.number(value))
