@@ -22,7 +22,7 @@ DEGREE, DIGITS = 40, 45  # of the polynomials, at least
 DIGITS_PROVEN = 18.0  # of a radius, that DEGREE and DIGITS reach in most motions
 SAFETY = 7.0  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
-SHORTEST = Fraction(1, 1 << 12)  # step in units of time, below which none is tried
+SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
 WIDER = 16  # times so much an impact's window in the next attempt
 PARTS = (1, 2, 4, 8, 16)  # of a parameter's interval
@@ -135,7 +135,7 @@ def _attempt(
                 share = min(1.0 / SAFETY, share * LONGER)
                 break
             except Refused as error:
-                is_last = attempt == ATTEMPTS - 1 or h < SHORTEST
+                is_last = attempt == ATTEMPTS - 1 or h < SHORTEST * proof.times[-1]
                 reason = f"a step is not proven: {error}" if is_last else ""
                 if is_last:
                     break
