@@ -88,6 +88,7 @@ nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full 
 	step $(NIGHT)/python -m tests.mutants.run --slow --minutes $(MUTANT_MINUTES); \
 	step $(NIGHT)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \
 	step $(NIGHT)/mbs-ref certify; \
+	step $(NIGHT)/mbs-ref proofs --seed $$(($$(date +%s) / 86400)) --shard $(EXTREME_PART)/7; \
 	step $(NIGHT)/mbs-ref extremes --full --shard $(EXTREME_PART)/7 -o $(NIGHT_EXTREMES); \
 	step env MBS_REF_STORE=$(NIGHT_STORE) $(NIGHT)/mbs-ref report; \
 	bench=; if [ -s reports/out/bench.json ]; then bench="--bench reports/out/bench.json"; fi; \
@@ -113,7 +114,7 @@ pictures: venv  ## the README's pictures, from the last report; needs Chromium
 	$(BIN)/python -m reports.site.pictures
 
 PINNED := --universal --python-version 3.12 --generate-hashes --no-emit-index-url --no-header --no-annotate --quiet
-EXTRAS := --extra engines --extra cluster --extra dev
+EXTRAS := --extra engines --extra cluster --extra proofs --extra dev
 NIGHTLY := --extra ephemeris --extra lsodar --extra heyoka --extra drake --extra dart --extra mjx --extra opensim --extra notebooks \
   --extra polars --extra film --extra parquet --extra robots
 SITE := --extra docs --extra engines --extra notebooks

@@ -92,6 +92,8 @@ def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
     """Return the verdict on a search; the same runs give the same cell."""
     scene, truth, record = tried.scene, tried.truth, tried.representative()
     judgement, results = _of_one_package(truth, tried.verdict(), results)
+    if truth.kind == "proven" and judgement.verdict in SILENT:
+        judgement = judgement._replace(reason=f"{judgement.reason}; wrong by a theorem: the motion is proven")
     points, shown = (tried.search.points[knob] for knob in tried.knobs), tried.search.shown()
     return Cell(
         scene.name, dict(scene.parameters), tried.engine, tried.method.name, judgement.verdict, judgement.reason,

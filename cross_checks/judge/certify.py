@@ -33,8 +33,11 @@ def certify(scene: Scene, confirm: bool = True) -> Certificate | NoTruth:
 
 
 def store_poses(scene: Scene) -> Path | None:
-    """Compute the scene's truth afresh and store its poses where it is costly; return their file."""
+    """Compute the scene's truth afresh and store its poses where it is costly and not proven; return their file."""
     times = ladder.grid(scene)
+    before = stored_poses.load(scene, times)
+    if before is not None and before.kind == "proven":
+        return stored_poses.file_of(scene)
     truth = seek_truth(scene, times, afresh=True)
     return stored_poses.save(scene, times, truth) if isinstance(truth, Truth) and truth.is_costly else None
 

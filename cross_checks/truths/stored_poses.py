@@ -1,9 +1,10 @@
-"""Truths that take long to compute, stored as arrays by `mbs-ref certify --write`."""
+"""Truths stored as arrays: costly ones by `mbs-ref certify --write`, proven ones by `mbs-ref proofs --write`."""
 
 import hashlib
 import json
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from mbs_ref.scene import Scene
 FOLDER = Path(__file__).parent / "data" / "poses"
 PHYSICS = ("gravity", "bodies", "joints", "loads", "contacts", "events")  # what a truth depends on
 ARRAYS = ("position", "orientation", "velocity", "angular_velocity", "rate_uncertainty")  # fields of Truth, by time
-VALUES = ("uncertainty", "difference", "how")  # its other stored fields
+VALUES = ("uncertainty", "difference", "how", "kind")  # its other stored fields
 
 
 def physics_of(scene: Scene) -> str:
@@ -39,15 +40,17 @@ def load(scene: Scene, times: np.ndarray, folder: Path = FOLDER) -> Truth | None
         if "velocity" not in stored or len(rows) < len(times):
             return None
         arrays = {name: stored[name][rows] for name in ARRAYS}
-        values = {name: stored[name].item() for name in VALUES}
-        return Truth(**arrays, **values, kind="converged", is_costly=True)
+        values: dict[str, Any] = {"kind": "converged"} | {
+            name: stored[name].item() for name in VALUES if name in stored
+        }
+        return Truth(**arrays, **values, is_costly=values["kind"] != "proven")
 
 
 def save(scene: Scene, times: np.ndarray, truth: Truth, folder: Path = FOLDER) -> Path:
-    """Store a converged truth with its rates; return its file."""
+    """Store a converged or proven truth with its rates; return its file."""
     folder.mkdir(parents=True, exist_ok=True)
     buffer, file = BytesIO(), file_of(scene, folder)
-    values = {name: getattr(truth, name) for name in ARRAYS + VALUES}
+    values = {name: value for name in ARRAYS + VALUES if (value := getattr(truth, name)) is not None}
     np.savez_compressed(buffer, allow_pickle=False, times=times, **values)
     write_atomic(file, buffer.getvalue())
     return file

@@ -17,14 +17,15 @@ MARGIN = 30.0  # a truth this many times better known than an error judges it
 class Truth:
     """World poses of every body at the requested times, and their rates where they are known.
 
-    A truth "agreed" comes from two packages. One of "one-package" comes from two methods of a single package: errors
-    from it are shown, but it confirms no method and calls none wrong.
+    A truth "proven" is the middle of an enclosure by a proof: a limit outside it is wrong by a theorem. One "agreed"
+    comes from two packages. One of "one-package" comes from two methods of a single package: errors from it are shown,
+    but it confirms no method and calls none wrong.
     """
 
     position: np.ndarray  # (n_t, n_bodies, dimension) m, centres of mass
     orientation: np.ndarray  # (n_t, n_bodies) rad; in space (n_t, n_bodies, 4) Euler parameters
     uncertainty: float  # m, of every world point at every time
-    kind: Literal["exact", "published", "converged", "agreed", "one-package"]
+    kind: Literal["proven", "exact", "published", "converged", "agreed", "one-package"]
     how: str  # one sentence
     difference: float | None = None  # m, between two unlike ways to it; None where it was found in one
     is_costly: bool = False  # takes so long to make that `mbs-ref certify --write` keeps its poses

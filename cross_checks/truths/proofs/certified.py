@@ -1,39 +1,101 @@
-"""Whether a truth lies in a proven enclosure, to the uncertainty that it states."""
+"""Truths and proofs: whether a truth lies in its enclosure, and enclosures as truths."""
 
-import math
-from dataclasses import dataclass
+import gzip
+import hashlib
+import json
+import random
+import time
 from typing import Any
 
 import numpy as np
 
+from cross_checks.truths import EPS, seek_truth
+from cross_checks.truths.proofs.checker.balls import Refused
 from cross_checks.truths.proofs.checker.model import TURNS
-from cross_checks.truths.proofs.checker.proof import Proof
+from cross_checks.truths.proofs.checker.proof import check
+from cross_checks.truths.proofs.derivation import NotCovered
+from cross_checks.truths.proofs.integrate import prove
+from cross_checks.truths.truth import NoTruth, Truth, unturned
+from mbs_ref import scenes
+from mbs_ref.observables.distance import farthest
+from mbs_ref.scene import Scene
+
+Enclosures = list[list[list[Any]]]  # at every time and of every body: balls of place, turn, velocity and spin
 
 
-@dataclass(frozen=True)
-class Placed:
-    """How far a truth's places are from their enclosures, m."""
+def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[dict[str, Any], Truth | None]:
+    """Prove a scene at `times` (s), check the log as a file holds it, and compare the truth computed afresh.
 
-    distance: float  # the largest, beyond the enclosure's radius
-    uncertainty: float  # as the truth states
-    times: int  # that both know
+    Return the figures, and the proof as a truth; None where it does not reach the end, or where the motion is not
+    unique. `limit` is the prover's processor time (s). `distance` (m) and `turned` (rad) are of the truth from the
+    proof; where it is inside, both uncertainties and the rounding of angles allow them.
+    """
+    row: dict[str, Any] = {"scene": scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters))}
+    try:
+        proven = prove(scene, times.tolist(), aim, limit=limit)
+        data, began = json.dumps(proven.log, separators=(",", ":")).encode(), time.process_time()
+        checked, enclosures = check(json.loads(data))
+    except (NotCovered, Refused) as error:
+        return row | {"truth": "not proven", "reason": str(error)}, None
+    row |= {
+        "t_end": float(times[-1]), "reached": min(proven.reached, float(times[-1])), "radius": checked.radius,
+        "steps": checked.steps, "prover_s": proven.seconds, "checker_s": time.process_time() - began,
+        "log_bytes": len(gzip.compress(data, mtime=0)), "reason": proven.reason,
+    }  # fmt: skip
+    if proven.reason:
+        return row | {"truth": "not proven"}, None
+    proof, truth = as_truth(scene, enclosures, hashlib.sha256(data).hexdigest()), seek_truth(scene, times, afresh=True)
+    if isinstance(truth, NoTruth):
+        return row | {"truth": "none"}, proof if checked.unique else None
+    (apart, turned, *_), allowed = farthest(scene, proof, truth), truth.uncertainty + proof.uncertainty
+    outside = apart > allowed or turned > allowed + EPS * np.abs(proof.orientation).max()  # NaN of particles
+    word = "outside" if outside else "inside"
+    return row | {
+        "truth": word,
+        "distance": apart,
+        "turned": turned,
+        "uncertainty": allowed,
+    }, proof if checked.unique else None
 
-    @property
-    def inside(self) -> bool:
-        """Whether the truth is as near as it states."""
-        return self.distance <= self.uncertainty
+
+def as_truth(scene: Scene, enclosures: Enclosures, digest: str = "") -> Truth:
+    """Return the middles of enclosures as a truth; its uncertainty adds their rounding to the largest radius."""
+    radius = max(float(x.rad()) for at in enclosures for own in at for x in own)
+    count, dimension = len(enclosures), scene.dimension
+    position, velocity = np.zeros((2, count, len(scene.bodies), dimension))
+    orientation = unturned(position)
+    spin = np.zeros((count, len(scene.bodies), *((3,) if dimension == 3 else ())))
+    bodies: tuple[Any, ...] = scene.bodies
+    for j, body in enumerate(bodies):
+        own = np.array([[float(x.mid()) for x in at[j]] for at in enclosures])
+        turns = TURNS[body.type]
+        position[:, j], velocity[:, j] = own[:, :dimension], own[:, dimension + turns : 2 * dimension + turns]
+        if turns == 1:
+            orientation[:, j], spin[:, j] = own[:, 2] + body.angle, own[:, 5]
+        elif turns == 4:
+            first = np.array(body.orientation) / np.linalg.norm(body.orientation)
+            orientation[:, j], spin[:, j] = _product(own[:, 3:7], first), own[:, 10:]
+    rounding = EPS * np.abs(np.concatenate([velocity.reshape(count, -1), spin.reshape(count, -1)], 1)).max(1)
+    how = f"enclosed by a proof to {radius:.1e} (m, rad, m/s, rad/s), log sha256 {digest[:16]}"
+    return Truth(
+        position, orientation, radius + EPS * float(np.abs(position).max()), "proven", how, None, False, velocity,
+        spin, radius + rounding,
+    )  # fmt: skip
 
 
-def enclosed(proof: Proof, truth: Any) -> Placed:
-    """Return how far a `Truth` at the proof's times is from what is proven: centres of mass, and angles times 1 m."""
-    worst = 0.0
-    for k, bodies in enumerate(proof.enclosures):
-        for j, (body, own) in enumerate(zip(proof.model.scene.bodies, bodies, strict=True)):
-            n = len(body.position)
-            gaps = [
-                x - float(right) for x, right in zip(own[:n], truth.position[k, j], strict=True) if np.isfinite(right)
-            ]
-            if TURNS[body.type] == 1 and np.isfinite(truth.orientation[k, j]):
-                gaps.append(2 * ((own[n] + body.angle - float(truth.orientation[k, j])) / 2).sin())  # of whole turns
-            worst = max(worst, math.hypot(*(float(gap.abs_lower()) for gap in gaps)))
-    return Placed(worst, truth.uncertainty, len(proof.enclosures))
+def _product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return the Euler parameters (n, 4) of the turn q followed by the turns p."""
+    scalar = p[:, :1] * q[0] - p[:, 1:] @ q[1:, None]
+    return np.hstack([scalar, p[:, :1] * q[1:] + q[0] * p[:, 1:] + np.cross(p[:, 1:], q[1:])])
+
+
+def varied(scene: Scene, seed: int) -> Scene:
+    """Return a library's scene with its parameters off by at most a tenth; as it is where none such is allowed."""
+    dice = random.Random(f"{scene.name} {seed}")
+    for _ in range(10):
+        changed = {k: x * dice.uniform(0.9, 1.1) if isinstance(x, float) else x for k, x in scene.parameters.items()}
+        try:
+            return scenes.make(scene.name, **changed)
+        except ValueError:
+            continue
+    return scene

@@ -5,37 +5,25 @@ of one joint: what the bodies beyond it need, along its freedom. Closures enter 
 the start alone decides where they are closed.
 """
 
+import math
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
 from cross_checks.truths.proofs import kinematics
+from cross_checks.truths.proofs.checker.coverage import DRIVES, complaints
 from cross_checks.truths.proofs.derivation import Derivation, Exact, NotCovered, Units
+from cross_checks.truths.proofs.family import Varied
 from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
 from cross_checks.truths.proofs.loads import LAWS, Marks
 from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
 from mbs_ref.scene import GROUND
 
-JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")
-LOOPS = ("revolute", "spherical", "distance", "universal")
-NO_COORDINATES = ("distance", "universal")  # joints that close a loop wherever they are
-
-
-def complaints(scene: Any) -> Iterator[str]:
-    """Yield why no proof covers a scene."""
-    if scene.contacts or scene.events:
-        yield "contacts and events are not covered"
-    for joint in scene.joints:
-        if joint.type not in JOINTS or (joint.type != "distance" and getattr(joint, "point_b", None) is not None):
-            yield f"joint {joint.name} ({joint.type}) is not covered"
-        axis = getattr(joint, "axis", None)
-        if joint.type == "revolute" and axis is not None and sum(x != 0.0 for x in axis) != 1:
-            yield f"joint {joint.name}: an axis in space must be a coordinate axis"
-    for load in scene.loads:
-        reason = LAWS[load.type].complaint(load) if load.type in LAWS else "is not covered"
-        if reason:
-            yield f"load {load.name} ({load.type}) {reason}"
+IDENTICAL = 1e-12  # of a closure in units of the scene's length that holds at any angle; the checker decides
+AT_START = {"sin": lambda x: 0, "cos": lambda x: 1, "root": lambda x: 1}  # at angles 0; a root's size does not matter
+NO_COORDINATES = ("distance", "universal", *DRIVES)  # joints that close a loop wherever they are
+LOOPS = ("revolute", "spherical", *NO_COORDINATES)
 
 
 def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
@@ -46,13 +34,16 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
     reasons = list(complaints(scene))
     if reasons:
         raise NotCovered("; ".join(reasons))
-    work = Derivation(scene, exact, units)
+    work = Derivation(scene, exact, units, parallel=True)
     loops = _tree(work)
+    if not (loops and work.shared and _is_closed(work, loops)):
+        work = Derivation(scene, exact, units)
+        loops = _tree(work)
     for body in scene.bodies:
         work.wrench[body.name] = _inertial(work, body)
     for load in scene.loads:
-        LAWS[load.type].apply(work, load)
-    for joint in loops:
+        LAWS[load.type](work, load)
+    for joint in () if work.shared else loops:
         _close(work, joint)
     _balance(work)
     _leave_rates_to_closures(work)
@@ -61,10 +52,11 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
         "f": [rate.place for rate in work.unknowns.rates],
         "g": [residual.place for residual in work.residuals],
         "z": work.unknowns.z_count,
+        "clock": work.clock, "free": work.free,
         "starts": [None if s is None else list(s.as_integer_ratio()) for s in work.unknowns.starts],
         "outputs": [[one.place for one in _output(work, body)] for body in scene.bodies],
         "units": [str(units.length), str(units.time), str(units.mass)],
-    }
+    }  # fmt: skip
 
 
 def _tree(work: Derivation) -> list[Any]:
@@ -82,7 +74,7 @@ def _tree(work: Derivation) -> list[Any]:
             queue.append(name)
         here = queue.popleft()
         for joint in remaining:
-            if joint.name in used or here not in (joint.body_a, joint.body_b):
+            if joint.name in used or here not in joint.ends:
                 continue
             there = joint.body_b if here == joint.body_a else joint.body_a
             if there not in work.frames:
@@ -96,6 +88,15 @@ def _tree(work: Derivation) -> list[Any]:
     return loops
 
 
+def _is_closed(work: Derivation, loops: list[Any]) -> bool:
+    """Return whether the joints of loops hold at any angles, so that the motion of the tree is one of the scene."""
+    if not all(joint.type == "revolute" for joint in (*loops, *work.scene.joints)) or work.scene.dimension == 3:
+        return False
+    rows = [x.place for joint in loops for x in minus(*(mark[0] for mark in vars(Marks.of(work, joint)).values()))]
+    y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
+    return max(map(abs, work.tape.values(rows, y, {"sin": math.sin, "cos": math.cos}))) < IDENTICAL
+
+
 def _add(work: Derivation, parent: str, name: str, joint: Any) -> None:
     """State the frame of a body that hangs on `parent` by a joint; None where it is free."""
     kind = "free" if joint is None else joint.type
@@ -106,8 +107,11 @@ def _add(work: Derivation, parent: str, name: str, joint: Any) -> None:
 def _free(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     body, unknowns = work.bodies[name], work.unknowns
     speed, _ = work.rate(name)
-    start = [work.exact(x) / work.units.length for x in body.position]
-    moves = [unknowns.motion(q, u) for q, u in zip(start, speed, strict=False)]
+    varied = [isinstance(x, Varied) for x in body.position]
+    start = [0 if v else work.exact(x) / work.units.length for x, v in zip(body.position, varied, strict=True)]
+    moves = [unknowns.motion(Fraction(q), u) for q, u in zip(start, speed, strict=False)]
+    for k in (k for k, is_varied in enumerate(varied) if is_varied):  # the coordinate is the place beyond its start
+        moves[k] = (moves[k][0] + work.number(body.position[k], work.units.length), *moves[k][1:])
     zero = work.tape.number(0)
     place, velocity, rate = (tuple([m[k] for m in moves] + [zero] * (3 - len(moves))) for k in range(3))
     own = _spinning(work, name)
@@ -122,7 +126,11 @@ def _spinning(work: Derivation, name: str) -> Frame:
     if body.type == "point_mass":
         return base
     if body.type == "planar":
-        return _planar_spin(work, unknowns.motion(Fraction(0), spin[2]))
+        if not work.parallel:
+            return _planar_spin(work, unknowns.motion(Fraction(0), spin[2]))
+        if spin[2] and spin[2] not in work.shared:
+            work.shared[spin[2]] = unknowns.motion(Fraction(0), spin[2])
+        return _planar_spin(work, work.shared[spin[2]]) if spin[2] else base
     e = tuple(unknowns.state(Fraction(k == 0)) for k in range(4))
     w = tuple(unknowns.state(x) for x in spin)
     rate = tuple(unknowns.dependent() for _ in range(3))
@@ -218,6 +226,9 @@ def _inertia_at_start(work: Derivation, body: Any, unit: Fraction) -> Any:
 
 def _close(work: Derivation, joint: Any) -> None:
     """Add the multipliers of a loop's joint and the second derivatives of its closure."""
+    if joint.type in DRIVES:
+        work.residuals.append(_drive(work, joint))
+        return
     marks = Marks.of(work, joint)
     if joint.type == "distance":
         gap = minus(marks.b[0], marks.a[0])
@@ -236,6 +247,25 @@ def _close(work: Derivation, joint: Any) -> None:
     work.residuals += rows
     for first, second in _square(joint, work.scene.dimension):
         work.residuals.append(_keep_square(work, joint, work.vector(first), work.vector(second)))
+
+
+def _drive(work: Derivation, joint: Any) -> Formula:
+    """Apply a drive's multiplier, and return the second derivative of what it prescribes."""
+    frame, still = work.frames[joint.body], work.frames[GROUND].place
+    unit, push = work.units.length, work.unknowns.dependent()
+    if joint.type == "coordinate_drive" and joint.coordinate == "angle":
+        work.apply(joint.body, still, still, (still[0], still[0], push))
+        rate, bend, size, unit = frame.spin[2], frame.spin_rate[2], work.tape.number(1), 1
+    else:
+        chosen = joint.type == "coordinate_drive"
+        axis = work.vector([float(c == joint.coordinate) for c in "xyz"] if chosen else joint.direction)
+        mark = work.bodies[joint.body].position if chosen else joint.point
+        place, velocity, acceleration = frame.carried(work.offset(joint.body, mark))
+        work.apply(joint.body, place, times(axis, push))
+        size = work.tape.line("root", *(dot(axis, axis).constant or Fraction(1)).as_integer_ratio())
+        rate, bend = dot(axis, velocity), dot(axis, acceleration)
+    work.closing.append(rate - size * work.displacement(joint, 1, unit))
+    return bend - size * work.displacement(joint, 2, unit)
 
 
 def _square(joint: Any, dimension: int) -> list[tuple[Any, Any]]:
@@ -267,13 +297,20 @@ def _keep_square(work: Derivation, joint: Any, first: Vector, second: Vector) ->
 
 
 def _balance(work: Derivation) -> None:
-    """Add the power balance of every joint, from the leaves inward."""
+    """Add the power balance of every joint, from the leaves inward, or of every shared angle."""
+    powers = [work.tape.number(0) for _ in work.shared]
     for parent, name, joint in reversed(work.order):
         force, moment = work.wrench[name]
         mass = Fraction(2) ** round(work.exact(work.bodies[name].mass) / work.units.mass).bit_length()
-        work.residuals += [row * (1 / mass) for row in _rows(work, parent, name, joint, force, moment)]
+        rows = [row * (1 / mass) for row in _rows(work, parent, name, joint, force, moment)]
+        if not work.shared:
+            work.residuals += rows
+        for k, spin in enumerate(work.shared):
+            turns = int(work.rate(name)[1][2] == spin) - int(work.rate(parent)[1][2] == spin)
+            powers[k] = powers[k] + rows[0] * (mass * turns)
         if parent != GROUND:
             work.wrench[parent] = plus(work.wrench[parent][0], force), plus(work.wrench[parent][1], moment)
+    work.residuals += powers
 
 
 def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, moment: Vector) -> list[Formula]:
@@ -299,9 +336,14 @@ def _leave_rates_to_closures(work: Derivation) -> None:
     starts, lines = work.unknowns.starts, work.tape.lines
     rates = [k for k, rate in enumerate(work.unknowns.rates) if lines[rate.place][0] == "z"]
     basis: list[tuple[int, list[Fraction]]] = []
-    for k in reversed(rates if any(starts[k] for k in rates) else []):
-        y = [Fraction(j == k) if j in rates else Fraction(start or 0) for j, start in enumerate(starts)]
-        column = work.tape.at_start([row.place for row in work.closing], y)
+    places, still = (
+        [row.place for row in work.closing],
+        [Fraction(0 if j in rates else s or 0) for j, s in enumerate(starts)],
+    )
+    base = work.tape.values(places, still, AT_START)
+    for k in reversed(rates if any(starts[k] for k in rates) or any(base) else []):
+        y = [Fraction(1) if j == k else value for j, value in enumerate(still)]
+        column = [x - b for x, b in zip(work.tape.values(places, y, AT_START), base, strict=True)]
         for pivot, other in basis:
             factor = column[pivot] / other[pivot]
             column = [x - factor * o for x, o in zip(column, other, strict=True)]

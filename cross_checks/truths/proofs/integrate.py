@@ -5,13 +5,16 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from cross_checks.truths.proofs.checker.balls import Refused
 from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
+from cross_checks.truths.proofs.family import family
 from cross_checks.truths.proofs.taylor import NoConvergence, Series, radius, rescaled
+from cross_checks.truths.proofs.touch import first_touch
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
@@ -19,7 +22,10 @@ DEGREE, DIGITS = 40, 45  # of the polynomials, at least
 DIGITS_PROVEN = 18.0  # of a radius, that DEGREE and DIGITS reach in most motions
 SAFETY = 7.0  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
+SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
+WIDER = 16  # times so much an impact's window in the next attempt
+PARTS = (1, 2, 4, 8, 16)  # of a parameter's interval
 FINEST = 3  # attempts at a radius, each with half as many digits more
 
 
@@ -42,45 +48,76 @@ class Proven:
 def prove(
     scene: Scene, times: Sequence[float], aim: float = 1e-15, inputs: str = "binary64",
     limit: float = math.inf, report: Callable[[float, float], None] = lambda t, radius: None,
+    ends: tuple[Scene, Scene] | None = None,
 ) -> Proven:  # fmt: skip
     """Return a proof at `times` (s, increasing from 0) with a radius below `aim`, or how far it reaches.
 
     `report` receives the time reached (s) and the radius; `limit` is processor time (s). Raises NotCovered, and Refused
-    where the start or the formulas are not the scene's.
+    where the start or the formulas are not the scene's. With `ends`, the whole `family` is enclosed.
     """
     began, last = time.process_time(), None
     for attempt in range(FINEST):
         factor = 1.5**attempt * max(1.0, -math.log10(aim) / DIGITS_PROVEN)
         left = limit - (time.process_time() - began)
-        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report)
-        if last.radius <= aim or (last.reason and "limit" in last.reason):
+        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report, ends)
+        if ends or last.radius <= aim or (last.reason and "limit" in last.reason):
             break
     assert last is not None
     return last
 
 
+def prove_family(
+    make: Callable[[float], Scene], low: float, high: float, times: Sequence[float], inputs: str = "binary64",
+    limit: float = math.inf, report: Callable[[float, float], None] = lambda t, radius: None,
+) -> list[Proven]:  # fmt: skip
+    """Return proofs of all scenes that `make` returns for a parameter from low to high.
+
+    The interval has as few parts of PARTS as reach the last time within the `limit`.
+    """
+    began, proofs = time.process_time(), []
+    for parts in PARTS:
+        edges = [*(low + (high - low) * k / parts for k in range(parts)), high]
+        proofs = [
+            prove(
+                make(0.5 * (a + b)),
+                times,
+                math.inf,
+                inputs,
+                began + limit - time.process_time(),
+                report,
+                (make(a), make(b)),
+            )
+            for a, b in pairwise(edges)
+        ]
+        if time.process_time() - began > limit or not any(one.reason for one in proofs):
+            break
+    return proofs
+
+
 def _attempt(
-    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, limit: float, report: Any
-) -> Proven:
+    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, limit: float, report: Any,
+    ends: tuple[Scene, Scene] | None,
+) -> Proven:  # fmt: skip
     began, bits = time.process_time(), int(digits * math.log2(10.0))
     units = _units(scene)
-    header = _header(scene, times, inputs, bits, units)
+    header = _header(scene, times, inputs, bits, units, ends)
     proof, reason = Proof(header), ""
     try:
         reach = float(units.time) * _first_radius(proof, header, bits, degree) / SAFETY
     except (NoConvergence, ZeroDivisionError) as error:
         raise Refused(f"the accelerations at the start are not determined: {error}") from error
     units = Units(units.length, _power(reach), units.mass)
-    header = _header(scene, times, inputs, bits, units)
+    header = _header(scene, times, inputs, bits, units, ends)
     proof = Proof(header)
     series = Series(header["system"], bits, degree)
-    z, steps, exponent, share = [round_to(x, bits) for x in proof.model.z_start], [], 2, 1.0 / SAFETY
+    steps, exponent, share = [], 2, 1.0 / SAFETY
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
             reason = f"the limit of {limit:g} s of processor time is reached"
             break
         try:
-            rows = series.propose([round_to(x, bits) for x in proof.middle], z, exponent)
+            y, z = ([round_to(x, bits) for x in own] for own in (proof.middle, proof.z))
+            rows = series.propose(y, z, exponent)
         except (NoConvergence, ZeroDivisionError) as error:
             reason = f"no polynomial: {error}"
             break
@@ -88,19 +125,25 @@ def _attempt(
         h = Fraction(max(1, int(length * 64))) / 64 if length > 0.25 else Fraction(length).limit_denominator(1 << 30)
         h = _dyadic(min(h, proof.times[-1] - proof.t), h)
         for attempt in range(ATTEMPTS):
-            own = rescaled(rows, h / Fraction(2) ** exponent)
+            own, window = rescaled(rows, h / Fraction(2) ** exponent), Fraction(0)
+            touch = first_touch(proof, h, own) if scene.contacts else None
+            if touch is not None:
+                h, window = touch[0], touch[1] * WIDER**attempt
+                own = rescaled(rows, h / Fraction(2) ** exponent)
             try:
-                proof.step(h, own)
+                proof.step(h, own, window)
                 share = min(1.0 / SAFETY, share * LONGER)
                 break
             except Refused as error:
-                reason = f"a step is not proven: {error}" if attempt == ATTEMPTS - 1 else ""
+                is_last = attempt == ATTEMPTS - 1 or h < SHORTEST * proof.times[-1]
+                reason = f"a step is not proven: {error}" if is_last else ""
+                if is_last:
+                    break
                 h, share = _dyadic(h * SHORTER, h), share * float(SHORTER)
         if reason:
             break
-        steps.append([h.numerator, h.denominator, own])
-        z = [sum(row) for row in own[proof.model.formulas.n :]]
-        exponent = max(-40, round(math.log2(float(h) * SAFETY)))
+        steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
+        exponent = max(-40, round(math.log2(float(h) / share)))
         report(float(proof.t * units.time), proof.radius)
     log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)]}
     return Proven(log, proof, time.process_time() - began, float(proof.t * units.time), reason)
@@ -129,10 +172,13 @@ def _units(scene: Scene) -> Units:
     return Units(_power(scales.length), _power(scales.time), _power(math.exp(sum(map(math.log, masses)) / len(masses))))
 
 
-def _header(scene: Scene, times: Sequence[float], inputs: str, bits: int, units: Units) -> dict[str, Any]:
-    return {
+def _header(
+    scene: Scene, times: Sequence[float], inputs: str, bits: int, units: Units, ends: tuple[Scene, Scene] | None
+) -> dict[str, Any]:
+    whole = family(scene, *ends) if ends else scene
+    return ({"ends": [one.model_dump(mode="json") for one in ends]} if ends else {}) | {
         "scene": scene.model_dump(mode="json"), "inputs": inputs, "bits": bits, "times": list(times),
-        "system": derive(scene, READINGS[inputs], units),
+        "system": derive(whole, READINGS[inputs], units),
     }  # fmt: skip
 
 

@@ -29,14 +29,6 @@ class Marks:
         return cls(*(work.frames[body].carried(work.offset(body, point)) for body, point in ends))
 
 
-@dataclass(frozen=True)
-class Law:
-    """How a load acts, and why one of its kind is not covered."""
-
-    apply: Callable[[Derivation, Any], None]
-    complaint: Callable[[Any], str] = lambda load: ""
-
-
 def _inverse_length(work: Derivation, gap: Vector) -> Formula:
     """Return 1 / |gap| as a new z."""
     inverse = work.unknowns.dependent()
@@ -86,10 +78,9 @@ def _turn(work: Derivation, body: str, torque: Formula) -> None:
 def _torque(work: Derivation, load: Any) -> None:
     units = work.units
     unit = units.mass * units.length**2 / units.time**2
-    size = load.factor.value if load.factor.type == "constant" else 1.0
     values = (0.0, 0.0, load.torque) if load.type == "torque" else load.vector
     zero = work.tape.number(0)
-    moment = times(work.vector(values, unit), work.number(size))
+    moment = times(work.vector(values, unit), work.signal(load.factor))
     work.apply(load.body, (zero, zero, zero), (zero, zero, zero), moment)
 
 
@@ -97,7 +88,7 @@ def _force(work: Derivation, load: Any) -> None:
     units = work.units
     place = work.frames[load.body].carried(work.offset(load.body, load.point))[0]
     vector = work.vector(load.vector, units.mass * units.length / units.time**2)
-    work.apply(load.body, place, times(vector, work.number(load.factor.value)))
+    work.apply(load.body, place, times(vector, work.signal(load.factor)))
 
 
 def _newton(work: Derivation, load: Any) -> None:
@@ -158,32 +149,7 @@ def _legendre_slopes(s: Formula, degree: int) -> list[Formula]:
     return slope
 
 
-def _constant(load: Any) -> str:
-    if load.factor.type != "constant":
-        return "varies in time, which is not covered"
-    return "along a body's axes is not covered" if getattr(load, "frame", "world") == "body" else ""
-
-
-def _taut(load: Any) -> str:
-    return "acts in tension only, which is not covered" if load.tension_only else ""
-
-
-def _flat(load: Any) -> str:
-    return "in space is not covered" if load.axis is not None else ""
-
-
-def _polar(load: Any) -> str:
-    fixed = load.pole == "fixed" and sorted(map(abs, load.axis)) == [0.0, 0.0, 1.0]
-    return "" if fixed else "needs a fixed pole along a coordinate axis"
-
-
-LAWS: dict[str, Law] = {
-    "spring_damper": Law(_spring, _taut),
-    "torsion_spring": Law(_torsion, _flat),
-    "torque": Law(_torque, _constant),
-    "torque_vector": Law(_torque, _constant),
-    "force": Law(_force, _constant),
-    "newton": Law(_newton),
-    "oblateness": Law(_oblateness, _polar),
-    "epoch": Law(lambda work, load: None),
-}
+LAWS: dict[str, Callable[[Derivation, Any], None]] = {
+    "spring_damper": _spring, "torsion_spring": _torsion, "torque": _torque, "torque_vector": _torque, "force": _force,
+    "newton": _newton, "oblateness": _oblateness, "epoch": lambda work, load: None,
+}  # fmt: skip

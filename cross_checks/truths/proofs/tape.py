@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import Any
 
 Line = tuple[
     str, int, int
@@ -30,9 +31,9 @@ class Tape:
         """Return a rational constant."""
         return self.line("c", *Fraction(value).as_integer_ratio())
 
-    def at_start(self, places: Sequence[int], y: Sequence[Fraction]) -> list[Fraction]:
-        """Return the values of lines where no sine, cosine or z but those of zero angles occurs."""
-        value: list[Fraction] = []
+    def values(self, places: Sequence[int], y: Sequence[Any], waves: dict[str, Callable[[Any], Any]]) -> list[Any]:
+        """Return the values of lines without z; `waves` has the sine, the cosine and the root as functions."""
+        value: list[Any] = []
         for operation, a, b in self.lines[: max(places, default=-1) + 1]:
             match operation:
                 case "c":
@@ -43,8 +44,10 @@ class Tape:
                     value.append(value[a] + value[b] if operation == "+" else value[a] - value[b])
                 case "*":
                     value.append(value[a] * value[b])
+                case "z":
+                    value.append(Fraction(0))
                 case _:
-                    value.append(Fraction(operation == "cos"))
+                    value.append(waves[operation](Fraction(a, b) if operation == "root" else value[a]))
         return [value[place] for place in places]
 
 

@@ -5,7 +5,9 @@ from fractions import Fraction
 from operator import mul
 from typing import Any
 
-from flint import arb, arb_mat, ctx, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
+from flint import arb, arb_mat, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
+
+from cross_checks.truths.proofs.checker.balls import precision
 
 LAST = 6  # coefficients that state the radius of convergence: series may have gaps
 NEWTON = 8  # iterations for z at the start of a step; from the last polynomial it takes one or two
@@ -32,6 +34,10 @@ class Series:
 
     def propose(self, y: Sequence[int], z: Sequence[int], exponent: int) -> list[list[int]]:
         """Return the coefficients of y and z in units of time 2^exponent, from y at the start and z near it."""
+        with precision(self.bits + 64):
+            return self._propose(y, z, exponent)
+
+    def _propose(self, y: Sequence[int], z: Sequence[int], exponent: int) -> list[list[int]]:
         self.terms = [[] for _ in self.lines]
         self.y, self.z = [[value] for value in y], [[value] for value in z]
         self._constants()
@@ -42,19 +48,17 @@ class Series:
                 self._run(self.fixed, k)
                 self._append_z(k, inverse)
             for own, place in zip(self.y, self.f, strict=True):
-                rate = self.terms[place][k]
+                rate = self._term(place, k)
                 own.append((rate << exponent if exponent >= 0 else rate >> -exponent) // (k + 1))
         self._run(self.fixed, self.degree)
         self._append_z(self.degree, inverse)
         return self.y + self.z
 
     def _constants(self) -> None:
-        ctx.prec, before = self.bits + 64, ctx.prec
         for place, (operation, a, b) in enumerate(self.lines):
             if operation in ("c", "root"):
                 value = arb(fmpq(a, b))
                 self.terms[place] = [self._integer(value.sqrt() if operation == "root" else value)]
-        ctx.prec = before
 
     def _integer(self, value: Any) -> int:
         return int((value * arb((1, self.bits))).mid().floor().unique_fmpz())
@@ -90,11 +94,8 @@ class Series:
             columns.append([self.terms[place][1] for place in self.g])
         for series in (*self.terms, *self.y, *self.z):
             del series[1:]
-        ctx.prec, before = self.bits + 64, ctx.prec
         matrix = arb_mat([[arb((columns[j][i], -self.bits)) for j in range(self.m)] for i in range(self.m)])
-        inverse = [[self._integer(x) for x in row] for row in matrix.inv().tolist()]
-        ctx.prec = before
-        return inverse
+        return [[self._integer(x) for x in row] for row in matrix.inv().tolist()]
 
     def _times(self, matrix: list[list[int]], vector: list[int]) -> list[int]:
         return [sum(map(mul, row, vector)) >> self.bits for row in matrix]
@@ -139,10 +140,7 @@ class Series:
         """Return a coefficient of a sine or cosine: s' = c u', c' = -s u'."""
         if k == 0:
             angle = arb((self.terms[a][0], -self.bits))
-            ctx.prec, before = self.bits + 64, ctx.prec
-            value = self._integer(angle.sin() if operation == "sin" else angle.cos())
-            ctx.prec = before
-            return value
+            return self._integer(angle.sin() if operation == "sin" else angle.cos())
         other = self.terms[self.partner["cos" if operation == "sin" else "sin", a]]
         slope = [j * self.terms[a][j] for j in range(1, k + 1)]
         total = sum(map(mul, slope, reversed(other[:k]))) // k >> self.bits

@@ -1,6 +1,8 @@
 """mbs-ref prove: proven enclosures of a motion, with a log that a second program checks."""
 
+import math
 import time
+from functools import partial, reduce
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,22 @@ from reports import inputs
 from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show, table
 
 
+def radius_option(default: float) -> Any:
+    """Return the option of the largest radius."""
+    words = "Largest radius of an enclosure: m, rad, m/s, rad/s."
+    return click.option(
+        "--radius", type=float, default=default, show_default=True, metavar="R", callback=inputs.positive, help=words
+    )
+
+
+def limit_option(default: float) -> Any:
+    """Return the option of the prover's processor time."""
+    words = "Limit of the prover's processor time for a scene, s."
+    return click.option(
+        "--limit", type=float, default=default, show_default=True, metavar="S", callback=inputs.positive, help=words
+    )
+
+
 @click.command(name="prove", epilog="Example: mbs-ref prove double_pendulum --t-end 10 --radius 1e-25 -o double.log.gz")
 @click.argument("scene", metavar="SCENE|FILE.toml", required=False)
 @inputs.PARAMETERS
@@ -19,46 +37,24 @@ from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo
 @click.option(
     "--samples", type=click.IntRange(2), default=11, show_default=True, help="Output times from 0 to the end."
 )
-@click.option(
-    "--radius",
-    type=float,
-    default=1e-15,
-    show_default=True,
-    metavar="R",
-    callback=inputs.positive,
-    help="Largest radius of an enclosure: m, rad, m/s, rad/s.",
-)
-@click.option(
-    "--inputs",
-    "reading",
-    type=click.Choice(["binary64", "decimal"]),
-    default="binary64",
-    show_default=True,
-    help="The scene's numbers as engines run them, or the decimals as written.",
-)
-@click.option(
-    "--limit",
-    type=float,
-    default=600.0,
-    show_default=True,
-    metavar="S",
-    callback=inputs.positive,
-    help="Limit of processor time, s.",
-)
+@click.option("--vary", metavar="P=V+-D", help="Enclose all scenes with the parameter P from V - D to V + D.")
+@radius_option(1e-15)
+@click.option("--inputs", "reading", type=click.Choice(["binary64", "decimal"]), default="binary64", show_default=True,
+              help="The scene's numbers as engines run them, or the decimals as written.")  # fmt: skip
+@limit_option(600.0)
 @click.option("--json", "as_json", is_flag=True, help="Print the enclosures as JSON.")
 @click.option("-o", "output", metavar="LOG", help="Write the log of the proof.")
 @click.option("--check", "log_file", metavar="LOG", help="Check a log instead; nothing of the prover is trusted.")
 def command(
-    scene: str | None, parameters: tuple[str, ...], t_end: float | None, samples: int, radius: float, reading: str,
-    limit: float, as_json: bool, output: str | None, log_file: str | None,
+    scene: str | None, parameters: tuple[str, ...], t_end: float | None, samples: int, vary: str | None, radius: float,
+    reading: str, limit: float, as_json: bool, output: str | None, log_file: str | None,
 ) -> None:  # fmt: skip
     """Enclose the motion of SCENE by a proof. It holds places, turns, velocities and spins at all outputs.
 
     The theorem is about the scene's numbers: each binary64 value, or each decimal, is exact; rates that loops decide
     solve the closures.
     """
-    if find_spec("flint") is None:
-        raise EngineAbsent("proofs need the package python-flint: pip install 'mbs-ref[proofs]'")
+    need_flint()
     if (scene is None) == (log_file is None):
         raise click.UsageError("give either a scene or --check LOG")
     if log_file is not None:
@@ -68,31 +64,71 @@ def command(
     from cross_checks.truths.proofs import log as logs
     from cross_checks.truths.proofs.checker.balls import Refused
     from cross_checks.truths.proofs.derivation import NotCovered
-    from cross_checks.truths.proofs.integrate import prove
+    from cross_checks.truths.proofs.integrate import prove, prove_family
 
     made = inputs.scene(scene, parameters)
     end = made.duration if t_end is None else t_end
     if not end > 0.0:
         raise click.UsageError(f"--t-end {end:g}: a proof needs a duration > 0")
     times = np.linspace(0.0, end, samples).tolist()
+    name, low, high = ("", 0.0, 0.0) if vary is None else _interval(vary)
     with progress(f"prove {made.name}") as report:
+
+        def reached(t: float, r: float) -> None:
+            report(int(1000 * t / end), 1000, f"t = {t:.4g} s, radius {r:.1e}")
+
         try:
-            proven = prove(
-                made, times, radius, reading, limit,
-                lambda t, r: report(int(1000 * t / end), 1000, f"t = {t:.4g} s, radius {r:.1e}"),
-            )  # fmt: skip
+            if vary is None:
+                proofs = [prove(made, times, radius, reading, limit, reached)]
+            else:
+                member = partial(_member, scene, parameters, name)
+                proofs = prove_family(member, low, high, times, reading, limit, reached)
         except NotCovered as error:
             raise NothingSelected(f"{made.name}: no proof covers it: {error}") from error
-        except Refused as error:
+        except (Refused, ValueError) as error:
             raise Failed(f"{made.name}: {error}") from error
-    size = None if output is None else logs.write(proven.log, Path(output))
-    facts = {"scene": made.name, "inputs": reading, "radius": proven.radius, "reached": min(proven.reached, end),
-             "steps": len(proven.log["steps"]), "seconds": proven.seconds, "log_bytes": size}  # fmt: skip
-    _show(facts, made, times, proven.proof.enclosures, as_json)
-    if proven.reason:
-        raise Failed(f"not proven beyond t = {proven.reached:g} s, radius {proven.radius:.1e}: {proven.reason}")
-    if proven.radius > radius:
-        raise Failed(f"proven to radius {proven.radius:.1e}, above the requested {radius:.1e}")
+    files = [f"{output}.{k}" if k else str(output) for k in range(len(proofs) if output else 0)]
+    sizes = [logs.write(one.log, Path(file)) for one, file in zip(proofs, files, strict=False)]
+    enclosures = [_hull(at) for at in zip(*(one.proof.enclosures for one in proofs), strict=False)]
+    least = min(proofs, key=lambda one: one.reached)
+    widest = max(float(x.rad()) for at in enclosures for own in at for x in own)
+    facts = {"scene": made.name, "inputs": reading, "radius": widest, "reached": min(least.reached, end),
+             "parts": len(proofs), "steps": sum(len(one.log["steps"]) for one in proofs),
+             "seconds": sum(one.seconds for one in proofs), "log_bytes": sum(sizes) if output else None}  # fmt: skip
+    _show(facts, made, times, enclosures, as_json)
+    if least.reason:
+        raise Failed(f"not proven beyond t = {least.reached:g} s, radius {least.radius:.1e}: {least.reason}")
+    if vary is None and widest > radius:
+        raise Failed(f"proven to radius {widest:.1e}, above the requested {radius:.1e}")
+
+
+def _interval(text: str) -> tuple[str, float, float]:
+    """Return the parameter of --vary and its least and largest value."""
+    try:
+        name, numbers = text.split("=")
+        middle, half = map(float, numbers.split("+-"))
+    except ValueError:
+        half = math.nan
+    if not 0.0 < half < math.inf:
+        raise click.UsageError(f"--vary {text}: write it as length=1+-1e-6, a parameter, its value and half its width")
+    return name, middle - half, middle + half
+
+
+def _member(scene: str, parameters: tuple[str, ...], name: str, value: float) -> Any:
+    return inputs.scene(scene, (*parameters, f"{name}={value!r}"))
+
+
+def _hull(parts: tuple[Any, ...]) -> Any:
+    """Return balls that contain those of all parts."""
+    if isinstance(parts[0], list):
+        return [_hull(own) for own in zip(*parts, strict=True)]
+    return reduce(lambda a, b: a.union(b), parts)
+
+
+def need_flint() -> None:
+    """Raise EngineAbsent unless python-flint is installed."""
+    if find_spec("flint") is None:
+        raise EngineAbsent("proofs need the package python-flint: pip install 'mbs-ref[proofs]'")
 
 
 def _check(file: Path, as_json: bool) -> None:
@@ -110,7 +146,9 @@ def _check(file: Path, as_json: bool) -> None:
     made = Scene.model_validate(log["scene"])
     facts = {"scene": made.name, "inputs": log["inputs"], "radius": checked.radius, "reached": checked.proven_to,
              "steps": checked.steps, "energy": "constant" if checked.energy else "not compared",
-             "seconds": time.process_time() - began}  # fmt: skip
+             "unique": "yes" if checked.unique else "not in singular poses of its loops, where others may branch off",
+             "seconds": time.process_time() - began,
+             "impacts": [f"{name} at {t.str(25)} s" for name, t in checked.impacts]}  # fmt: skip
     _show(facts, made, log["times"], enclosures, as_json)
 
 

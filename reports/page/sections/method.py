@@ -45,7 +45,8 @@ ENVIRONMENT = Section("environment", "Environment", ENVIRONMENT_LEAD, lambda dat
 
 TRUTHS_LEAD = (
     "What the errors are measured from. An error below 30 times the truth's uncertainty is not "
-    "resolved. Certified truths are stored with the project; mbs-ref certify recomputes one."
+    "resolved. A truth is proven (enclosed by a proof; mbs-ref proofs repeats it), certified (two unlike ways agree; "
+    "mbs-ref certify recomputes it), or what engines agree on."
 )
 
 

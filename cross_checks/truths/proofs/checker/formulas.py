@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from fractions import Fraction
+from operator import add, mul, sub
 from typing import Any
 
 from flint import arb, arb_mat  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact
 
+BINARY = {"*": mul, "+": add, "-": sub}
 OPERATIONS = ("c", "root", "y", "z", "+", "-", "*", "sin", "cos")
 ITERATIONS = 60  # of Newton's method for z, from 1
 NEGLIGIBLE = 2.0**-800  # of a change of z, where it ends
@@ -57,11 +59,8 @@ class Formulas:
         if operation in "yz":
             return {a + (self.n if operation == "z" else 0): self._line("c", 1, 1)}
         if operation in ("sin", "cos"):
-            factor = (
-                self._line("cos", a)
-                if operation == "sin"
-                else self._times(self._line("c", -1, 1), self._line("sin", a))
-            )
+            wave = self._line("cos" if operation == "sin" else "sin", a)
+            factor = wave if operation == "sin" else self._times(self._line("c", -1, 1), wave)
             return {k: self._times(factor, d) for k, d in self.slopes[a].items()}
         first, second = dict(self.slopes[a]), self.slopes[b]
         if operation == "*":
@@ -83,23 +82,23 @@ class Formulas:
                 stack += _operands(self.lines[place])
         return sorted(needed)
 
+    def slopes_of(self, value: dict[int, Number]) -> arb_mat:
+        """Return g_z from the values of its lines."""
+        columns = range(self.n, self.n + self.m)
+        return arb_mat([[value[row[k]] if k in row else arb(0) for k in columns] for row in self.jacobian[self.n :]])
+
     def run(self, plan: Sequence[int], y: Sequence[Number], z: Sequence[Number]) -> dict[int, Number]:
         """Return the values of the lines of a plan."""
         value: dict[int, Number] = {}
         for place in plan:
             operation, a, b = self.lines[place]
-            if operation == "*":
-                value[place] = value[a] * value[b]
-            elif operation == "+":
-                value[place] = value[a] + value[b]
-            elif operation == "-":
-                value[place] = value[a] - value[b]
-            elif operation == "c":
-                value[place] = exact(Fraction(a, b))
-            elif operation == "root":
-                value[place] = exact(Fraction(a, b)).sqrt()
+            if operation in BINARY:
+                value[place] = BINARY[operation](value[a], value[b])
             elif operation in "yz":
                 value[place] = (y if operation == "y" else z)[a]
+            elif operation in ("c", "root"):
+                number = exact(Fraction(a, b))
+                value[place] = number if operation == "c" else number.sqrt()
             else:
                 value[place] = value[a].sin() if operation == "sin" else value[a].cos()
         return value
@@ -118,6 +117,16 @@ def solve(matrix: arb_mat, right: arb_mat) -> arb_mat:
         raise Refused("a matrix is singular") from error
 
 
+def enclose(formulas: Formulas, y: list[arb]) -> list[arb]:
+    """Return balls of z with g(y, z) = 0 for every y in balls. Refused unless g is linear in z."""
+    n, m, zero = formulas.n, formulas.m, [arb(0)] * formulas.m
+    plan = formulas.plan([p for row in formulas.jacobian[n:] for k, p in row.items() if k >= n])
+    if any(formulas.lines[place][0] == "z" for place in plan):
+        raise Refused("after an impact, the formulas are not linear in z")
+    value = formulas.run([*plan, *formulas.plan(formulas.g)], y, zero)
+    return solve(formulas.slopes_of(value), arb_mat(m, 1, [-value[place] for place in formulas.g])).entries()
+
+
 def roots(formulas: Formulas, y: list[arb]) -> list[arb]:
     """Return z with g(y, z) = 0 by Newton's method from 1."""
     n, m = formulas.n, formulas.m
@@ -125,8 +134,7 @@ def roots(formulas: Formulas, y: list[arb]) -> list[arb]:
     plan = formulas.plan([*formulas.g, *(p for row in formulas.jacobian[n:] for k, p in row.items() if k >= n)])
     for _ in range(ITERATIONS if m else 0):
         value = formulas.run(plan, y, z)
-        slopes = [[value[row[n + j]] if n + j in row else arb(0) for j in range(m)] for row in formulas.jacobian[n:]]
-        change = solve(arb_mat(slopes), arb_mat([[value[place]] for place in formulas.g])).entries()
+        change = solve(formulas.slopes_of(value), arb_mat(m, 1, [value[place] for place in formulas.g])).entries()
         z = [(x - d).mid() for x, d in zip(z, change, strict=True)]
         if max(above(d) for d in change) < NEGLIGIBLE:
             break

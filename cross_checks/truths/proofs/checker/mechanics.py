@@ -3,48 +3,54 @@
 Every derivative is a coefficient of a series in time: closures, energies and stretches are evaluated on motions.
 """
 
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, exact
+from cross_checks.truths.proofs.checker.coverage import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.checker.formulas import solve
+from cross_checks.truths.proofs.family import Varied
 from mbs_ref.scene import GROUND
-
-ENERGETIC = ("spring_damper", "torsion_spring", "newton", "oblateness", "epoch")  # loads whose energy is counted
-LOADS = (*ENERGETIC, "force", "torque", "torque_vector")
-JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal")
-ROD_GAP = 1e-12  # of a rod's length: how far its points may be from it at t = 0; the start decides
 
 
 class Mechanics:
     """A scene in absolute coordinates."""
 
     def __init__(self, scene: Any, inputs: str) -> None:
-        if list(_unknown(scene)):
-            raise Refused(f"no proof covers {', '.join(_unknown(scene))}")
+        if list(complaints(scene)):
+            raise Refused("; ".join(complaints(scene)))
         self.scene = scene
-        self.number: Callable[[float], Fraction] = (
-            Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
-        )
+        self.exact = Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
+        self.s = Fraction(0)  # of a family of scenes
         self.index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
         self.free = [
             {"planar": (0, 1, 5), "spatial": range(6)}.get(b.type, range(len(b.position))) for b in scene.bodies
         ]
+        self.now = arb(0)  # s
+        self.gm = next((load.gm for load in scene.loads if load.type == "newton"), ())
         self.columns = [(k, c) for k, free in enumerate(self.free) for c in free]
 
+    def number(self, value: float) -> Fraction:
+        if isinstance(value, Varied):
+            a, b, c = value.coefficients(self.exact)
+            return a + self.s * (b + self.s * c)
+        return self.exact(value)
+
+    def ball(self, value: float) -> arb:
+        return exact(self.number(value))
+
     def vector(self, values: Sequence[float]) -> list[arb]:
-        return ([exact(self.number(x)) for x in values] + [arb(0)] * 3)[:3]
+        return ([self.ball(x) for x in values] + [arb(0)] * 3)[:3]
 
     def offset(self, body: int, point: Sequence[float]) -> list[arb]:
         place = self.scene.bodies[body].position if body >= 0 else (0.0,) * 3
         return [x - y for x, y in zip(self.vector(point), self.vector(place), strict=True)]
 
-    def jets(self, state: list[Any], rate: list[list[arb]], acceleration: list[list[arb]]) -> list[Any]:
-        """Return place, turn and angle of every body as series to t^2; the last is ground."""
+    def jets(self, state: list[Any], rate: list[Any], acceleration: list[Any], pace: int = 1) -> list[Any]:
+        """Return place, turn and angle of every body as series to t^2; the last are time, at a pace, and ground."""
         moved = []
         for (r, turn, angle), v, a in zip(state, rate, acceleration, strict=True):
             place = [arb_series([r[i], v[i], a[i] / 2]) for i in range(3)]
@@ -56,27 +62,55 @@ class Mechanics:
             ]
             moved.append((place, _matmul(series, turn), arb_series([angle, v[5], a[5] / 2])))
         unit = [[arb_series([arb(i == j)]) for j in range(3)] for i in range(3)]
-        return [*moved, ([arb_series([0])] * 3, unit, arb_series([0]))]
+        return [*moved, arb_series([self.now, pace]), ([arb_series([0])] * 3, unit, arb_series([0]))]
 
     def mark(self, jets: list[Any], body: int, point: Sequence[float]) -> list[Number]:
         place, turn, _ = jets[body]
         return [x + y for x, y in zip(place, _apply(turn, self.offset(body, point)), strict=True)]
 
+    def signal(self, signal: Any, t: Number) -> Number:
+        """Return the value of a signal at a time, or along a series of times."""
+        names = {"constant": ("value",), "harmonic": ("offset",), "polynomial": ("coefficients",)}[signal.type]
+        own = getattr(signal, names[0])
+        total = arb(0) * t
+        for c in reversed(own if isinstance(own, tuple) else (own,)):
+            total = total * t + self.ball(c)
+        if signal.type == "harmonic":
+            amplitude, omega, phase = (self.ball(x) for x in (signal.amplitude, signal.omega, signal.phase))
+            total += amplitude * (omega * t + phase).sin()
+        return total
+
+    def driven(self, jets: list[Any], joint: Any) -> list[Number]:
+        """Return how far a body is from where a drive wants it, up to a constant; a virtual motion has no time."""
+        body, t = self.index[joint.body], jets[-2]
+        wanted = self.signal(joint.motion, t)
+        for _ in range(("position", "velocity", "acceleration").index(joint.level)):
+            wanted = wanted.integral() * t.derivative()
+        if joint.type == "coordinate_drive":
+            return [
+                (jets[body][2] if joint.coordinate == "angle" else jets[body][0]["xyz".index(joint.coordinate)])
+                - wanted
+            ]
+        axis = self.vector(joint.direction)
+        return [dot(axis, self.mark(jets, body, joint.point)) - wanted * dot(axis, axis).sqrt()]
+
     def closure(self, jets: list[Any], joint: Any) -> list[Number]:
         """Return the rows of a joint, each zero where it holds."""
+        if joint.type in DRIVES:
+            return self.driven(jets, joint)
         a, b = self.index[joint.body_a], self.index[joint.body_b]
         points = (joint.point_a, joint.point_b) if joint.type == "distance" else (joint.point, joint.point)
         gap = [y - x for x, y in zip(self.mark(jets, a, points[0]), self.mark(jets, b, points[1]), strict=True)]
         if joint.type == "distance":
-            return [_dot(gap, gap)]
+            return [dot(gap, gap)]
         flat = self.scene.dimension == 2
         still = [(0, 1)] if flat else [(0, 1), (1, 2), (2, 0)]
-        same = [_dot(_column(jets[a][1], i), _column(jets[b][1], j)) for i, j in still]
+        same = [dot(_column(jets[a][1], i), _column(jets[b][1], j)) for i, j in still]
         if joint.type == "weld":
             return gap[: self.scene.dimension] + same
         if joint.type == "universal":
             sides = zip((a, b), (joint.axis_a, joint.axis_b), strict=True)
-            return [*gap, _dot(*(_apply(jets[body][1], self.vector(axis)) for body, axis in sides))]
+            return [*gap, dot(*(_apply(jets[body][1], self.vector(axis)) for body, axis in sides))]
         if joint.type == "spherical" or joint.axis is None:
             return gap[: self.scene.dimension]
         axis = self.vector(joint.axis)
@@ -88,8 +122,8 @@ class Mechanics:
         ]
         across = across[:1] if flat else across
         if joint.type == "prismatic":
-            return [_dot(_apply(jets[a][1], n), gap) for n in across] + same
-        return gap + [_dot(_apply(jets[a][1], n), _apply(jets[b][1], axis)) for n in across]
+            return [dot(_apply(jets[a][1], n), gap) for n in across] + same
+        return gap + [dot(_apply(jets[a][1], n), _apply(jets[b][1], axis)) for n in across]
 
     def stretches(self, jets: list[Any]) -> Iterator[tuple[Number, Any, Any, tuple[int, ...]]]:
         """Yield the stretch of every spring with its stiffness, damping and bodies."""
@@ -110,45 +144,43 @@ class Mechanics:
                     start = sum(
                         (self.number(x) - self.number(y)) ** 2 for x, y in zip(load.point_a, load.point_b, strict=True)
                     )
-                    rest = (
-                        exact(Fraction(start)).sqrt()
-                        if load.rest_length is None
-                        else exact(self.number(load.rest_length))
-                    )
-                    stretch = _dot(gap, gap).sqrt() - rest
-                yield stretch, exact(self.number(load.stiffness)), exact(self.number(load.damping)), (a, b)
+                    rest = exact(Fraction(start)).sqrt() if load.rest_length is None else self.ball(load.rest_length)
+                    stretch = dot(gap, gap).sqrt() - rest
+                yield stretch, self.ball(load.stiffness), self.ball(load.damping), (a, b)
 
     def potential(self, jets: list[Any], body: int) -> Number:
         """Return the potential energy that moving one body changes."""
         part = self.scene.bodies[body]
-        mass = exact(self.number(part.mass))
-        total = -_dot(self.vector(self.scene.gravity), jets[body][0]) * mass
+        mass = self.ball(part.mass)
+        total = -dot(self.vector(self.scene.gravity), jets[body][0]) * mass
         for stretch, stiffness, _, bodies in self.stretches(jets):
             if body in bodies:
                 total += stretch * stretch * stiffness / 2
-        newton = next((load for load in self.scene.loads if load.type == "newton"), None)
         for load in self.scene.loads:
             if load.type == "force" and self.index[load.body] == body:
-                vector = [x * exact(self.number(load.factor.value)) for x in self.vector(load.vector)]
-                total -= _dot(vector, self.mark(jets, body, load.point))
-            elif load.type in ("newton", "oblateness"):
-                for k in range(len(self.scene.bodies)):
-                    pulls = load.type == "newton" or self.index[load.body] in (k, body)
-                    if k != body and pulls and newton is not None:
-                        gap = [y - x for x, y in zip(jets[k][0], jets[body][0], strict=True)]
-                        total -= mass * exact(self.number(newton.gm[k])) * self._well(gap, load)
-        return total
+                vector = [x * self.signal(load.factor, self.now) for x in self.vector(load.vector)]
+                total -= dot(vector, self.mark(jets, body, load.point))
+        others = (k for k in range(len(self.scene.bodies)) if k != body and self.gm)
+        return total - sum((mass * self.ball(self.gm[k]) * self.well(jets, body, k) for k in others), arb(0))
+
+    def well(self, jets: list[Any], a: int, b: int) -> Number:
+        """Return the sum of 1 / r of two bodies, and of what zonal harmonics add to it."""
+        gap = [y - x for x, y in zip(jets[b][0], jets[a][0], strict=True)]
+        fields = (load for load in self.scene.loads if load.type in ("newton", "oblateness"))
+        return sum(
+            (self._well(gap, one) for one in fields if self.index.get(getattr(one, "body", ""), a) in (a, b)), arb(0)
+        )
 
     def _well(self, gap: list[Number], load: Any) -> Number:
         """Return 1 / r of a point, or what zonal harmonics add: -sum J_n R^n P_n(z / r) / r^(n + 1)."""
-        distance = _dot(gap, gap).sqrt()
+        distance = dot(gap, gap).sqrt()
         if load.type == "newton":
             return 1 / distance
-        sine = _dot(self.vector(load.axis), gap) / distance
-        legendre, ratio, total = [arb(1), sine], exact(self.number(load.radius)) / distance, arb(0) * sine
+        sine = dot(self.vector(load.axis), gap) / distance
+        legendre, ratio, total = [arb(1), sine], self.ball(load.radius) / distance, arb(0) * sine
         for n, harmonic in enumerate(load.zonal, start=2):
             legendre.append((sine * legendre[-1] * (2 * n - 1) - legendre[-2] * (n - 1)) / n)
-            total -= exact(self.number(harmonic)) * ratio**n * legendre[n] / distance
+            total -= self.ball(harmonic) * ratio**n * legendre[n] / distance
         return total
 
     def accelerations(self, state: list[Any], rate: list[list[arb]]) -> list[list[arb]]:
@@ -161,11 +193,11 @@ class Mechanics:
         for column, (body, c) in enumerate(self.columns):
             unit = [list(row) for row in rest]
             unit[body][c] = arb(1)
-            virtual = self.jets(state, unit, rest)
+            virtual = self.jets(state, unit, rest, 0)
             right[column, 0] = -self.potential(virtual, body)[1] + self._driven(zero, virtual, body, c)
             row = len(self.columns)
             for joint in self.scene.joints:
-                touched = body in (self.index[joint.body_a], self.index[joint.body_b])
+                touched = body in [self.index[end] for end in joint.ends]
                 rows = self.closure(virtual, joint) if touched else None
                 for k in range(len(self.closure(zero, joint))) if rows is None else range(len(rows)):
                     if rows is not None:
@@ -188,16 +220,16 @@ class Mechanics:
         for load in self.scene.loads:
             if load.type in ("torque", "torque_vector") and self.index[load.body] == body and c >= 3:
                 vector = (0.0, 0.0, load.torque) if load.type == "torque" else load.vector
-                total += exact(self.number(vector[c - 3]) * self.number(load.factor.value))
+                total += self.ball(vector[c - 3]) * self.signal(load.factor, self.now)
         return total
 
     def _inertial(self, matrix: arb_mat, right: arb_mat, state: list[Any], rate: list[list[arb]]) -> None:
         for first, (body, c) in enumerate(self.columns):
             part = self.scene.bodies[body]
             if c < 3:
-                matrix[first, first] = exact(self.number(part.mass))
+                matrix[first, first] = self.ball(part.mass)
             elif part.type == "planar":
-                matrix[first, first] = exact(self.number(part.inertia))
+                matrix[first, first] = self.ball(part.inertia)
             else:
                 inertia = self._inertia(part, state[body][1])
                 for second in range(3):
@@ -206,8 +238,8 @@ class Mechanics:
                 right[first, 0] -= _apply(_skew(w), _apply(inertia, w))[c - 3]
 
     def _inertia(self, part: Any, turn: list[list[arb]]) -> list[list[arb]]:
-        xx, yy, zz, xy, xz, yz = (exact(self.number(x)) for x in part.inertia)
-        whole = _matmul(turn, rotation([exact(self.number(x)) for x in part.orientation]))
+        xx, yy, zz, xy, xz, yz = (self.ball(x) for x in part.inertia)
+        whole = _matmul(turn, rotation([self.ball(x) for x in part.orientation]))
         inverse = [list(column) for column in zip(*whole, strict=True)]
         return _matmul(whole, _matmul([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], inverse))
 
@@ -216,45 +248,28 @@ class Mechanics:
         """Whether `energy` is constant: nothing takes or gives any, and no body feels both a field and others."""
         kinds = {load.type for load in self.scene.loads}
         damped = any(getattr(load, "damping", 0.0) for load in self.scene.loads)
+        damped = damped or any(joint.type in DRIVES for joint in self.scene.joints)
+        damped = damped or any(part.law.restitution != 1.0 for part in self.scene.contacts)
         return not damped and kinds <= set(ENERGETIC) and ("newton" not in kinds or not any(self.scene.gravity))
 
     def energy(self, state: list[Any], rate: list[list[arb]]) -> arb:
         """Return kinetic and potential energy without dampers; gm counts as mass among attracting bodies."""
-        newton = next((load for load in self.scene.loads if load.type == "newton"), None)
-        gm = () if newton is None else newton.gm
+        gm = self.gm
         jets, total = self.jets(state, [[arb(0)] * 6] * len(rate), [[arb(0)] * 6] * len(rate)), arb(0)
         for k, (part, own) in enumerate(zip(self.scene.bodies, rate, strict=True)):
-            mass = exact(self.number(gm[k] if gm else part.mass))
-            total += mass * _dot(own[:3], own[:3]) / 2
+            mass = self.ball(gm[k] if gm else part.mass)
+            total += mass * dot(own[:3], own[:3]) / 2
             if not gm:
-                total += -mass * _dot(self.vector(self.scene.gravity), jets[k][0])[0]
+                total += -mass * dot(self.vector(self.scene.gravity), jets[k][0])[0]
             if part.type == "planar":
-                total += exact(self.number(part.inertia)) * own[5] * own[5] / 2
+                total += self.ball(part.inertia) * own[5] * own[5] / 2
             elif part.type == "spatial":
-                total += _dot(own[3:], _apply(self._inertia(part, state[k][1]), own[3:])) / 2
-            for load in (load for load in self.scene.loads if load.type in ("newton", "oblateness")):
-                for j in (j for j in range(k) if load.type == "newton" or self.index[load.body] in (j, k)):
-                    gap = [y - x for x, y in zip(jets[j][0], jets[k][0], strict=True)]
-                    total -= mass * exact(self.number(gm[j])) * self._well(gap, load)[0]
+                total += dot(own[3:], _apply(self._inertia(part, state[k][1]), own[3:])) / 2
+            for j in range(k if gm else 0):
+                total -= mass * self.ball(gm[j]) * self.well(jets, k, j)[0]
         for stretch, stiffness, *_ in self.stretches(jets):
             total += (stretch * stretch)[0] * stiffness / 2
         return total
-
-
-def _unknown(scene: Any) -> Iterator[str]:
-    """Yield the parts of a scene whose motion is not derived here."""
-    yield from (part.name for part in (*scene.contacts, *scene.events))
-    for joint in scene.joints:
-        rod = joint.type == "distance"
-        apart = rod and joint.length and abs(joint.length / math.dist(joint.point_a, joint.point_b) - 1.0) > ROD_GAP
-        if joint.type not in JOINTS or apart or (not rod and getattr(joint, "point_b", None)):
-            yield joint.name
-    for load in scene.loads:
-        varies = getattr(getattr(load, "factor", None), "type", "constant") != "constant"
-        turns = getattr(load, "frame", "world") != "world" or (load.type == "torsion_spring" and load.axis)
-        tilted = load.type == "oblateness" and (load.pole != "fixed" or sorted(map(abs, load.axis)) != [0.0, 0.0, 1.0])
-        if load.type not in LOADS or varies or turns or tilted or getattr(load, "tension_only", False):
-            yield load.name
 
 
 def _skew(w: Sequence[Number]) -> list[list[Number]]:
@@ -262,12 +277,12 @@ def _skew(w: Sequence[Number]) -> list[list[Number]]:
     return [[zero, -w[2], w[1]], [w[2], zero, -w[0]], [-w[1], w[0], zero]]
 
 
-def _dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
+def dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _apply(matrix: Any, vector: Sequence[Number]) -> list[Number]:
-    return [_dot(row, vector) for row in matrix]
+    return [dot(row, vector) for row in matrix]
 
 
 def _column(matrix: Any, k: int) -> list[Number]:
@@ -275,7 +290,7 @@ def _column(matrix: Any, k: int) -> list[Number]:
 
 
 def _matmul(a: Any, b: Any) -> list[list[Number]]:
-    return [[_dot(row, _column(b, k)) for k in range(3)] for row in a]
+    return [[dot(row, _column(b, k)) for k in range(3)] for row in a]
 
 
 def rotation(e: Sequence[arb]) -> list[list[arb]]:

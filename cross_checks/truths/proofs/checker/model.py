@@ -8,8 +8,10 @@ from typing import Any
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision
+from cross_checks.truths.proofs.checker.coverage import DRIVES
 from cross_checks.truths.proofs.checker.formulas import Formulas, roots, solve
 from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
+from cross_checks.truths.proofs.family import Varied, family
 from mbs_ref.scene import Scene
 
 POINTS, POINT_BITS, EQUAL = 3, 1000, 600  # random points, bits of numbers, bits that must agree
@@ -22,20 +24,59 @@ class Model:
 
     def __init__(self, header: dict[str, Any]) -> None:
         self.scene: Any = Scene.model_validate(header["scene"])
+        if "ends" in header:
+            self.scene = family(self.scene, *map(Scene.model_validate, header["ends"]))
         self.units = [Fraction(x) for x in header["system"]["units"]]
         if min(self.units) <= 0:
             raise Refused("a unit is not positive")
         self.formulas = Formulas(header["system"])
         self.mechanics = Mechanics(self.scene, header["inputs"])
+        self.clock = header["system"]["clock"]
+        self._refuse_without_time(header["system"]["starts"])
         self.plans = {
             "motion": self.formulas.plan([*self.formulas.f, *self.formulas.g]),
             "jacobian": self.formulas.plan([p for row in self.formulas.jacobian for p in row.values()]),
             "outputs": self.formulas.plan([p for one in self.formulas.outputs for p in one]),
         }
+        self.free = header["system"]["free"]
         with precision(POINT_BITS):
             self.start = self._start(header["system"]["starts"])
+            if "ends" in header:
+                self._vary_start(header["system"]["starts"])
             self._compare(self.start)
             self.z_start = roots(self.formulas, self.start)
+            if self.free is not None:
+                self.start[self.free] = arb(0, 1)
+
+    def _vary_start(self, starts: list[Any]) -> None:
+        """Refuse a family whose start values vary, or whose parameter does."""
+        lines, f = self.formulas.lines, self.formulas.f
+        varied = any(isinstance(x, Varied) for body in self.scene.bodies for x in _rates(body, lambda x: x))
+        if self.free is None or varied or None in starts or lines[f[self.free]] != ("c", 0, 1):
+            raise Refused("the start rates vary with the parameter, which is not covered")
+        for s in (-1, 1):
+            self.mechanics.s, y = Fraction(s), [arb(s) if k == self.free else x for k, x in enumerate(self.start)]
+            for body, own in zip(self.scene.bodies, self.bodies(y), strict=True):
+                self._same_start(body, own)
+
+    def _refuse_without_time(self, starts: list[Any]) -> None:
+        signals = (signal for part in (*self.scene.joints, *self.scene.loads) for signal in part.signals)
+        if self.clock is None:
+            if any(signal.type != "constant" for signal in signals):
+                raise Refused("no coordinate is time, on which the scene depends")
+        elif Fraction(*starts[self.clock]) or self.formulas.lines[self.formulas.f[self.clock]] != ("c", 1, 1):
+            raise Refused(f"coordinate {self.clock} is not time")
+
+    @property
+    def is_exhibited(self) -> bool:
+        """Whether the formulas exhibit a motion of a scene with loops without their multipliers.
+
+        It obeys the equations of motion, but in singular poses of the loops others may branch off.
+        """
+        joints, lines = [j for j in self.scene.joints if j.type not in DRIVES], self.formulas.lines
+        return len(joints) > len(self.scene.bodies) and self.formulas.m == sum(
+            lines[place][0] == "z" for place in self.formulas.f
+        )
 
     def bodies(self, y: Sequence[Number]) -> list[list[Number]]:
         """Return place, turn since t = 0, velocity and spin of every body, SI units."""
@@ -108,6 +149,9 @@ class Model:
         dice, parameters = random.Random(repr(self.formulas.lines)), self._euler_parameters()
         for point in range(POINTS + 1):
             y = [x + arb(dice.randrange(-1000, 1000)) / 3333 * int(point > 0) for x in start]
+            if self.free is not None:
+                self.mechanics.s = Fraction(dice.randrange(-1000, 1000), 3333)
+                y[self.free] = exact(self.mechanics.s)
             for four in parameters:
                 size = arb.sqrt(sum((y[k] * y[k] for k in four), arb(0)))
                 for k in four:
@@ -125,6 +169,7 @@ class Model:
 
     def _compare_at(self, y: list[arb]) -> None:
         formulas = self.formulas
+        self.mechanics.now = arb(0) if self.clock is None else y[self.clock] * exact(self.units[1])
         value = formulas.run(self.plans["motion"], y, roots(formulas, y))
         rate_of = [value[place] for place in formulas.f]
         moving = [arb_series([x, v]) for x, v in zip(y, rate_of, strict=True)]

@@ -9,9 +9,12 @@ from flint import acb, arb, arb_series  # pyright: ignore[reportMissingImports] 
 
 from cross_checks.truths.proofs.checker.balls import GAMMA, Refused, above, exact, precision, terms, up
 from cross_checks.truths.proofs.checker.bounds import ORDER, defects_of, gap_of, inverse_bound, variations
+from cross_checks.truths.proofs.checker.formulas import enclose
+from cross_checks.truths.proofs.checker.impacts import Impacts
 from cross_checks.truths.proofs.checker.model import Model
 
 CONDITION = 1e6  # of the basis, above which it becomes orthogonal
+FINEST = 12  # halvings of a step where a gap may close
 DISCS = (1.5, 2.0, 3.0, 4.0, 5.0, 6.5)  # radii of discs in steps; the best one counts
 
 
@@ -24,21 +27,33 @@ class Proof:
         if sorted(set(self.times)) != self.times or self.times[:1] < [Fraction(0)]:
             raise Refused("the times do not increase from 0")
         self.enclosures: list[list[list[arb]]] = []  # at the times reached: place, turn, velocity and spin of bodies
-        with precision(self.bits + 64):
-            self.middle = [x.mid() * 1 for x in self.model.start]
-        n = self.model.formulas.n
-        self.moved, self.moved_error = np.eye(n), np.zeros((n, n))
-        self.box = up([above(x - m) for x, m in zip(self.model.start, self.middle, strict=True)])
+        self.contacts = Impacts(self.model.mechanics)
+        self.opening: Any = None  # the contact of an impact that the last step ended with
+        self.impacts: list[tuple[str, arb]] = []  # contact and time, s
+        self._begin(self.model.start, self.model.z_start)
 
-    def step(self, h: Fraction, rows: list[list[int]]) -> None:
-        """Prove that the motion stays beside a polynomial for a time h; Refused where the bounds do not close."""
+    def _begin(self, y: list[arb], z: list[arb]) -> None:
+        """Begin with balls of y and z."""
+        n = self.model.formulas.n
+        with precision(self.bits + 64):
+            self.middle, self.z = ([x.mid() * 1 for x in values] for values in (y, z))
+            self.moved, self.moved_error = np.eye(n), np.zeros((n, n))
+            self.box, self.z_box = (
+                up([above(x - m) for x, m in zip(*pair, strict=True)]) for pair in ((y, self.middle), (z, self.z))
+            )
+
+    def step(self, h: Fraction, rows: list[list[int]], window: Fraction = Fraction(0)) -> None:
+        """Prove that the motion stays beside a polynomial for a time h; Refused where the bounds do not close.
+
+        In the last part of the step, the window, an impact happens unless it is 0.
+        """
         try:
             with np.errstate(all="ignore"):  # what is not finite is refused
-                self._step(h, rows)
+                self._step(h, rows, window)
         except (ZeroDivisionError, np.linalg.LinAlgError, FloatingPointError) as error:
             raise Refused(f"a bound is infinite: {error}") from error
 
-    def _step(self, h: Fraction, rows: list[list[int]]) -> None:
+    def _step(self, h: Fraction, rows: list[list[int]], window: Fraction) -> None:
         n, m = self.model.formulas.n, self.model.formulas.m
         if len(rows) != n + m or not h > 0 or len({len(row) for row in rows}) != 1 or len(rows[0]) <= ORDER:
             raise Refused("a step has no polynomial for every coordinate")
@@ -46,8 +61,9 @@ class Proof:
             p = [[arb((int(c), -self.bits)) for c in row] for row in rows]
             basis, x0 = self._new_basis([p[i][0] for i in range(n)])
             size = np.array([[above(c) for c in row] for row in p])
+            w = up(self.z_box + [above(row[0] - z) for row, z in zip(p[n:], self.z, strict=True)])
         defect, disc = self._defects(h, p, size)
-        jacobian, error = self._jacobian(float(h), p, disc)
+        jacobian, error = self._jacobian(float(h), p, size, disc)
         flow = variations(jacobian, n)
         flow_size, r = defects_of(jacobian, error, flow, n)
         inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
@@ -55,7 +71,7 @@ class Proof:
         back = up(inverse_bound(basis[None], np.zeros((n, n))) @ back)
         f_z = up(np.abs(jacobian[:, :n, n:]).sum(0) + error[:n, n:])
         b = np.abs(basis)
-        box, w = up(x0 * 1.01), np.zeros(m)
+        box = up(x0 * 1.01)
         for _ in range(12):
             e = up(flow_size @ up(b @ box))
             e[n:] = up(e[n:] + w)
@@ -70,17 +86,19 @@ class Proof:
             raise Refused("the box does not map into itself")
         if not np.isfinite(new_box).all():
             raise Refused("the box is infinite")
-        if not self.t and any(
-            above(row[0] - z) > x for row, z, x in zip(p[n:], self.model.z_start, new_w, strict=True)
-        ):
-            raise Refused("the first polynomial follows another solution of g")
-        self._record(h, p, flow[:, :n], basis, new_box)
+        if self.contacts.parts:
+            self._watch(p[:n], e[:n], window)
+        self._record(h, p, flow[:, :n], basis, new_box, window)
+        if window:
+            self._pass_impact(h, p, e, window)
+            return
         end = flow[:, :n].sum(0)
         self.moved = end @ basis
         self.moved_error = up(GAMMA * up(flow_size[:n] @ b))
         with precision(self.bits + 64):
-            self.middle = [sum(row, arb(0)) for row in p[:n]]
-        self.box, self.t = new_box, self.t + h
+            ends = [sum(row, arb(0)) for row in p]
+        self.middle, self.z = ends[:n], ends[n:]
+        self.box, self.z_box, self.t = new_box, new_w, self.t + h
 
     def _new_basis(self, start: list[arb]) -> tuple[np.ndarray, np.ndarray]:
         """Return a basis of floats near the moved one, and the box of the state in it about the polynomial's start."""
@@ -101,7 +119,7 @@ class Proof:
         roots = [*formulas.f, *formulas.g]
         with precision(self.bits + 64, degree):
             series = [arb_series(row, degree) for row in p]
-            value = formulas.run(self.model.plans["motion"], series[: formulas.n], series[formulas.n :])
+            value = self._run("motion", series)
             sums = []
             for k, place in enumerate(roots):
                 own = terms(value[place], degree)
@@ -109,44 +127,35 @@ class Proof:
                     own = [p[k][j + 1] * (j + 1) - exact(h) * own[j] for j in range(degree)]
                 sums.append(up(sum(above(c) for c in own)))
         factor = np.array([float(h)] * formulas.n + [1.0] * formulas.m)
-        tails = [
-            (
-                up(
-                    self._on_disc("motion", p, size, radius, roots)
-                    * factor
-                    * radius ** -float(degree)
-                    / (1 - 1 / radius)
-                ),
-                radius,
-            )
-            for radius in DISCS
-        ]
+        bounds = [(self._on_disc("motion", p, size, radius, roots), radius) for radius in DISCS]
+        tails = [(up(most * factor * radius ** -float(degree) / (1 - 1 / radius)), radius) for most, radius in bounds]
         tail, radius = min(tails, key=lambda one: np.nan_to_num(one[0], nan=np.inf).max())
         return up(np.array(sums) + tail), radius
+
+    def _run(self, plan: str, values: list[Any]) -> dict[int, Any]:
+        n = self.model.formulas.n
+        return self.model.formulas.run(self.model.plans[plan], values[:n], values[n:])
 
     def _on_disc(self, plan: str, p: list[list[arb]], size: np.ndarray, radius: float, roots: list[int]) -> np.ndarray:
         """Return bounds of lines for |t| <= radius steps."""
         reach = up(size[:, 1:] @ (radius ** np.arange(1.0, size.shape[1])))
         with precision(64):
             discs = [acb(arb(row[0].mid(), d) + 0, arb(0, d)) for row, d in zip(p, reach, strict=True)]
-            value = self.model.formulas.run(
-                self.model.plans[plan], discs[: self.model.formulas.n], discs[self.model.formulas.n :]
-            )
+            value = self._run(plan, discs)
             return np.array([above(value[place]) for place in roots])
 
-    def _jacobian(self, h: float, p: list[list[arb]], radius: float) -> tuple[np.ndarray, np.ndarray]:
+    def _jacobian(self, h: float, p: list[list[arb]], size: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the series of the Jacobian, rows of f times h, and bounds of its error on the step."""
         formulas, total = self.model.formulas, self.model.formulas.n + self.model.formulas.m
         entries = [(i, j, place) for i, row in enumerate(formulas.jacobian) for j, place in row.items()]
         jacobian, error = np.zeros((ORDER, total, total)), np.zeros((total, total))
         with precision(64, ORDER):
             series = [arb_series(row[:ORDER], ORDER) for row in p]
-            value = formulas.run(self.model.plans["jacobian"], series[: formulas.n], series[formulas.n :])
+            value = self._run("jacobian", series)
             for i, j, place in entries:
                 own = terms(value[place], ORDER)
                 jacobian[:, i, j] = [float(c.mid()) for c in own]
                 error[i, j] = sum(float(c.rad()) for c in own)
-        size = np.array([[above(c) for c in row] for row in p])
         bound = self._on_disc("jacobian", p, size, radius, [place for *_, place in entries])
         for (i, j, _), most in zip(entries, bound, strict=True):
             error[i, j] += most * radius ** -float(ORDER) / (1.0 - 1.0 / radius)
@@ -163,28 +172,86 @@ class Proof:
             boxes = [
                 arb_series([arb(row[0].mid(), d), arb(0, float(s))], 3) for row, d, s in zip(p, reach, e, strict=True)
             ]
-            value = formulas.run(self.model.plans["motion"], boxes[: formulas.n], boxes[formulas.n :])
+            value = self._run("motion", boxes)
             bound = np.array([above(terms(value[place], 3)[2]) for place in (*formulas.f, *formulas.g)])
         bound[: formulas.n] *= float(h)
         return up(bound)
 
-    def _record(self, h: Fraction, p: list[list[arb]], flow: np.ndarray, basis: np.ndarray, box: np.ndarray) -> None:
+    def _record(
+        self, h: Fraction, p: list[list[arb]], flow: np.ndarray, basis: np.ndarray, box: np.ndarray, window: Fraction
+    ) -> None:
         """Append the enclosures of all bodies at the output times of the step."""
         n = self.model.formulas.n
         with precision(self.bits + 64):
             while len(self.enclosures) < len(self.times) and self.times[len(self.enclosures)] <= self.t + h:
                 s = (self.times[len(self.enclosures)] - self.t) / h
+                if s > 1 - window:
+                    raise Refused("an output time is that of an impact")
                 powers = float(s) ** np.arange(ORDER)
                 here = np.tensordot(powers, flow, 1) @ basis
                 spread = up(up(np.abs(here) + GAMMA * up(np.abs(flow).sum(0) @ np.abs(basis))) @ box)
-                at = exact(s)
-                y = []
-                for row, wide in zip(p[:n], spread, strict=True):
-                    value = arb(0)
-                    for c in reversed(row):
-                        value = value * at + c
-                    y.append(value + arb(0, float(wide)))
-                self.enclosures.append(self.model.bodies(y))
+                self.enclosures.append(self.model.bodies(beside(p[:n], spread, exact(s))))
+
+    def _watch(self, p: list[list[arb]], e: np.ndarray, window: Fraction) -> None:
+        """Refuse unless no gap closes in the step, but one at its end, in the window, where it is not 0."""
+        with precision(self.bits + 64):
+            self._keep_open(p, e, Fraction(0), 1 - window, FINEST)
+            if not window:
+                self.opening = None
+                return
+            before, inside, behind = (
+                self.model.bodies(beside(p, e, s)) for s in (exact(1 - window), _ball(1 - window, Fraction(1)), arb(1))
+            )
+            closing = [part for part in self.contacts.parts if not self.contacts.gap(part, inside)[0] > 0]
+            first, then, last = ([self.contacts.gap(part, one) for part in closing] for one in (before, inside, behind))
+            if len(closing) != 1 or not (first[0][0] > 0 and then[0][1] < 0 and last[0][0] < 0):
+                raise Refused("an impact may be grazing, or one of several at once")
+            self.opening = closing[0]
+
+    def _keep_open(self, p: list[list[arb]], e: np.ndarray, low: Fraction, high: Fraction, depth: int) -> None:
+        bodies, last = (self.model.bodies(beside(p, e, s)) for s in (_ball(low, high), exact(high)))
+        for part in self.contacts.parts:
+            gap, rate, *_ = self.contacts.gap(part, bodies)
+            opens = part is self.opening and not low and rate > 0
+            if gap > 0 or opens or (rate < 0 and self.contacts.gap(part, last)[0] > 0):
+                continue
+            if not depth:
+                raise Refused(f"contact {part.name} may close")
+            self._keep_open(p, e, low, (low + high) / 2, depth - 1)
+            self._keep_open(p, e, (low + high) / 2, high, depth - 1)
+            return
+
+    def _pass_impact(self, h: Fraction, p: list[list[arb]], e: np.ndarray, window: Fraction) -> None:
+        """Begin anew at the end of the step: the window's states after the impulse, moved for as long as it lasts."""
+        formulas, unit = self.model.formulas, self.model.units[1]
+        n, lines = formulas.n, formulas.lines
+        with precision(self.bits + 64):
+            y = beside(p[:n], e[:n], _ball(1 - window, Fraction(1)))
+            speed = exact(self.model.units[0] / unit)
+            for k, velocity in self.contacts.after(self.opening, self.model.bodies(y)):
+                first = len(formulas.outputs[k]) - len(self.model.mechanics.free[k])
+                for place, v in zip(
+                    formulas.outputs[k][first : first + self.model.scene.dimension], velocity, strict=False
+                ):
+                    if lines[place][0] != "y":
+                        raise Refused("a velocity is no coordinate")
+                    y[lines[place][1]] = v / speed
+            lasting = _ball(Fraction(0), window * h)
+            wide = [x + 2 * lasting * rate for x, rate in zip(y, self._rates(y), strict=True)]
+            end = [x + lasting * rate for x, rate in zip(y, self._rates(wide), strict=True)]
+            if not all(a.contains(b) for a, b in zip(wide, end, strict=True)):
+                raise Refused("the motion after an impact is not enclosed")
+            for part in self.contacts.parts:
+                gap, rate, *_ = self.contacts.gap(part, self.model.bodies(end))
+                if not (rate if part is self.opening else gap) > 0:
+                    raise Refused("an impact does not open its contact, or closes another")
+            self.impacts.append((self.opening.name, _ball(self.t + h * (1 - window), self.t + h) * exact(unit)))
+        self._begin(end, enclose(formulas, end))
+        self.t += h
+
+    def _rates(self, y: list[arb]) -> list[arb]:
+        value = self._run("motion", y + enclose(self.model.formulas, y))
+        return [value[place] for place in self.model.formulas.f]
 
     @property
     def radius(self) -> float:
@@ -199,6 +266,21 @@ class Proof:
             raise Refused("the energy is not constant")
 
 
+def _ball(low: Fraction, high: Fraction) -> arb:
+    return exact((low + high) / 2) + exact((high - low) / 2) * arb(0, 1)
+
+
+def beside(p: list[list[arb]], e: np.ndarray, s: arb) -> list[arb]:
+    """Return balls of radius e about polynomials at a time, or on an interval."""
+    y = []
+    for row, wide in zip(p, e, strict=True):
+        value = arb(0)
+        for c in reversed(row):
+            value = value * s + c
+        y.append(value + arb(0, float(wide)))
+    return y
+
+
 @dataclass(frozen=True)
 class Checked:
     """What a log proves."""
@@ -206,15 +288,17 @@ class Checked:
     proven_to: float  # s
     radius: float  # m, rad, m/s and rad/s, the largest at the output times
     steps: int
+    impacts: list[tuple[str, arb]]  # contact and time, s
     energy: bool  # whether the enclosures of the energy share a value, too; False where it is not constant
+    unique: bool  # whether no other motion starts so; an exhibited one may have branches
 
 
 def check(log: dict[str, Any]) -> tuple[Checked, list[list[list[arb]]]]:
     """Return what a log proves and the enclosures at its times. Refused where it is not a proof of what it states."""
     try:
         proof = Proof(log)
-        for numerator, denominator, rows in log["steps"]:
-            proof.step(Fraction(numerator, denominator), rows)
+        for numerator, denominator, rows, *window in log["steps"]:
+            proof.step(Fraction(numerator, denominator), rows, Fraction(*window))
         claimed = float(log["radius"]), len(log["times"])
     except (KeyError, TypeError, IndexError, ValueError, OverflowError) as error:
         raise Refused(str(error) or type(error).__name__) from error
@@ -224,4 +308,5 @@ def check(log: dict[str, Any]) -> tuple[Checked, list[list[list[arb]]]]:
         raise Refused(f"the radius is {proof.radius:.2g}, above the stated {claimed[0]:.2g}")
     proof.check_energy()
     end = float(proof.t * proof.model.units[1])
-    return Checked(end, proof.radius, len(log["steps"]), proof.model.mechanics.conserves), proof.enclosures
+    energy, unique = proof.model.mechanics.conserves, not proof.model.is_exhibited
+    return Checked(end, proof.radius, len(log["steps"]), proof.impacts, energy, unique), proof.enclosures

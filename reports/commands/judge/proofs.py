@@ -1,0 +1,81 @@
+"""mbs-ref proofs: the library's scenes proven, their logs checked, and their truths compared."""
+
+from typing import Any
+
+import click
+
+from cross_checks.judge import ladder
+from cross_checks.truths import certificate, known, stored_poses
+from mbs_ref import scenes
+from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import scales_of
+from reports import inputs
+from reports.commands.judge.prove import limit_option, need_flint, radius_option
+from reports.terminal.console import Failed, echo_json, number, progress, show_table
+
+COLUMNS = (
+    "t_end",
+    "reached",
+    "radius",
+    "steps",
+    "prover_s",
+    "checker_s",
+    "log_bytes",
+    "distance",
+    "turned",
+    "uncertainty",
+)
+
+
+@click.command(name="proofs", epilog="Example: mbs-ref proofs double_pendulum")
+@click.argument("scene", required=False)
+@inputs.PARAMETERS
+@inputs.SHARD
+@click.option("--seed", type=int, metavar="N", help="Parameters off by at most a tenth, at random.")
+@radius_option(1e-18)
+@limit_option(60.0)
+@click.option("--write", is_flag=True, help="Store the enclosures of certified scenes: their truths are then proven.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of proofs.")
+def command(
+    scene: str | None, parameters: tuple[str, ...], shard: str, seed: int | None, radius: float, limit: float,
+    write: bool, as_json: bool,
+) -> None:  # fmt: skip
+    """Prove scenes at the times of judged runs and compare their truths. Without SCENE, all that proofs cover.
+
+    The radius is for scenes up to 1 m; of larger ones it is multiplied by their length in m.
+    Exit code 1 where a truth is outside its enclosure by more than its uncertainty.
+    """
+    need_flint()
+    from cross_checks.truths.proofs.certified import examine, varied
+
+    chosen = inputs.shard(_covered() if scene is None else [inputs.scene(scene, parameters)], shard)
+    rows = []
+    with progress("prove") as report:
+        for done, made in enumerate(chosen):
+            report(done, len(chosen), made.name)
+            built = made if seed is None else varied(made, seed)
+            aim = radius * max(1.0, scales_of(built).length)
+            row, truth = examine(built, ladder.grid(built), aim, limit)
+            rows.append(row)
+            if write and truth is not None and certificate.stored(built) is not None:
+                stored_poses.save(built, ladder.grid(built), truth)
+    if as_json:
+        echo_json(rows)
+    else:
+        shown = [
+            (row["scene"], row["truth"], *(number(row.get(key)) for key in COLUMNS), row["reason"]) for row in rows
+        ]
+        show_table("", ("scene", "truth", *(key.replace("_", " ") for key in COLUMNS), "not proven because"), shown)
+    outside = [row["scene"] for row in rows if row["truth"] == "outside"]
+    if outside:
+        raise Failed(f"truths outside their enclosures: {', '.join(outside)}")
+
+
+def _covered() -> list[Scene]:
+    """Return the scenes of all certificates, and all others of the library, that proofs cover."""
+    from cross_checks.truths.proofs.checker.coverage import complaints
+
+    certified = [scenes.make(one.scene, **one.parameters) for one in certificate.every()]
+    plain = [scenes.make(name) for name in known()]
+    every: dict[str, Any] = {certificate.file_name(made): made for made in (*certified, *plain)}
+    return [made for made in every.values() if not list(complaints(made))]
