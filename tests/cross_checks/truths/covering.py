@@ -22,6 +22,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from cross_checks.isolation.parent import Caller, Isolated, Lost
 from cross_checks.metrics.metric import from_truth
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import Truth, time_limit
@@ -41,6 +42,7 @@ METHODS = ("dop853", "lsodar")
 WRONG = 1e-5  # of the scene's scales ...
 ESTIMATES = 30.0  # ... and of the run's own estimate: a difference above both is an error of one of the two
 SLOW_S = 10.0  # s of processor time for one truth
+LIMIT_S = 60.0  # s of processor time for one variant
 MOST_STEPS = 100_000  # for one run
 ENDED = ("success", "stop-event")
 KINDS = ("compared", "two methods", "no truth", "refused", "wrong", "traceback", "no result")
@@ -168,14 +170,19 @@ def _judged(run: Trajectory, sizes: np.ndarray, kind: Any, how: str, spent: floa
     return Outcome("wrong" if is_wrong else kind, f"{worst:.1e} off, estimate {stated:.1e}; {how}", spent)
 
 
-def outcomes(todo: list[tuple[str, Row]], t_end: float | None, file: Path | None) -> Iterator[tuple[str, Outcome]]:
+def outcomes(
+    todo: list[tuple[str, Row]], t_end: float | None, file: Path | None, call: Caller
+) -> Iterator[tuple[str, Outcome]]:
     """Yield the label and the outcome of every variant; read those that `file` holds, and append the others to it."""
     lines = file.read_text().splitlines() if file is not None and file.exists() else []
     known = {label: Outcome(*rest) for label, *rest in map(json.loads, lines)}
     for name, row in todo:
         label = scenes.label(name, row)
         if label not in known:
-            known[label] = outcome(name, row, t_end)
+            try:
+                known[label] = call(outcome, name, row, t_end)
+            except Lost as lost:
+                known[label] = Outcome("no result", str(lost))
             if file is not None:
                 with file.open("a") as out:
                     out.write(json.dumps([label, *known[label]]) + "\n")
@@ -192,15 +199,18 @@ def main() -> None:
     given = parser.parse_args()
     k, n = map(int, given.part.split("/"))
     counts: Counter[str] = Counter()
-    for label, found in outcomes(variants(given.scene)[k - 1 :: n], given.t_end, given.file):
-        counts[found.kind] += 1
-        counts["slow truth"] += found.truth_s >= SLOW_S
-        if found.kind in FAULTS or found.truth_s >= SLOW_S:
-            print(f"{found.kind}: {label}: {found.message} ({found.truth_s:.1f} s)", flush=True)
+    with Isolated(LIMIT_S) as call:
+        for label, found in outcomes(variants(given.scene)[k - 1 :: n], given.t_end, given.file, call):
+            counts[found.kind] += 1
+            counts["slow truth"] += found.truth_s >= SLOW_S
+            if found.kind in FAULTS or found.truth_s >= SLOW_S:
+                print(f"{found.kind}: {label}: {found.message} ({found.truth_s:.1f} s)", flush=True)
     total = counts.total() - counts["slow truth"]
     print(f"{total} variants; " + ", ".join(f"{kind}: {counts[kind]}" for kind in (*KINDS, "slow truth")))
     raise SystemExit(1 if counts["wrong"] or counts["traceback"] else 0)
 
 
 if __name__ == "__main__":
-    main()
+    from tests.cross_checks.truths import covering  # a child process imports its functions from there
+
+    covering.main()
