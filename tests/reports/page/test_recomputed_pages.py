@@ -8,15 +8,20 @@ import re
 from collections import Counter
 from statistics import median
 
+import numpy as np
 import pytest
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
+from cross_checks.truths.truth import Truth
+from mbs_ref import scenes
+from mbs_ref.scene.scales import scales_of
+from reports.facts import cheapest, curves
 from reports.facts.report_data import ReportData
 from reports.facts.stored import Stored, adapter, keep, recall
-from reports.facts.truth_facts import TruthFacts
+from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.page import advice, findings
 from reports.page.sections import matrix, method, overview, plots, prices, profiles, records
 from tests.reports.page.test_shown_figures import LINKS, OFFERED, irregular
@@ -73,7 +78,10 @@ def test_prices(data):
         for target, block in zip(TARGETS, prices.price_table(data, f"pendulum_chain links={links}"), strict=True):
             best = at_target(data, links, target)
             assert value(block["target"]) == target
-            assert {row["engine"] for row in block["rows"] if not row["missed"]} == set(best)
+            ranked = sorted(best, key=lambda engine: (engine == OURS, best[engine].times["loop_s"]))
+            assert [row["engine"] for row in block["rows"] if not row["missed"]] == ranked
+            others = [row for row in block["rows"] if row["engine"] != OURS]
+            assert [bool(row["missed"]) for row in others] == sorted(bool(row["missed"]) for row in others)
             for row in block["rows"]:
                 if row["missed"]:
                     continue
@@ -92,6 +100,22 @@ def test_prices(data):
                     least, most, count = re.match(r"(.+?) to (.+?) in (\d+) runs", row["spread"]).groups()  # type: ignore[union-attr]
                     assert (value(least), value(most)) == (shown(loops["loop_s"], 3), shown(loops["loop_most_s"], 3))
                     assert int(count) == loops["loop_runs"]
+
+
+def test_runs_that_are_timed_again_are_those_within_half_of_the_cheapest(data):
+    runs = sorted(ended(data), key=lambda run: run.times["loop_s"])
+    expected = [run for run in runs if run.times["loop_s"] <= 1.5 * runs[0].times["loop_s"]]
+    assert cheapest.near(runs) == expected
+    assert len(expected) < len(runs)
+
+
+@pytest.mark.parametrize(("count", "kept"), [(3, 3), (201, 201), (401, 201), (1001, 201)])
+def test_a_curve_is_thinned_where_it_is_long_alone(count, kept):
+    x = np.random.default_rng(1).uniform(1.0, 9.0, count)
+    made = curves.curves(x, {"a": 2.0 * x}, "m")
+    assert made.x == pytest.approx(x[:: max(1, (count - 1) // 200)], rel=1e-5)
+    assert made.lines["a"] == pytest.approx(2.0 * np.array(made.x), rel=1e-5)
+    assert len(made.x) == kept
 
 
 def test_the_rows_to_pick_from(data):
@@ -262,6 +286,14 @@ def test_time_split(data):
                 within = [r for r in runs if r.error and r.error.value + r.error.uncertainty <= 1e-6]
                 best = min(within or runs, key=lambda r: r.times["loop_s"] if within else r.error.bound)
                 assert ms == pytest.approx(1000.0 * best.times[phase])
+
+
+def test_a_truth_judges_thirty_times_its_uncertainty_over_the_scenes_length():
+    """The rods of 4 m count as long; turns are known over the least radius of gyration, L / sqrt(12)."""
+    scene = scenes.make("double_pendulum", length_1=4.0, length_2=4.0)
+    zero = np.zeros((2, 2, 2))
+    found = truth_facts("a", scene, Truth(zero, zero[..., 0], 1e-7, "exact", ""))
+    assert found.floor == pytest.approx(30.0 * 1e-7 / min(scales_of(scene).length, 4.0 / 12**0.5))
 
 
 def test_truths():
