@@ -116,5 +116,8 @@ def _drawn(where: str, count: int, known: set[str]) -> list[Defect]:
 
 
 if __name__ == "__main__":
-    write(renewed(read(FOLDER / "by_operator.jsonl")), FOLDER / "by_operator.jsonl")
-    print(*stale(read(FOLDER / "by_hand.jsonl")), sep="\n")
+    by_hand = read(FOLDER / "by_hand.jsonl")
+    written = {defect.name for defect in by_hand}
+    drawn = renewed(read(FOLDER / "by_operator.jsonl"))
+    write((defect for defect in drawn if defect.name not in written), FOLDER / "by_operator.jsonl")
+    print(*stale(by_hand), sep="\n")
