@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,8 +12,8 @@ import pytest
 from benchmarks import method_table
 from benchmarks.calibration import Trial, table
 from benchmarks.history import Entry, append, from_benchmarks, from_records, index, new_levels, series
+from benchmarks.trees import slowed
 from benchmarks.trees.regression import CASES
-from benchmarks.trees.slowed import excess
 from cross_checks.prices.timing import Sample
 from cross_checks.records.record import Error, Record
 
@@ -66,7 +67,25 @@ def test_the_excess_is_what_the_second_tree_takes_longer():
         rungs = [{"status": "success", "error": 1e-9, "settings": {"step": 0.1}}]
         return SimpleNamespace(climb=lambda **_: rungs, time=lambda **_: Sample(seconds))
 
-    assert excess(tree(2.0), tree(2.5), CASES[0]) == pytest.approx(0.25)
+    assert slowed.excess(tree(2.0), tree(2.5), CASES[0]) == pytest.approx(0.25)
+
+
+def test_a_tree_is_slowed_until_it_takes_the_requested_share(monkeypatch, tmp_path):
+    """A turn takes 0.2 % of the case: 15 % are 75 turns, to a fiftieth of the time."""
+    turns: list[int] = []
+    monkeypatch.setattr(slowed, "slow_down", lambda folder, count: turns.append(count))
+    monkeypatch.setattr(slowed, "Tree", lambda folder: nullcontext())
+    monkeypatch.setattr(slowed, "excess", lambda before, after, case: 0.002 * turns[-1])
+    found, share = slowed.calibrate(tmp_path, CASES[0], 0.15)
+    assert (found, share) == (75, pytest.approx(0.15))
+    assert turns == [slowed.FIRST_GUESS, 75]
+
+
+def test_the_cost_of_a_call_is_its_processor_time(monkeypatch):
+    clock = iter((3.0, 5.5))
+    monkeypatch.setattr(method_table.time, "process_time", lambda: next(clock))
+    monkeypatch.setattr(method_table, "_run", lambda *given: None)
+    assert method_table._cost(None, "rk4", 1e-3) == 2.5  # type: ignore[arg-type]
 
 
 def test_a_choice_is_compared_with_the_cheapest_that_errs_no_more(monkeypatch):

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.vocabulary import OURS
+from cross_checks.judge.vocabulary import ANSWERS, OURS
+from cross_checks.records.plots.of_runs import work_precision
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
 from cross_checks.truths.truth import Truth
@@ -75,7 +76,8 @@ def at_target(data: ReportData, links: int, target: float) -> dict[str, Record]:
 
 def test_prices(data):
     for links in LINKS:
-        for target, block in zip(TARGETS, prices.price_table(data, f"pendulum_chain links={links}"), strict=True):
+        block_scene = f"pendulum_chain links={links}"
+        for target, block in zip(TARGETS, prices.price_table(data, block_scene), strict=True):
             best = at_target(data, links, target)
             assert value(block["target"]) == target
             ranked = sorted(best, key=lambda engine: (engine == OURS, best[engine].times["loop_s"]))
@@ -84,6 +86,11 @@ def test_prices(data):
             assert [bool(row["missed"]) for row in others] == sorted(bool(row["missed"]) for row in others)
             for row in block["rows"]:
                 if row["missed"]:
+                    answers = {c.method: c.result(target).answer for c in data.cells_of(block_scene, row["engine"])}
+                    assert row["answer"] == min(answers.values(), key=list(ANSWERS).index)
+                    first = next(method for method in answers if f"{method} stops" in row["missed"])
+                    assert answers[first] == row["answer"]
+                    assert row["missed"].endswith(f"({first})") == (row["answer"] != "cannot")
                     continue
                 run = best[row["engine"]]
                 assert run.error
@@ -266,13 +273,29 @@ def test_convergence(data, over):
 def test_a_triangle_has_the_slope_of_its_order(data):
     scene = data.of_scene("pendulum_chain links=5")
     orders = {("pinocchio", "rk4"): 4, (OURS, "rk4"): 4, ("exudyn", "alpha"): 2, ("exudyn", "tree"): 3}
-    figure = plots.convergence(scene, "step", orders)
-    assert figure
-    for line in figure["data"]:
-        if line.get("fill") == "toself":
-            (x0, x1, _, _), (y0, _, y1, _) = line["x"], line["y"]
-            assert math.log(y1 / y0) / math.log(x1 / x0) == pytest.approx(round(math.log(y1 / y0) / math.log(3.0)))
-            assert x1 / x0 == pytest.approx(3.0)
+    triangles = {
+        over: [line for line in (plots.convergence(scene, over, orders) or {"data": []})["data"] if "fill" in line]
+        for over in ("step", "rtol")
+    }
+    assert triangles["step"]
+    assert not triangles["rtol"]
+    for line in triangles["step"]:
+        (x0, x1, _, _), (y0, _, y1, _) = line["x"], line["y"]
+        assert x1 / x0 == pytest.approx(3.0)
+        assert round(math.log(y1 / y0) / math.log(x1 / x0), 9) in (2.0, 3.0, 4.0)
+
+
+def test_error_against_time(data):
+    for links in LINKS:
+        figure = work_precision(data.of_scene(f"pendulum_chain links={links}"))
+        for line in figure["data"]:
+            runs = [(1000.0 * r.times["loop_s"], r.error.value) for r in ended(data, links=links) if r.error
+                    and (r.engine, line["name"]) in ((line["meta"]["engine"], r.method),
+                                                     (line["meta"]["engine"], "frontier"))]  # fmt: skip
+            if line["name"] == "frontier":
+                runs = [(x, y) for x, y in runs if not any(a < x and b <= y for a, b in runs)]
+            points = list(zip(line["x"], line["y"], strict=True))
+            assert points == [pytest.approx(point) for point in sorted(runs)]
 
 
 def test_time_split(data):

@@ -10,7 +10,7 @@ from statistics import median
 import pytest
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
+from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, TargetResult, Verdict
 from cross_checks.prices.timing import with_loops
 from cross_checks.records.cost import BUSY_NOTE
 from cross_checks.records.numbers import short
@@ -34,7 +34,7 @@ def irregular(seed: int) -> ReportData:
             results = []
             for target in TARGETS:
                 if chance.random() < 0.35:
-                    results.append(TargetResult(target, "not-reached"))
+                    results.append(TargetResult(target, chance.choice(list(ANSWERS)[1:]), reason=f"{method} stops"))
                     continue
                 error = Error(target * chance.uniform(0.1, 0.9), "exact", target * chance.uniform(0, 0.1), 0.0,
                               length=chance.uniform(0.3, 7))  # fmt: skip
