@@ -10,12 +10,15 @@ from cross_checks.conformance.examine import _order
 from cross_checks.conformance.figures import energy_drift
 from cross_checks.conformance.finding import Row
 from cross_checks.conformance.ladder import climb
+from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.conformance.questions import Question
 from cross_checks.conformance.repeatability import WAYS, by_method, difference
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 
 RK4 = next(method for method in engines.get("mbs_ref").methods() if method.name == "rk4")
@@ -45,6 +48,14 @@ def test_a_row_shows_the_best_run():
     _, row = climb(engines.get("mbs_ref"), RK4, Question(scene, times, truth))
     assert row.error is not None
     assert row.error < 1e-9
+
+
+@pytest.mark.parametrize(("kind", "dimension"), [("force", 2), ("circle_on_circle", 2), ("sphere_on_sphere", 3)])
+def test_the_truth_of_a_probe_is_the_solvers_motion(kind, dimension):
+    scene = probes()[kind, dimension]
+    run = simulate(scene, Settings(rtol=1e-10, estimate="off", samples=61))
+    truth = probe_truth(scene, run.times)
+    assert np.abs(run.position - truth.position).max() < 1e-8
 
 
 def test_runs_that_end_otherwise_differ_and_equal_ones_by_nothing():

@@ -146,6 +146,7 @@ def test_profiles(data):
                 factors.setdefault(engine, []).append(time / min(best.values()))
         problems = sum(own.count(1.0) for own in factors.values())
         assert block["problems"] == problems
+        assert set(block["missed"]) == {r.engine for r in data.records} - {OURS, *factors}
         end = min(1e4, 2.0 * max(max(own) for own in factors.values()))
         lines = {line["meta"]["engine"]: line for line in block["plot"]["data"]}
         for row in block["rows"]:
