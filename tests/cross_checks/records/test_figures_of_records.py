@@ -65,6 +65,7 @@ def test_numbers_are_read_back_as_they_were():
         assert float(numbers.short(x)) == pytest.approx(float(f"{x:.2g}"), rel=1e-12)
         text, unit = numbers.duration(abs(x)).split(" ")
         assert float(text) * UNITS[unit] == pytest.approx(float(f"{abs(x):.3g}"), rel=1e-12)
+        assert 1.0 <= float(text) <= 1000.0 or not 1e-6 <= abs(x) < 1.0
         share = numbers.of_scene(abs(x))
         factor = 1e-2 if "% of the scene" in share else 1.0
         assert float(share.split(" ")[0]) * factor == pytest.approx(float(f"{abs(x):.2g}"), rel=1e-12)
