@@ -11,6 +11,10 @@ from typing import Literal
 import numpy as np
 
 MARGIN = 30.0  # a truth this many times better known than an error judges it
+# Uncertainty over the gap of two runs whose errors are of one size: their standard deviation is gap / sqrt(2), and
+# Student's t for one degree of freedom covers 95 % (JCGM 100:2008, annex G.3). Where the other run is the coarser one,
+# the gap is its error and needs no factor.
+ALIKE = math.tan(0.475 * math.pi) / math.sqrt(2.0)
 
 
 @dataclass(frozen=True)

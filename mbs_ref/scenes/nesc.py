@@ -1,8 +1,10 @@
 """NASA's check cases of atmospheric flight: spheres that fall over a turning Earth, and a tumbling brick."""
 
 import math
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.scene.base.part import NonNegative, Positive
@@ -50,11 +52,12 @@ AREA = 0.1963495 * FOOT**2  # m^2, of the six-inch sphere
 DRAG_COEFFICIENT = 0.1
 
 
-def nesc_sphere_in_air(*, duration: Positive = 30.0, spin: NonNegative = SPIN) -> Scene:
+def nesc_sphere_in_air(*, duration: Annotated[float, Field(gt=0.0, le=60.0)] = 30.0, spin: NonNegative = SPIN) -> Scene:
     """Let a sphere go 30 000 ft above the equator, at rest as seen from the ground, in the 1976 standard atmosphere.
 
-    duration (s), spin (rad/s, of the Earth and its air): as given check case 5, with 0 check case 4. Axes do not turn:
-    z is the Earth's, x points to the start.
+    duration (s; after 60 the sphere is 5 km below sea level, where the tables of the air end), spin (rad/s, of the
+    Earth and its air): as given check case 5, with 0 check case 4. Axes do not turn: z is the Earth's, x points to the
+    start.
     """
     air = StandardDrag(
         name="air", body="sphere", planet="earth", coefficient=DRAG_COEFFICIENT * AREA / SLUG, radius=R_MEAN, spin=spin

@@ -69,3 +69,14 @@ def apply(defect: Defect, root: Path) -> Path:
     file = place(defect, root)
     file.write_text(file.read_text().replace(defect.old, defect.new))
     return file
+
+
+def stale(defects: Iterable[Defect], root: Path = ROOT) -> list[str]:
+    """Return a sentence for each defect whose text is not found exactly once."""
+    sentences = []
+    for defect in defects:
+        try:
+            place(defect, root)
+        except StaleError as error:
+            sentences.append(str(error))
+    return sentences

@@ -30,6 +30,8 @@ JUDGE = ("tests/cross_checks/judge", "tests/cross_checks/records", "tests/cross_
 
 # the longest prefix of a defect's file decides
 WATCHERS: dict[str, tuple[str, ...]] = {
+    "benchmarks": ("tests/benchmarks",),
+    "reports": ("tests/reports/page/test_recomputed_pages.py", "tests/reports/page", "tests/reports"),
     "mbs_ref": ("tests/mbs_ref",),
     "mbs_ref/kernels": (*PLANE, "tests/mbs_ref/cores/test_spatial.py"),
     "mbs_ref/kernels/particles": SKY,
@@ -60,12 +62,16 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/engine": ("tests/cross_checks/engine", *ENGINES),
     "cross_checks/linkage": ("tests/cross_checks/linkage", *ENGINES),
     "cross_checks/judge": JUDGE,
+    "cross_checks/records": ("tests/cross_checks/records", "tests/reports/page", "tests/reports/test_keys.py", *JUDGE),
+    "cross_checks/trajectory_files": ("tests/cross_checks/trajectory_files",),
     "cross_checks/metrics": ("tests/cross_checks/metrics", *JUDGE, "tests/cross_checks/engines"),
     "cross_checks/metrics/contact_figures": ("tests/cross_checks/truths/test_contact_truths.py", *JUDGE),
     "cross_checks/contact": ("tests/cross_checks/contact",),
     "cross_checks/conformance": (
         "tests/cross_checks/conformance/test_clocks.py",
-        "tests/cross_checks/conformance/test_conformance.py",
+        "tests/cross_checks/conformance/test_figures_alone.py",
+        "tests/cross_checks/conformance",
+        "tests/benchmarks/test_repeatability.py",
     ),
     "cross_checks/conformance/symmetry": ("tests/cross_checks/conformance/symmetry",),
 }

@@ -30,6 +30,7 @@ def test_a_quantity_over_time_has_its_unit_and_every_component(run):
     assert [line.name for line in figure.data] == ["x", "y"]
     assert np.allclose([line.y for line in figure.data], run.path.velocity[:, 0].T)
     assert "m/s" in figure.layout.yaxis.title.text
+    assert "rad" in figures.over_time(PENDULUM, run.path, "bob", "orientation").layout.yaxis.title.text
 
 
 def test_a_spread_is_drawn():

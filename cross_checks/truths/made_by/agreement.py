@@ -9,7 +9,7 @@ import numpy as np
 from cross_checks.truths.made_by.numerics.extrapolation import extrapolate, extrapolate_branches
 from cross_checks.truths.made_by.numerics.rates import along
 from cross_checks.truths.made_by.numerics.scipy_solvers import runge_kutta
-from cross_checks.truths.truth import Truth
+from cross_checks.truths.truth import ALIKE, Truth
 from mbs_ref.observables.distance import Partial, unmasked_distances
 
 NUDGE = 1e-10  # of the start, to measure how the motion magnifies an error
@@ -47,8 +47,8 @@ def agree(
     `ways` names the equations and methods of the first and of the second; the truth is the second's motion.
     Where forces set in or let go, DOP853 is left to find it by its error control and extrapolation locates it.
     `second_by` names another solver where extrapolation does not suit, as for stiff motions.
-    The uncertainty is the difference plus the roundoff of double data magnified by the motion; where the
-    latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
+    The uncertainty is the difference, times ALIKE unless the second is the more precise one, plus the roundoff of
+    double data magnified by the motion; where the latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
     """
     grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints))
     kind = np.longdouble if extended else float
@@ -65,7 +65,9 @@ def agree(
         fine, best = _poses(second, grid, solved), _rates(second, grid, solved)
         difference, roundoff = _gap(fine, coarse), DOUBLE_EPS * max(1.0, sensitivity)
         apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
-        uncertainty, doubt = difference + roundoff, best[2] + apart[..., 2:].max(axis=(1, 2)) + roundoff
+        factor = 1.0 if extended else ALIKE
+        uncertainty = factor * difference + roundoff
+        doubt = best[2] + factor * apart[..., 2:].max(axis=(1, 2)) + roundoff
     how = f"{ways[1]}; {ways[0]} differ by {difference:.1e} m; a start error grows {sensitivity:.1e}-fold"
     return Truth(
         fine[0][rows], fine[1][rows], uncertainty, "converged", how, difference, is_costly,

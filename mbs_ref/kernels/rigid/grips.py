@@ -14,7 +14,7 @@ from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, conta
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 DIFFERENCE = 1e-4  # of the sticking springs' time scale: step of the differences along the motion
-ACCURACY = 1e-24  # of the square of the slip rates: less is not resolved by differences
+ACCURACY = 1e-30  # of the square of the slip rates: less is roundoff
 
 
 @bare
@@ -159,8 +159,9 @@ def _hold(model, work, t, y, dy, loads, force):
     for _ in range(force.size + 2):
         if square <= least:
             break
-        _slip_rates(model, work, t, y, dy, direction, step, change)
-        change -= base
+        scale = np.sum(loads) / np.sum(np.abs(direction))  # a small force would be lost in the roundoff of `base`
+        _slip_rates(model, work, t, y, dy, scale * direction, step, change)
+        change = (change - base) / scale
         curvature = np.sum(direction * change)
         if not curvature > 0.0:
             break

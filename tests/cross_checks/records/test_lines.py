@@ -22,6 +22,7 @@ def test_records_come_back_as_they_were(tmp_path, record):
     append(path, [record])
     append(path, [record, replace(record, error=None)])
     assert read(path) == ([record, record, replace(record, error=None)], [])
+    assert path.read_bytes().count(b"\n") == 3
 
 
 def test_corrupt_lines_are_reported_with_their_number_and_skipped(tmp_path, record):

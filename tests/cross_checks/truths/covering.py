@@ -1,9 +1,10 @@
 """Variants of every scene that cover all pairs of parameter values, each run by the solver and its truth.
 
-    python -m tests.cross_checks.truths.covering [--part k/n] [--scene NAME]
+    python -m tests.cross_checks.truths.covering [--part k/n] [--scene NAME] [-o FILE]
 
 A scene without a truth at some parameters is run by two methods instead. Printed are every variant that is wrong, has
-a traceback or ends without a result, and the counts.
+a traceback or ends without a result, and the counts. With -o every outcome is appended to a file of JSON lines as soon
+as it is known, and variants that the file already holds are read from it.
 """
 
 from __future__ import annotations
@@ -11,13 +12,17 @@ from __future__ import annotations
 import argparse
 import inspect
 import itertools
+import json
 import time
 import typing
 from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from cross_checks.isolation.parent import Caller, Isolated, Lost
 from cross_checks.metrics.metric import from_truth
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import Truth, time_limit
@@ -37,6 +42,7 @@ METHODS = ("dop853", "lsodar")
 WRONG = 1e-5  # of the scene's scales ...
 ESTIMATES = 30.0  # ... and of the run's own estimate: a difference above both is an error of one of the two
 SLOW_S = 10.0  # s of processor time for one truth
+LIMIT_S = 60.0  # s of processor time for one variant
 MOST_STEPS = 100_000  # for one run
 ENDED = ("success", "stop-event")
 KINDS = ("compared", "two methods", "no truth", "refused", "wrong", "traceback", "no result")
@@ -164,25 +170,47 @@ def _judged(run: Trajectory, sizes: np.ndarray, kind: Any, how: str, spent: floa
     return Outcome("wrong" if is_wrong else kind, f"{worst:.1e} off, estimate {stated:.1e}; {how}", spent)
 
 
+def outcomes(
+    todo: list[tuple[str, Row]], t_end: float | None, file: Path | None, call: Caller
+) -> Iterator[tuple[str, Outcome]]:
+    """Yield the label and the outcome of every variant; read those that `file` holds, and append the others to it."""
+    lines = file.read_text().splitlines() if file is not None and file.exists() else []
+    known = {label: Outcome(*rest) for label, *rest in map(json.loads, lines)}
+    for name, row in todo:
+        label = scenes.label(name, row)
+        if label not in known:
+            try:
+                known[label] = call(outcome, name, row, t_end)
+            except Lost as lost:
+                known[label] = Outcome("no result", str(lost))
+            if file is not None:
+                with file.open("a") as out:
+                    out.write(json.dumps([label, *known[label]]) + "\n")
+        yield label, known[label]
+
+
 def main() -> None:
     """Run a part of the covering set, print its counts, and exit with 1 where a variant is wrong or has a traceback."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--part", default="1/1", help="k/n: every n-th variant from the k-th on")
     parser.add_argument("--scene", choices=scenes.names())
     parser.add_argument("--t-end", type=float, help="s, the longest run")
+    parser.add_argument("-o", type=Path, dest="file", help="JSON lines of outcomes, continued where it exists")
     given = parser.parse_args()
     k, n = map(int, given.part.split("/"))
     counts: Counter[str] = Counter()
-    for name, row in variants(given.scene)[k - 1 :: n]:
-        found = outcome(name, row, given.t_end)
-        counts[found.kind] += 1
-        counts["slow truth"] += found.truth_s >= SLOW_S
-        if found.kind in FAULTS or found.truth_s >= SLOW_S:
-            print(f"{found.kind}: {scenes.label(name, row)}: {found.message} ({found.truth_s:.1f} s)", flush=True)
+    with Isolated(LIMIT_S) as call:
+        for label, found in outcomes(variants(given.scene)[k - 1 :: n], given.t_end, given.file, call):
+            counts[found.kind] += 1
+            counts["slow truth"] += found.truth_s >= SLOW_S
+            if found.kind in FAULTS or found.truth_s >= SLOW_S:
+                print(f"{found.kind}: {label}: {found.message} ({found.truth_s:.1f} s)", flush=True)
     total = counts.total() - counts["slow truth"]
     print(f"{total} variants; " + ", ".join(f"{kind}: {counts[kind]}" for kind in (*KINDS, "slow truth")))
     raise SystemExit(1 if counts["wrong"] or counts["traceback"] else 0)
 
 
 if __name__ == "__main__":
-    main()
+    from tests.cross_checks.truths import covering  # a child process imports its functions from there
+
+    covering.main()

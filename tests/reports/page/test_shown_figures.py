@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import random
 import re
+from dataclasses import replace
 from statistics import median
 
 import pytest
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
+from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, TargetResult, Verdict
 from cross_checks.prices.timing import with_loops
+from cross_checks.records.cost import BUSY_NOTE
 from cross_checks.records.numbers import short
 from cross_checks.records.record import Error, Record
 from reports.commands.publish.board import board
@@ -32,17 +34,30 @@ def irregular(seed: int) -> ReportData:
             results = []
             for target in TARGETS:
                 if chance.random() < 0.35:
-                    results.append(TargetResult(target, "not-reached"))
+                    results.append(TargetResult(target, chance.choice(list(ANSWERS)[1:]), reason=f"{method} stops"))
                     continue
+                error = Error(target * chance.uniform(0.1, 0.9), "exact", target * chance.uniform(0, 0.1), 0.0,
+                              length=chance.uniform(0.3, 7))  # fmt: skip
                 run = Record(
-                    "pendulum_chain", {"links": links}, engine, method, {"step": chance.uniform(1e-5, 1e-2)}, "success",
-                    error=Error(target * chance.uniform(0.1, 0.9), "exact", 1e-14, 0.0, length=chance.uniform(0.3, 7)),
-                    times={"loop_s": 10 ** chance.uniform(-5, 1)},
+                    "pendulum_chain", {"links": links}, engine, method,
+                    {chance.choice(("step", "rtol")): 10 ** chance.uniform(-9, -2)}, "success", error=error,
+                    steps=chance.randrange(10**6), rhs_calls=chance.randrange(10**7),
+                    measures={"compliance_position": 10 ** chance.uniform(-15, 1),
+                              "energy_drift": 10 ** chance.uniform(-15, 5)},
+                    times={"loop_s": 10 ** chance.uniform(-5, 1), "build_s": 10 ** chance.uniform(-5, 1),
+                           "first_call_s": 10 ** chance.uniform(-5, 1)},
                 )  # fmt: skip
                 results.append(TargetResult(target, "reached", run))
-                records.append(with_loops(run, [run.times["loop_s"] * chance.uniform(0.5, 2) for _ in range(4)]))
-            facts = ("pendulum_chain", {"links": links}, engine, method, Verdict.CONVERGING, "")
-            cells.append(Cell(*facts, error=chance.uniform(1e-9, 1e-3), targets=tuple(results)))
+                loops = [run.times["loop_s"] * chance.uniform(0.5, 2) for _ in range(chance.randint(1, 5))]
+                records.append(with_loops(run, loops, BUSY_NOTE if chance.random() < 0.3 else ""))
+            verdict = chance.choice((Verdict.CONVERGING, Verdict.AGREES, Verdict.WRONG_LIMIT, Verdict.DIVERGED))
+            figures = {"error": 10 ** chance.uniform(-9, 1), "compliance": 10 ** chance.uniform(-15, 1),
+                       "order": chance.uniform(0.5, 9), "documented_order": chance.randint(1, 8)}  # fmt: skip
+            facts = ("pendulum_chain", {"links": links}, engine, method, verdict, "")
+            cells.append(Cell(*facts, **figures, targets=tuple(results)))
+    for key in chance.sample(range(len(records)), 9):  # runs that engines ended without a report
+        status = chance.choice(("non-finite", "reset"))
+        records[key:key] = [replace(records[key], status=status, error=None, settings={"step": chance.random()})]
     return ReportData(tuple(cells), tuple(records))
 
 
@@ -80,10 +95,10 @@ def test_standings(seed, target):
 @pytest.mark.parametrize("seed", range(5))
 def test_the_median_factor_is_the_same_on_every_page(seed):
     data, expected = irregular(seed), ratios(irregular(seed), MIDDLE)
-    shown = {engine: f"{short(median(own))} ×" for engine, own in expected.items()}
+    shown = {engine: f"{short(median(own))} ×" for engine, own in expected.items() if own}
     rows = next(block["rows"] for block in profiles(data)["blocks"] if block["error"] == short(MIDDLE))
     assert {row["engine"]: row["median"] for row in rows} == {e: f for e, f in shown.items() if e != OURS}
-    assert {line.engine: line.pace.split(" the time")[0] for line in advice(data)} == shown
+    assert {line.engine: line.pace.split(" the time")[0] for line in advice(data) if line.pace} == shown
     text = board(data).decode()
     listed = {e: re.search(rf'id="rank-1e-6-{e}".*?([\d.e-]+ ×)</td></tr>', text) for e in shown}
     assert {engine: found and found[1] for engine, found in listed.items()} == shown

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import root_scalar
 
-from cross_checks.truths.truth import NoConvergenceError, check_time
+from cross_checks.truths.truth import ALIKE, NoConvergenceError, check_time
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import RigidLaw
 
@@ -65,9 +65,9 @@ def line_of(scene: Scene, axis: int, contacts: Sequence[Unilateral]) -> Line:
 
 
 def line_motion(line: Line, times: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return x (n_t, n), m, and its uncertainty: the difference of two runs that look for events differently."""
+    """Return x (n_t, n), m, and its uncertainty: ALIKE times the gap of two runs that look for events differently."""
     fine, coarse = (_Walk(line, looks).through(times) for looks in (LOOKS, COARSER * LOOKS))
-    return fine, float(np.max(np.abs(fine - coarse))) + ROUNDOFF
+    return fine, ALIKE * float(np.max(np.abs(fine - coarse))) + ROUNDOFF
 
 
 def _crossing(gap: float, rate: float, a: float) -> float:

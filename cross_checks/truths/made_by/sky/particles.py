@@ -12,7 +12,7 @@ from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
 from cross_checks.truths.made_by.sky import gravity, satellites
 from cross_checks.truths.made_by.sky.numbers import Field, real
 from cross_checks.truths.made_by.sky.satellites import NoAirError
-from cross_checks.truths.truth import NoTruth, Truth, unturned
+from cross_checks.truths.truth import ALIKE, NoTruth, Truth, unturned
 from mbs_ref.scene import Scene, celestial
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.units import free_fall_time, unit_length
@@ -66,9 +66,9 @@ class CollisionError(ArithmeticError):
 
 
 def converge(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
-    """Return the motion by extrapolation; its gap to collocation is the error bar.
+    """Return the motion by extrapolation; the error bar is ALIKE times its gap to collocation at the same tolerance.
 
-    Both know the forces from `certify.sky`, which shares the scene's data with the solver and no code.
+    Both know the forces from `made_by.sky`, which shares the scene's data with the solver and no code.
     """
     units = Units(np.longdouble(unit_length(scene)), np.longdouble(free_fall_time(scene)))
     longest = LONGEST * float(units.time)
@@ -81,7 +81,7 @@ def converge(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         return NoTruth(str(error))
     gap = float(np.linalg.norm(best - other, axis=2).max())
     kept = best[len(grid) - len(times) :].astype(float)
-    uncertainty = gap + float(np.spacing(np.abs(kept).max()))
+    uncertainty = ALIKE * gap + float(np.spacing(np.abs(kept).max()))
     is_costly = len(scene.bodies) ** 2 / 2 * float(times[-1] / units.time) > COSTLY
     how = f"{WAYS}; the two differ by {gap:.1e} m"
     doubt = RATES_DOUBT * gap / float(units.time) + float(np.spacing(np.abs(rates).max()))

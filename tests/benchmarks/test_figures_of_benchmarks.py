@@ -1,0 +1,100 @@
+"""Figures of histories, calibration and slowed trees, recomputed from made-up data."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks import method_table
+from benchmarks.calibration import Trial, table
+from benchmarks.history import Entry, append, from_benchmarks, from_records, index, new_levels, series
+from benchmarks.trees import slowed
+from benchmarks.trees.regression import CASES
+from cross_checks.prices.timing import Sample
+from cross_checks.records.record import Error, Record
+
+JOB = ("job", "2026-01-01", "abc", "box")
+
+
+def entries(values: list[float]) -> list[Entry]:
+    return [Entry(f"job{k}", f"2026-{k:04d}", "abc", "box", "chain", value, "s") for k, value in enumerate(values)]
+
+
+def test_a_series_is_in_the_order_of_time(tmp_path):
+    values = [3.0, 1.0, 2.0]
+    append(tmp_path / "h.jsonl", entries(values)[::-1])
+    database, _ = index(tmp_path / "h.jsonl")
+    assert [entry.value for entry in series(database)["chain"]] == values
+
+
+@pytest.mark.parametrize(("factor", "is_new"), [(1.03, False), (1.12, True), (0.9, True)])
+def test_the_last_change_of_level_is_the_new_one(factor, is_new):
+    noise = np.exp(np.random.default_rng(2).normal(0.0, 0.004, 21))
+    made = entries((noise * np.repeat([1.0, 1.5, 1.5 * factor], [8, 8, 5])).tolist())
+    assert new_levels({"chain": made}) == ({"chain": made[16]} if is_new else {})
+
+
+def test_the_fastest_round_of_a_benchmark_counts():
+    data = {"benchmarks": [{"name": "a", "stats": {"max": 9.0, "mean": 4.0, "min": 2.0}, "extra_info": {}}]}
+    assert from_benchmarks(data, *JOB)[0].value == 2.0
+
+
+def test_an_engines_cheapest_run_is_stored_with_all_that_its_error_may_be():
+    runs = [Record("pendulum", {}, "quick", "rk4", {"step": step}, "success", times={"loop_s": loop},
+                   error=Error(error, "exact", 1e-9, None))
+            for step, loop, error in ((0.1, 0.3, 9e-4), (0.01, 0.5, 2e-7), (0.02, 0.4, 5e-7))]  # fmt: skip
+    (entry,) = from_records(runs, "pendulum", 1e-6, *JOB)
+    assert (entry.value, entry.error) == (0.4, pytest.approx(5.01e-7))
+
+
+def test_percentiles_of_the_overestimate_are_those_of_the_decided_runs():
+    """Estimates of 1 to 101 errors: the hundredth part of them is below 2."""
+    rng = np.random.default_rng(5)
+    trials = [Trial(0, "a", "m", "", "success", k * 0.5, 0.5, 1e-9, 2.0) for k in rng.permutation(np.arange(1, 102))]
+    row = table(trials)[0]
+    assert [row[f"overestimate_{name}"] for name in ("1", "median", "90")] == pytest.approx([2.0, 51.0, 91.0])
+    undecided = Trial(0, "a", "m", "", "success", 1.0, 2.0, 5.0, 2.0)
+    below = Trial(0, "a", "m", "", "success", 1.0, 2.0, 1e-9, 2.0)
+    assert table([undecided] * 3 + [below] + trials[:3])[0]["share_below"] == pytest.approx(1.0 / 4.0, abs=0.1)
+
+
+def test_the_excess_is_what_the_second_tree_takes_longer():
+    def tree(seconds: float) -> Any:
+        rungs = [{"status": "success", "error": 1e-9, "settings": {"step": 0.1}}]
+        return SimpleNamespace(climb=lambda **_: rungs, time=lambda **_: Sample(seconds))
+
+    assert slowed.excess(tree(2.0), tree(2.5), CASES[0]) == pytest.approx(0.25)
+
+
+def test_a_tree_is_slowed_until_it_takes_the_requested_share(monkeypatch, tmp_path):
+    """A turn takes 0.2 % of the case: 15 % are 75 turns, to a fiftieth of the time."""
+    turns: list[int] = []
+    monkeypatch.setattr(slowed, "slow_down", lambda folder, count: turns.append(count))
+    monkeypatch.setattr(slowed, "Tree", lambda folder: nullcontext())
+    monkeypatch.setattr(slowed, "excess", lambda before, after, case: 0.002 * turns[-1])
+    found, share = slowed.calibrate(tmp_path, CASES[0], 0.15)
+    assert (found, share) == (75, pytest.approx(0.15))
+    assert turns == [slowed.FIRST_GUESS, 75]
+
+
+def test_the_cost_of_a_call_is_its_processor_time(monkeypatch):
+    clock = iter((3.0, 5.5))
+    monkeypatch.setattr(method_table.time, "process_time", lambda: next(clock))
+    monkeypatch.setattr(method_table, "_run", lambda *given: None)
+    assert method_table._cost(None, "rk4", 1e-3) == 2.5  # type: ignore[arg-type]
+
+
+def test_a_choice_is_compared_with_the_cheapest_that_errs_no_more(monkeypatch):
+    """Radau at 1e-5 is the cheapest of all and errs more; DOP853 at 1e-6 is the cheapest that errs no more."""
+    costs = {("dop853", 1e-6): 3.0, ("radau", 1e-5): 1.0, ("auto", 1e-4): 6.0}
+    errors = {("dop853", 1e-6): 1e-7, ("radau", 1e-5): 1e-3, ("auto", 1e-4): 1e-6}
+    run = lambda scene, method, rtol: SimpleNamespace(ok=True, key=(method, rtol), method=method)  # noqa: E731
+    monkeypatch.setattr(method_table, "_run", run)
+    monkeypatch.setattr(method_table, "_error", lambda scene, path, tight: errors.get(path.key, 1e-5))
+    monkeypatch.setattr(method_table, "_in_turns", lambda scene, *keys: [costs.get(key, 9.0) for key in keys])
+    row = next(method_table.rows("pendulum"))
+    assert (row.wanted, row.error, row.best, row.cost_s, row.ratio) == (1e-4, 1e-6, "dop853 1e-06", 6.0, 2.0)

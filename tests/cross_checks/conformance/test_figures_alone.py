@@ -1,0 +1,64 @@
+"""Figures of an examination on runs and rows whose figures are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from cross_checks import engines
+from cross_checks.conformance.examine import _order
+from cross_checks.conformance.figures import energy_drift
+from cross_checks.conformance.finding import Row
+from cross_checks.conformance.ladder import climb
+from cross_checks.conformance.probes import probe_truth, probes
+from cross_checks.conformance.questions import Question
+from cross_checks.conformance.repeatability import WAYS, by_method, difference
+from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import Truth
+from mbs_ref import scenes
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
+
+RK4 = next(method for method in engines.get("mbs_ref").methods() if method.name == "rk4")
+
+
+@pytest.mark.parametrize(("orders", "outcome"), [((3.9, 4.1, 1.0), "passed"), ((1.0, 1.1, 4.0), "failed")])
+def test_the_median_order_counts(orders, outcome):
+    rows = [Row("rk4", f"scene {k}", order, 4, 1e-6, 1.0) for k, order in enumerate(orders)]
+    (finding,) = _order(RK4, rows)
+    assert finding.outcome == outcome
+    assert f"order {sorted(orders)[1]:.2f} observed" in finding.detail
+
+
+def test_energy_counts_over_the_largest_kinetic_energy():
+    """A free body of 3 kg is speeded up from 1 to 2 m/s: 4.5 J of 6 J."""
+    body = PlanarBody(name="a", mass=3.0, inertia=1.0, position=(0.0, 0.0), velocity=(1.0, 0.0))
+    scene = Scene(name="free", bodies=(body,), gravity=(0.0, 0.0), duration=2.0)
+    still, speed = np.zeros((3, 1)), np.array([1.0, 2.0, 1.5])[:, None, None] * (1.0, 0.0)
+    drift = energy_drift(scene, Trajectory(np.arange(3.0), 0.0 * speed, still, speed, still))
+    assert drift == pytest.approx([0.0, 0.75, 1.875 / 6.0])
+
+
+def test_a_row_shows_the_best_run():
+    scene, times = scenes.make("pendulum"), np.linspace(0.0, 1.0, 41)
+    truth = seek_truth(scene, times)
+    assert isinstance(truth, Truth)
+    _, row = climb(engines.get("mbs_ref"), RK4, Question(scene, times, truth))
+    assert row.error is not None
+    assert row.error < 1e-9
+
+
+@pytest.mark.parametrize(("kind", "dimension"), [("force", 2), ("circle_on_circle", 2), ("sphere_on_sphere", 3)])
+def test_the_truth_of_a_probe_is_the_solvers_motion(kind, dimension):
+    scene = probes()[kind, dimension]
+    run = simulate(scene, Settings(rtol=1e-10, estimate="off", samples=61))
+    truth = probe_truth(scene, run.times)
+    assert np.abs(run.position - truth.position).max() < 1e-8
+
+
+def test_runs_that_end_otherwise_differ_and_equal_ones_by_nothing():
+    assert difference("it stopped", "it crashed") is None
+    rows = [{"engine": "a", "method": "b", "stopped": "", "differs": dict.fromkeys(WAYS, x)} for x in (0.0, 0.0)]
+    assert [way["largest"] for way in by_method(rows)[0]["ways"]] == [0.0] * len(WAYS)

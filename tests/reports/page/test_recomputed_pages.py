@@ -1,0 +1,331 @@
+"""Every number of ten sections, recomputed from random irregular records in a few lines of its own."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+from collections import Counter
+from statistics import median
+
+import numpy as np
+import pytest
+
+from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.vocabulary import ANSWERS, OURS
+from cross_checks.records.plots.of_runs import work_precision
+from cross_checks.records.record import Record
+from cross_checks.records.store import Store
+from cross_checks.truths.truth import Truth
+from mbs_ref import scenes
+from mbs_ref.scene.scales import scales_of
+from reports.facts import cheapest, curves
+from reports.facts.report_data import ReportData
+from reports.facts.stored import Stored, adapter, keep, recall
+from reports.facts.truth_facts import TruthFacts, truth_facts
+from reports.page import advice, findings
+from reports.page.sections import matrix, method, overview, plots, prices, profiles, records
+from tests.reports.page.test_shown_figures import LINKS, OFFERED, irregular
+
+SEEDS = range(3)
+UNITS = {"m": 1.0, "J": 1.0, "s": 1.0, "ms": 1e-3, "µs": 1e-6, "%": 1e-2, "×": 1.0}
+
+
+@pytest.fixture(scope="module", params=SEEDS)
+def data(request) -> ReportData:
+    """Return an irregular report as the store gives it back."""
+    made = irregular(request.param)
+    with Store() as store:
+        for k, cell in enumerate(made.cells):
+            keep(store, str(k), Stored, Stored(cell))
+        read = [recall(store, str(k), Stored) for k in range(len(made.cells))]
+    kept = adapter(tuple[Record, ...])
+    return ReportData(tuple(one.cell for one in read if one), kept.validate_json(kept.dump_json(made.records)))
+
+
+def value(text: str) -> float:
+    """Return the number in a text, in SI units."""
+    number, unit = re.match(r"(-?[\d.]+(?:e-?\d+)?)(?: (\S+))?", text).groups()  # type: ignore[union-attr]
+    return float(number) * UNITS.get(unit, 1.0)
+
+
+def shown(x: float, digits: int = 2) -> object:
+    """Return what a number is to `digits` significant figures."""
+    return pytest.approx(float(f"{x:.{digits}g}"), rel=1e-9)
+
+
+def ended(data: ReportData, **wanted) -> list[Record]:
+    """Return the runs with an error, of an engine or of links."""
+    return [r for r in data.records if r.error and r.status == "success"
+            and wanted.get("engine", r.engine) == r.engine
+            and wanted.get("links", r.parameters["links"]) == r.parameters["links"]]  # fmt: skip
+
+
+def at_target(data: ReportData, links: int, target: float) -> dict[str, Record]:
+    """Return the cheapest run of each engine that reaches a target, by the runs alone."""
+    best: dict[str, Record] = {}
+    for cell in data.cells:
+        for result in cell.targets:
+            if cell.parameters == {"links": links} and result.target == target and result.record is not None:
+                (run,) = [r for r in ended(data) if r.settings == result.record.settings and r.error
+                          and r.error.value == result.record.error.value]  # fmt: skip
+                if run.engine not in best or run.times["loop_s"] < best[run.engine].times["loop_s"]:
+                    best[run.engine] = run
+    return best
+
+
+def test_prices(data):
+    for links in LINKS:
+        block_scene = f"pendulum_chain links={links}"
+        for target, block in zip(TARGETS, prices.price_table(data, block_scene), strict=True):
+            best = at_target(data, links, target)
+            assert value(block["target"]) == target
+            ranked = sorted(best, key=lambda engine: (engine == OURS, best[engine].times["loop_s"]))
+            assert [row["engine"] for row in block["rows"] if not row["missed"]] == ranked
+            others = [row for row in block["rows"] if row["engine"] != OURS]
+            assert [bool(row["missed"]) for row in others] == sorted(bool(row["missed"]) for row in others)
+            for row in block["rows"]:
+                if row["missed"]:
+                    answers = {c.method: c.result(target).answer for c in data.cells_of(block_scene, row["engine"])}
+                    assert row["answer"] == min(answers.values(), key=list(ANSWERS).index)
+                    first = next(method for method in answers if f"{method} stops" in row["missed"])
+                    assert answers[first] == row["answer"]
+                    assert row["missed"].endswith(f"({first})") == (row["answer"] != "cannot")
+                    continue
+                run = best[row["engine"]]
+                assert run.error
+                loops, key = run.times, next(iter(run.settings))
+                assert row["method"] == run.method
+                assert row["setting"].startswith({"step": "h = ", "rtol": "rtol = "}[key])
+                assert value(row["setting"].split("= ")[1]) == shown(run.settings[key])
+                assert value(row["error"]) == shown(run.error.value)
+                assert value(row["metres"]) == shown(run.error.value * run.error.length)
+                assert value(row["compliance"]) == shown(run.measures["compliance_position"] or 0.0)
+                assert value(row["time"]) == shown(loops["loop_s"], 3)
+                assert row["spread"].endswith("busy machine") == bool(run.notes)
+                if loops["loop_runs"] > 1:
+                    least, most, count = re.match(r"(.+?) to (.+?) in (\d+) runs", row["spread"]).groups()  # type: ignore[union-attr]
+                    assert (value(least), value(most)) == (shown(loops["loop_s"], 3), shown(loops["loop_most_s"], 3))
+                    assert int(count) == loops["loop_runs"]
+
+
+def test_runs_that_are_timed_again_are_those_within_half_of_the_cheapest(data):
+    runs = sorted(ended(data), key=lambda run: run.times["loop_s"])
+    expected = [run for run in runs if run.times["loop_s"] <= 1.5 * runs[0].times["loop_s"]]
+    assert cheapest.near(runs) == expected
+    assert len(expected) < len(runs)
+
+
+@pytest.mark.parametrize(("count", "kept"), [(3, 3), (201, 201), (401, 201), (1001, 201)])
+def test_a_curve_is_thinned_where_it_is_long_alone(count, kept):
+    x = np.random.default_rng(1).uniform(1.0, 9.0, count)
+    made = curves.curves(x, {"a": 2.0 * x}, "m")
+    assert made.x == pytest.approx(x[:: max(1, (count - 1) // 200)], rel=1e-5)
+    assert made.lines["a"] == pytest.approx(2.0 * np.array(made.x), rel=1e-5)
+    assert len(made.x) == kept
+
+
+def test_the_rows_to_pick_from(data):
+    rows = prices.pick_rows(data)
+    assert len(rows) == len(ended(data))
+    for row, run in zip(rows, ended(data), strict=True):
+        assert run.error
+        assert row["error"] == pytest.approx(run.error.value + run.error.uncertainty)
+        assert row["floor"] == pytest.approx(30.0 * run.error.uncertainty)
+        assert row["ms"] == pytest.approx(1000.0 * run.times["loop_s"])
+        assert row["compliance"] == run.measures["compliance_position"]
+        assert (row["engine"], row["ours"]) == (run.engine, run.engine == OURS)
+
+
+def test_profiles(data):
+    for target, block in zip(TARGETS, profiles.context(data)["blocks"], strict=True):
+        factors: dict[str, list[float]] = {}
+        for links in LINKS:
+            best = {e: r.times["loop_s"] for e, r in at_target(data, links, target).items() if e != OURS}
+            for engine, time in best.items():
+                factors.setdefault(engine, []).append(time / min(best.values()))
+        problems = sum(own.count(1.0) for own in factors.values())
+        assert block["problems"] == problems
+        assert set(block["missed"]) == {r.engine for r in data.records} - {OURS, *factors}
+        end = min(1e4, 2.0 * max(max(own) for own in factors.values()))
+        lines = {line["meta"]["engine"]: line for line in block["plot"]["data"]}
+        for row in block["rows"]:
+            own = factors[row["engine"]]
+            assert row["solved"] == f"{len(own)} of {problems}"
+            assert row["shares"] == [f"{sum(x <= tau for x in own) / problems:.0%}" for tau in (1, 2, 10)]
+            assert value(row["median"]) == shown(median(own))
+            x, y = lines[row["engine"]]["x"], lines[row["engine"]]["y"]
+            assert x == pytest.approx([1.0, *sorted(f for f in own if f < end), end])
+            assert y == pytest.approx([sum(f <= tau for f in own) / problems for tau in x])
+
+
+def test_engines_by_scene(data):
+    context = overview.context(data)
+    for links, row in zip(LINKS, context["rows"], strict=True):
+        best = at_target(data, links, 1e-6)
+        for engine, cell in zip(context["engines"], row["cells"], strict=True):
+            runs = ended(data, engine=engine, links=links)
+            if not runs:
+                assert cell["error"] == ""
+                continue
+            least = min(r.error.value + r.error.uncertainty for r in runs if r.error)
+            assert value(cell["error"]) == shown(least)
+            assert cell["share"] == round(100.0 * min(15.0, max(0.0, -math.log10(least))) / 15.0)
+            wrong = [c for c in data.cells if (c.engine, c.parameters["links"]) == (engine, links)
+                     and c.verdict in ("wrong-limit", "diverged")]  # fmt: skip
+            assert cell["wrong"].count(" off") == len(wrong)
+            assert (cell["time"] == "") == (engine not in best)
+            if engine in best:
+                assert value(cell["time"]) == shown(best[engine].times["loop_s"], 3)
+                assert cell["method"] == best[engine].method
+
+
+def test_what_accuracy_costs(data):
+    figure = overview.frontier_plot(data)
+    assert figure
+    for line in figure["data"]:
+        engine, costs = line["meta"]["engine"], {}
+        for links in LINKS:
+            base = min((r.times["loop_s"] for e, r in at_target(data, links, 1e-6).items() if e != OURS), default=None)
+            if base is not None:
+                costs[links] = [(r.times["loop_s"] / base, r.error.value + r.error.uncertainty)
+                                for r in ended(data, engine=engine, links=links) if r.error]  # fmt: skip
+        for cost, level in zip(line["x"], line["y"], strict=True):
+            least = [min((c for c, e in own if e <= level), default=math.inf) for own in costs.values()]
+            assert cost == pytest.approx(median(least))
+
+
+def test_verdicts(data):
+    rows = matrix.context(data)["rows"]
+    for row, cell in zip(rows, data.cells, strict=True):
+        assert value(row["error"]) == shown(cell.error or 0.0)
+        assert value(row["compliance"]) == shown(cell.compliance or 0.0)
+        assert [float(x) for x in row["order"].split(" of ")] == [shown(cell.order or 0.0), cell.documented_order]
+
+
+def test_records(data):
+    for scene, rows in records.context(data)["groups"].items():
+        runs = [r for r in data.records if f"pendulum_chain links={r.parameters['links']}" == scene]
+        for row, run in zip(rows, runs, strict=True):
+            assert (row["steps"], row["rhs_calls"]) == (run.steps, run.rhs_calls)
+            assert value(row["loop"]) == shown(run.times["loop_s"], 3)
+            assert value(row["compliance"]) == shown(run.measures["compliance_position"] or 0.0)
+            assert value(row["energy"]) == shown(run.measures["energy_drift"] or 0.0)
+            assert row["error"] == "–" if run.error is None else value(row["error"]) == shown(run.error.value)
+
+
+def test_decisions(data):
+    for line in advice.advice(data):
+        hits = {t: [r for links in LINKS for e, r in at_target(data, links, t).items() if e == line.engine]
+                for t in TARGETS}  # fmt: skip
+        reach = line.reach.partition("it reaches ")[2].rstrip(".").split(", ")
+        assert [int(part.split(" on ")[1]) for part in reach] == [len(hits[t]) for t in TARGETS]
+        best = hits[1e-6]
+        name = re.search(r"Use (\w+) at", line.use)[1]  # type: ignore[index]
+        used = Counter(r.method for r in best)
+        assert used[name] == max(used.values())
+        assert re.search(r"on (\d+) of (\d+)\.$", line.use).groups() == (str(used[name]), str(len(best)))  # type: ignore[union-attr]
+        key = re.search(r"at (h|rtol) = ", line.use)[1].replace("h", "step")  # type: ignore[index]
+        steps = [r.settings[key] for r in best if r.method == name and key in r.settings]
+        span = line.use.partition(" = ")[2].partition(" for ")[0].replace(" s", "").split(" to ")
+        assert [float(x) for x in span] == [shown(x) for x in dict.fromkeys((min(steps), max(steps)))]
+        assert OFFERED[line.engine]
+
+
+def test_findings(data):
+    found = findings.findings(data)
+    assert [one.error for one in found] == sorted((one.error for one in found), reverse=True)
+    for one in found:
+        engine = one.title.split()[0]
+        silent = re.match(r"\w+ ([\w, ]+): (wrong-limit|diverged)", one.title)
+        caught = re.match(r"\w+ (\w+): (non-finite|reset)", one.title)
+        low = re.match(r"\w+ (\w+): order (\S+) instead of (\d)", one.title)
+        if silent:
+            cells = [c for c in data.cells if c.engine == engine and c.verdict == silent[2]
+                     and c.method in silent[1].split(", ")]  # fmt: skip
+            assert one.error == max(c.error or 0.0 for c in cells)
+            off = re.search(r"([\d.e-]+(?: %)?(?: of the scene)?) from the truth", one.text)[1]  # type: ignore[index]
+            assert value(off) == shown(one.error)
+        elif caught:
+            own = [r for r in data.records if (r.engine, r.method, r.status) == (engine, caught[1], caught[2])]
+            assert int(one.text.split()[0]) == len(own)
+        else:
+            assert low
+            cell = next(c for c in data.cells if (c.engine, c.method, c.label) == (engine, low[1], one.scene))
+            assert (float(low[2]), int(low[3])) == (shown(cell.order or 0.0), cell.documented_order)
+            assert (cell.order or 0.0) + 0.5 < (cell.documented_order or 0)
+    short = [c for c in data.cells if c.verdict in ("agrees", "converging")
+             and (c.order or 0.0) + 0.5 < (c.documented_order or 0)]  # fmt: skip
+    assert sum(" instead of " in one.title for one in found) == len(short)
+
+
+@pytest.mark.parametrize("over", ["step", "rtol"])
+def test_convergence(data, over):
+    for links in LINKS:
+        figure = plots.convergence(data.of_scene(f"pendulum_chain links={links}"), over, {})
+        for line in figure["data"] if figure else ():
+            runs = [r for r in ended(data, engine=line["meta"]["engine"], links=links)
+                    if r.method == line["name"] and over in r.settings]  # fmt: skip
+            assert list(zip(line["x"], line["y"], strict=True)) == sorted(
+                (r.settings[over], r.error.value) for r in runs if r.error
+            )
+
+
+def test_a_triangle_has_the_slope_of_its_order(data):
+    scene = data.of_scene("pendulum_chain links=5")
+    orders = {("pinocchio", "rk4"): 4, (OURS, "rk4"): 4, ("exudyn", "alpha"): 2, ("exudyn", "tree"): 3}
+    triangles = {
+        over: [line for line in (plots.convergence(scene, over, orders) or {"data": []})["data"] if "fill" in line]
+        for over in ("step", "rtol")
+    }
+    assert triangles["step"]
+    assert not triangles["rtol"]
+    for line in triangles["step"]:
+        (x0, x1, _, _), (y0, _, y1, _) = line["x"], line["y"]
+        assert x1 / x0 == pytest.approx(3.0)
+        assert round(math.log(y1 / y0) / math.log(x1 / x0), 9) in (2.0, 3.0, 4.0)
+
+
+def test_error_against_time(data):
+    for links in LINKS:
+        figure = work_precision(data.of_scene(f"pendulum_chain links={links}"))
+        for line in figure["data"]:
+            runs = [(1000.0 * r.times["loop_s"], r.error.value) for r in ended(data, links=links) if r.error
+                    and (r.engine, line["name"]) in ((line["meta"]["engine"], r.method),
+                                                     (line["meta"]["engine"], "frontier"))]  # fmt: skip
+            if line["name"] == "frontier":
+                runs = [(x, y) for x, y in runs if not any(a < x and b <= y for a, b in runs)]
+            points = list(zip(line["x"], line["y"], strict=True))
+            assert points == [pytest.approx(point) for point in sorted(runs)]
+
+
+def test_time_split(data):
+    for links in LINKS:
+        figure = plots.time_split(data.of_scene(f"pendulum_chain links={links}"))
+        assert figure
+        for bar, phase in zip(figure["data"], ("build_s", "first_call_s", "loop_s"), strict=True):
+            for name, ms in zip(bar["y"], bar["x"], strict=True):
+                engine = name.split(" · ")[0]
+                runs = ended(data, engine=engine, links=links)
+                within = [r for r in runs if r.error and r.error.value + r.error.uncertainty <= 1e-6]
+                best = min(within or runs, key=lambda r: r.times["loop_s"] if within else r.error.bound)
+                assert ms == pytest.approx(1000.0 * best.times[phase])
+
+
+def test_a_truth_judges_thirty_times_its_uncertainty_over_the_scenes_length():
+    """The rods of 4 m count as long; turns are known over the least radius of gyration, L / sqrt(12)."""
+    scene = scenes.make("double_pendulum", length_1=4.0, length_2=4.0)
+    zero = np.zeros((2, 2, 2))
+    found = truth_facts("a", scene, Truth(zero, zero[..., 0], 1e-7, "exact", ""))
+    assert found.floor == pytest.approx(30.0 * 1e-7 / min(scales_of(scene).length, 4.0 / 12**0.5))
+
+
+def test_truths():
+    chance = random.Random(4)
+    for _ in range(20):
+        known, floor, two, length, off, confirmed = (10 ** chance.uniform(-15, 3) for _ in range(6))
+        facts = TruthFacts("a", "", "exact", "", known, floor, two, length, "2026-01-01", "x", confirmed, off)
+        row = method.truth_row(facts)
+        texts = [row[name] for name in ("uncertainty", "floor", "difference", "length", "confirmed")]
+        for text, figure in zip((*texts, row["kept"][7:]), (known, floor, two, length, confirmed, off), strict=True):
+            assert value(text) == shown(figure)
