@@ -6,7 +6,6 @@ import ctypes
 from abc import abstractmethod
 from array import array
 from collections.abc import Mapping, Sequence
-from copy import copy
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
@@ -64,10 +63,7 @@ class JointedSystem(ContactSystem):
         """Return the scratch of one run."""
 
     def twin(self) -> JointedSystem:
-        other = copy(self)
-        other.is_twin = True
-        for name in ("handles", "model", "work", "_spare"):  # they point at the arrays of this one
-            vars(other).pop(name, None)
+        other = self._unconnected()
         fresh = dict(zip(CHANGED, map(_copied, self._untouched), strict=True))
         other._allocate(self.groups._replace(**fresh))
         return other

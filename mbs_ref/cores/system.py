@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from contextlib import AbstractContextManager, nullcontext
+from copy import copy
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -84,6 +85,14 @@ class System(ABC):
     @abstractmethod
     def twin(self) -> System:
         """Return another system of the scene, as it is before any run."""
+
+    def _unconnected(self) -> Self:
+        """Return a copy without handles, whose arrays are still this one's."""
+        other = copy(self)
+        other.is_twin = True
+        for name in ("handles", "model", "work", "_spare"):
+            vars(other).pop(name, None)
+        return other
 
     @cached_property
     def _spare(self) -> System:
