@@ -12,7 +12,7 @@ import numpy as np
 
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory
 
@@ -90,20 +90,14 @@ class System(ABC):
         """Return a copy without handles, whose arrays are still this one's."""
         other = copy(self)
         other.is_twin = True
-        for name in ("handles", "model", "work", "_spare"):
+        for name in ("handles", "model", "work"):
             vars(other).pop(name, None)
         return other
 
-    @cached_property
-    def _spare(self) -> System:
-        return self.twin()
-
     def beside(self) -> System:
-        """Return a system of the scene for a run beside this one's, of which nothing is read later.
-
-        It is a new one where a run leaves modes behind, else always the same.
-        """
-        return self.twin() if self.event_sources else self._spare
+        """Return a system for a run of which nothing is read later: a new one if a run leaves modes or times behind."""
+        called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
+        return self.twin() if self.event_sources or called else self
 
     # --- evaluation, common to all cores ------------------------------------------------------------
 
