@@ -248,6 +248,10 @@ class System(ABC):
         """Return the rank of C_q, mass-scaled so that metres and radians compare; 0 where there are no rows."""
         return 0
 
+    def has_sure_rank(self, t: float, y: np.ndarray) -> bool:
+        """Return whether the elimination alone shows that all rows are independent, by far."""
+        return False
+
     @property
     def n_coordinates(self) -> int:
         """Coordinates in use: the state's positions, unless a core stores more."""
