@@ -98,7 +98,7 @@ class _Trial:
         return leg.status in (Status.SUCCESS, Status.TOO_MANY_STEPS)
 
     def advance_until_short(self, until: float, steps: int, shortest: float) -> bool:
-        """Integrate as `advance` does, but no farther than until steps without events are shorter than `shortest` (s)."""
+        """Integrate as `advance` does, but stop once steps without events are shorter than `shortest` (s)."""
         end, events, is_short = int(self.run.steps) + steps, -1, False
         while self.run.t < until and self.run.steps < end and not is_short:
             events = int(self.run.events)
