@@ -90,6 +90,8 @@ def _roots(kw: np.ndarray, cw: np.ndarray) -> np.ndarray:
 
 def fastest_contact(system: System, y: np.ndarray) -> float:
     """Return the largest |lambda| (1/s) of open contacts, each alone as if it closed at the scene's speed; else 0."""
+    if not system.scene.contacts:
+        return 0.0
     is_open = system.redundant.groups.contact_modes.mode[: len(system.scene.contacts)] == MODE_OPEN
     kw, cw, _ = system.contact_oscillators(0.0, y, system.scales.speed)[is_open].T
     return float(np.max(np.abs(_roots(kw, cw)), initial=0.0))
