@@ -6,7 +6,6 @@ import ctypes
 from abc import abstractmethod
 from array import array
 from collections.abc import Mapping, Sequence
-from copy import copy
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
@@ -24,6 +23,7 @@ from mbs_ref.scene.base.taylor import Taylor
 
 MOST_AT_ONCE = 1_000_000  # numbers of reactions that are made together: 8 MB
 CHANGED = ("contact_modes", "near_pairs", "world")  # groups that a run writes to
+SURE_PIVOT = 1e-3  # relative closure pivot, the square of a singular value: rows are independent beyond doubt
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
 
@@ -64,10 +64,7 @@ class JointedSystem(ContactSystem):
         """Return the scratch of one run."""
 
     def twin(self) -> JointedSystem:
-        other = copy(self)
-        other.is_twin = True
-        for name in ("handles", "model", "work", "_spare"):  # they point at the arrays of this one
-            vars(other).pop(name, None)
+        other = self._unconnected()
         fresh = dict(zip(CHANGED, map(_copied, self._untouched), strict=True))
         other._allocate(self.groups._replace(**fresh))
         return other
@@ -206,11 +203,19 @@ class JointedSystem(ContactSystem):
 
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, mass-scaled so that metres and radians compare."""
+        if self.has_sure_rank(t, y):
+            return len(self.rows())
         scaled = self.scaled_jacobian(t, y)
         if scaled.size == 0:
             return 0
         values = np.linalg.svd(scaled, compute_uv=False)
         return int(np.sum(values > RANK_TOLERANCE * values[0]))
+
+    def has_sure_rank(self, t: float, y: np.ndarray) -> bool:
+        with np.errstate(all="ignore"):
+            self.derivative(t, y)
+        complete = int(self.scratch.closures.rank.sum()) == self.n_closure_rows
+        return complete and self.regularity() > SURE_PIVOT
 
     def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return which rows to keep where dependent ones cannot be borne: as many as the mechanism's own rank."""

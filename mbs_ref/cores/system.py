@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from contextlib import AbstractContextManager, nullcontext
+from copy import copy
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory
 
@@ -85,16 +86,18 @@ class System(ABC):
     def twin(self) -> System:
         """Return another system of the scene, as it is before any run."""
 
-    @cached_property
-    def _spare(self) -> System:
-        return self.twin()
+    def _unconnected(self) -> Self:
+        """Return a copy without handles, whose arrays are still this one's."""
+        other = copy(self)
+        other.is_twin = True
+        for name in ("handles", "model", "work"):
+            vars(other).pop(name, None)
+        return other
 
     def beside(self) -> System:
-        """Return a system of the scene for a run beside this one's, of which nothing is read later.
-
-        It is a new one where a run leaves modes behind, else always the same.
-        """
-        return self.twin() if self.event_sources else self._spare
+        """Return a system for a run of which nothing is read later: a new one if a run leaves modes or times behind."""
+        called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
+        return self.twin() if self.event_sources or called else self
 
     # --- evaluation, common to all cores ------------------------------------------------------------
 
@@ -244,6 +247,10 @@ class System(ABC):
     def rank(self, t: float, y: np.ndarray) -> int:
         """Return the rank of C_q, mass-scaled so that metres and radians compare; 0 where there are no rows."""
         return 0
+
+    def has_sure_rank(self, t: float, y: np.ndarray) -> bool:
+        """Return whether the elimination alone shows that all rows are independent, by far."""
+        return False
 
     @property
     def n_coordinates(self) -> int:

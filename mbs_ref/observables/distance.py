@@ -150,6 +150,7 @@ def _size(difference: np.ndarray | None, of_vectors: bool | None) -> np.ndarray 
 def _extent(position: np.ndarray) -> np.ndarray:
     """Return the diagonal (..., m) of the box around all bodies at all times."""
     known = np.isfinite(position).all(axis=-1, keepdims=True)
+    known = True if known.all() else known  # a mask makes NumPy slow
     low = np.min(position, axis=(-3, -2), where=known, initial=np.inf)
     high = np.max(position, axis=(-3, -2), where=known, initial=-np.inf)
     return np.linalg.norm(np.maximum(high - low, 0.0), axis=-1)

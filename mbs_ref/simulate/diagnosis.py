@@ -63,9 +63,12 @@ def weakest_joints(system: System, t: float, y: np.ndarray) -> tuple[float, list
 
 def independent_rows(system: System) -> int:
     """Return the number of independent joint rows at the start; 0 for more than MAX_ROWS."""
-    if not 0 < len(system.row_joints()) <= MAX_ROWS:
+    rows, start = len(system.row_joints()), system.initial_state()
+    if not 0 < rows <= MAX_ROWS:
         return 0
-    return int(np.linalg.matrix_rank(system.scaled_jacobian(0.0, system.initial_state()), tol=1e-9))
+    if system.has_sure_rank(0.0, start):
+        return rows
+    return int(np.linalg.matrix_rank(system.scaled_jacobian(0.0, start), tol=1e-9))
 
 
 def smallest_singular_value(system: System, t: float, y: np.ndarray, independent: int) -> float:

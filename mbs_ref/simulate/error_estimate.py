@@ -14,6 +14,10 @@ Proportionality to the tolerance requires a constant order. For methods of varia
 two decades tighter, and the estimate is at least that tolerance. For methods that accept steps with an error beyond the
 tolerance, it is tighter by the same factor. The violation of the constraints is measured, since both runs may share it.
 
+Where outputs end nearly all steps of an explicit method, a companion with steps of twice the size costs half of the
+run: only every second output ends a step, and tolerances are 2^p times as large. Then e = d / (2^p - 1). If tolerances
+limit its steps, the tighter companion follows.
+
 If the companion takes no more steps, or the difference is negligible, the tolerance does not control the steps with the
 largest errors; a third run is then two decades tighter. If a companion does not reach the end, a coarser one replaces
 it, whose errors are the larger ones, so that d bounds them. If that fails too, another method is used.
@@ -30,9 +34,10 @@ from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import FEWEST, Options
 from mbs_ref.observables.distance import coordinate_size, motion_size, relative
+from mbs_ref.scene import UserForce
 from mbs_ref.simulate.legs import EPS, Run, run_legs, start_run
 from mbs_ref.simulate.plan import ABSOLUTE, DEFAULT_TOLERANCE, Plan
-from mbs_ref.trajectory import Estimate, Status
+from mbs_ref.trajectory import VISIBLE, Estimate, Status
 
 SAFETY = 3.0  # multiplies the estimate: Roache's grid convergence index for two runs
 DECADE = 10.0  # tolerance over the companion's
@@ -41,6 +46,10 @@ MIN_COARSENING = 0.75  # steps of the run with twice the step, over the run's: m
 MIN_TOLERANCE_RATIO = 1e-3  # smallest error of a step that the tolerance controls, over the tolerance
 NOISY = 100.0  # times the rounding error: smaller differences show no order
 MORE_STEPS = 4  # max_steps of a finer companion over the run's: sqrt(10) at order 2, rounded up
+CUT = 0.9  # share of the steps that outputs cut short, from which they determine the steps
+COARSEST = 1e-2  # largest rtol of a companion with steps of twice the size
+COARSE_SAFETY = 9.0  # in place of SAFETY there, by calibration: longer steps follow the order less closely
+NOISE = 1e-11  # smaller relative differences there count in full: rounding errors follow no order
 SECOND_METHOD = "lsodar"  # companion if the default method itself fails
 ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
 
@@ -58,6 +67,7 @@ class Companion(NamedTuple):
     run: Run
     gaps: np.ndarray  # (n, 4) at the outputs that both reached, over the scene's scales
     sizes: np.ndarray  # (4,) how far the two motions go
+    is_coarse: bool = False  # has steps of twice the size
 
 
 class _Request(NamedTuple):
@@ -87,21 +97,27 @@ class _Comparison(NamedTuple):
         return self.status in ENDED
 
 
-def companion_plan(system: System, plan: Plan) -> tuple[Plan, int]:
-    """Return the plan of the first companion and the `refine` of `run_legs`."""
+def companion_plan(system: System, plan: Plan, is_coarse: bool) -> tuple[Plan, int]:
+    """Return the plan of the first companion and the `refine` of `run_legs`; see `is_coarsened`."""
+    if is_coarse:
+        return _doubled(plan), 1
     first = _first(system, plan)
     return replace(plan, options=first.options._replace(stop_on_compliance=False)), first.refine
 
 
-def all_companions(system: System, poses: list[Poses], runs: list[Run], others: list[Run]) -> list[Companion]:
+def all_companions(
+    system: System, poses: list[Poses], runs: list[Run], others: list[Run], is_coarse: bool
+) -> list[Companion]:
     """Return the first companions `others` of some runs with their distances; runs of one length are vectorised."""
     result: dict[int, Companion] = {}
     lengths = [(len(run.times), len(other.times)) for run, other in zip(runs, others, strict=True)]
     for length in set(lengths):
         places = [k for k, own in enumerate(lengths) if own == length]
-        first = Poses(*(np.stack(parts) for parts in zip(*(poses[k] for k in places), strict=True)))
-        gaps, sizes = _distance(system, runs[places[0]].times, first, np.stack([others[k].states for k in places]))
-        result |= {k: Companion(others[k], gaps[place], sizes[place]) for place, k in enumerate(places)}
+        times = runs[places[0]].times
+        shown = _every_second(times) if is_coarse else np.arange(len(times))
+        parts = [np.stack(parts)[:, shown] for parts in zip(*(poses[k] for k in places), strict=True)]
+        gaps, sizes = _distance(system, times[shown], Poses(*parts), np.stack([others[k].states for k in places]))
+        result |= {k: Companion(others[k], gaps[i], sizes[i], is_coarse) for i, k in enumerate(places)}
     return [result[k] for k in range(len(runs))]
 
 
@@ -158,6 +174,11 @@ def _tolerance_ratio(plan: Plan) -> float:
 
 def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
     """Return the comparisons with the companions that are needed: one as a rule, which may be computed already."""
+    if is_coarsened(system, plan, own.run) and (first is None or first.is_coarse):
+        coarse = _by_doubled_steps(system, plan, own, first)
+        if coarse is not None:
+            return [coarse]
+        first = None
     compared = [_compared(system, plan, own, _first(system, plan), first)]
     if plan.options.step and compared[0].has_ended:
         compared[0] = _by_observed_order(system, plan, own, compared[0])
@@ -170,9 +191,55 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion
     return compared
 
 
+def is_coarsened(system: System, plan: Plan, run: Run) -> bool:
+    """Return whether the companion of a run has steps of twice the size, because outputs determine the steps."""
+    options, unknown = plan.options, any(isinstance(load, UserForce) for load in system.scene.loads)
+    controlled = bool(plan.integrator.stability) and not options.step and not options.dense and not unknown
+    within = len(run.times) > 2 and TIGHTEST <= options.rtol <= COARSEST / 2.0**plan.integrator.order
+    return controlled and within and not system.event_sources and _is_cut(run)
+
+
+def _is_cut(run: Run) -> bool:
+    return run.counts.cut_steps >= CUT * run.counts.steps
+
+
+def _doubled(plan: Plan) -> Plan:
+    """Return the plan of steps of twice the size."""
+    options, larger = plan.options, 2.0**plan.integrator.order
+    return replace(plan, times=plan.times[_every_second(plan.times)], options=options._replace(
+        rtol=larger * options.rtol, atol=larger * options.atol, stop_on_compliance=False))  # fmt: skip
+
+
+def _every_second(times: np.ndarray) -> np.ndarray:
+    """Return the places of every second output and the last."""
+    return np.unique(np.append(np.arange(0, len(times), 2), len(times) - 1))
+
+
+def _by_doubled_steps(system: System, plan: Plan, own: RunWithPoses, other: Companion | None) -> _Comparison | None:
+    """Return the comparison with steps of twice the size; None where it does not show how errors depend on them."""
+    run, places, doubled = own.run, _every_second(own.run.times), _doubled(plan)
+    if other is None:
+        second = _rerun(system, doubled, run.states[0], doubled.times)
+        poses = Poses(*(part[places] for part in own.poses))
+        other = Companion(second, *_distance(system, doubled.times, poses, second.states), is_coarse=True)
+    second, gaps, sizes, _ = other
+    is_visible = np.max(gaps[:, :2]) > VISIBLE * np.max(sizes[:2])
+    if second.status is not Status.INTERRUPTED and (second.status not in ENDED or not _is_cut(second) or is_visible):
+        return None
+    factor = COARSE_SAFETY / (2.0**plan.integrator.order - 1.0)
+    path = np.fmax(1.0, np.max(sizes[2:]) * doubled.times[: len(gaps), None] / system.scales.time)
+    noise = SAFETY * (np.minimum(gaps, NOISE * path) + _roundoff(run) * path)
+    bounds = np.minimum(np.fmax(factor * gaps, noise), 2.0 * sizes)
+    after = np.searchsorted(places[: len(gaps)], np.arange(places[len(gaps) - 1] + 1))
+    return _Comparison(
+        bounds=bounds[after], other=other, sizes=sizes, is_alike=False, is_uninformative=False, status=second.status,
+        how=f"{factor:.3g} times the difference from a run with steps of twice the size",
+    )  # fmt: skip
+
+
 def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Comparison) -> _Comparison:
     """Return the comparison with the run with half of the step, its factor by the order that further runs show."""
-    run, (finer, gaps, sizes) = own.run, half.other
+    run, (finer, gaps, sizes, _) = own.run, half.other
     nominal, floor = _error_ratio(system, plan), NOISY * _roundoff(finer)
     double = _compared(system, plan, own, _coarser(plan))
     shown = _shrinkage(double.other.gaps, gaps, floor)
@@ -195,9 +262,9 @@ def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Com
 
 def _is_confirmed(system: System, plan: Plan, own: RunWithPoses, first: _Comparison) -> bool:
     """Return whether further runs show that errors decrease: for a tolerance, one that is tighter by as much again."""
-    if plan.options.step or not first.has_ended:
+    if plan.options.step or first.other.is_coarse or not first.has_ended:
         return first.is_confirmed
-    ratio, (finer, gaps, _) = _tolerance_ratio(plan), first.other
+    ratio, finer, gaps = _tolerance_ratio(plan), first.other.run, first.other.gaps
     request = _tighter(plan, ratio**2)
     if ratio * request.options.rtol > 0.5 * plan.options.rtol:
         return False
@@ -275,7 +342,7 @@ def _compared(
         again = replace(plan, options=request.options, integrator=integrators()[name])
         second = _rerun(system, again, run.states[0], run.times, request.refine)
         other = Companion(second, *_distance(system, run.times, own.poses, second.states))
-    _, gaps, sizes = other
+    gaps, sizes = other.gaps, other.sizes
     # rounding of rates moves bodies by the same share of their path
     path = np.fmax(1.0, np.max(sizes[2:]) * run.times[: len(gaps), None] / scales.time)
     difference = request.factor * (gaps + _roundoff(other.run) * path)
@@ -316,7 +383,7 @@ def _gaps(system: System, first: Poses, second: Poses) -> np.ndarray:
 def _off_constraints(system: System, plan: Plan, own: RunWithPoses) -> np.ndarray:
     """Return the distance (n_t, 4) of the outputs from the nearest poses and rates that satisfy the constraints."""
     run = own.run
-    if system.keeps_itself:
+    if system.keeps_itself or (plan.options.project and np.max(run.compliance) <= plan.options.projection_tolerance):
         return np.zeros((len(run.times), 4))
     other, near = system.beside(), run.states.copy()
     for t, y in zip(run.times, near, strict=True):

@@ -9,8 +9,9 @@ A motion is stiff if stability limits the steps of an explicit method more than 
 largest |lambda| of the linearised motion (B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88
 (1998) 315, sec. 3.2). If the number of stable steps far exceeds the number of outputs, the default method starts. As
 long as stability limits its steps (Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.2), the
-implicit method takes some steps from the same state: these grow as fast motions decay. Work is counted, not timed, so
-that the choice is reproducible.
+implicit method takes some steps from the same state: these grow as fast motions decay. Contacts that are open at the
+start limit the steps once they close, by the stiffness of each alone; the trials are then made when the steps have
+become as short. Work is counted, not timed, so that the choice is reproducible.
 """
 
 from dataclasses import replace
@@ -23,13 +24,16 @@ from mbs_ref.integrators import DEFAULT, STIFF, integrators
 from mbs_ref.integrators.loop.leg import Integrator, progress
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
+from mbs_ref.simulate.linearised.stiffness import fastest_contact
 from mbs_ref.simulate.plan import DEFAULT_TOLERANCE, Plan, make_plan
 from mbs_ref.trajectory import Status
 
 AUTO = "auto"
 POWERS = 12  # power iterations
+TINY = 1e-6  # of 1 / span: a smaller |lambda| counts as this
 NUDGE = 1e-6  # of the state's units: difference step of the linearisation
 TRIALS = (0.02, 0.05, 0.1)  # shares of the run after which the implicit method is tried
+LATER = (0.2, 0.4)  # further shares if contacts that close limit the steps
 FEWEST = 10  # least number of the default's steps before a trial
 PROBE = 6  # steps of the implicit method to settle, each up to eight times the last, and again to measure its work
 LIMITED = 0.5  # of the stable step: a shorter step is limited by accuracy
@@ -93,6 +97,16 @@ class _Trial:
             leg = self.plan.integrator.advance(self.system, options, self.run, self.y, times)
         return leg.status in (Status.SUCCESS, Status.TOO_MANY_STEPS)
 
+    def advance_until_short(self, until: float, steps: int, shortest: float) -> bool:
+        """Integrate as `advance` does, but stop once steps without events are shorter than `shortest` (s)."""
+        end, events, is_short = int(self.run.steps) + steps, -1, False
+        while self.run.t < until and self.run.steps < end and not is_short:
+            events = int(self.run.events)
+            if not self.advance(until, FEWEST):
+                return False
+            is_short = self.run.h < shortest and self.run.events == events
+        return True
+
     def cost(self, longest: float) -> float:
         """Return multiplications per simulated second, from the last steps; a step is at most `longest` (s)."""
         n, steps = len(self.y), max(1, int(self.run.steps) - self.before[0])
@@ -109,23 +123,36 @@ def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
     loaded = system.scene.loads or system.scene.contacts
     if plan.settings.method != AUTO or plan.options.step or not plan.integrator.stability or not loaded:
         return plan
-    span, allowed = float(plan.times[-1]), stable_step(system, plan, y)
+    span, now = float(plan.times[-1]), stable_step(system, plan, y)
+    closed = stability_radius(plan.integrator) / max(fastest_contact(system, y), TINY / span)
+    allowed = min(now, closed)
     bounded = span / allowed  # steps
     if bounded <= 2 * len(plan.times) or bounded * plan.integrator.order * EVALUATION * len(y) < WORTH:
         return plan
     implicit = _implicit(system, plan)
-    return plan if implicit is None else _tried(system, plan, implicit, y, allowed)
+    return plan if implicit is None else _tried(system, plan, implicit, y, allowed, closed < now / LIMITED)
 
 
-def _tried(system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: float) -> Plan:
-    """Return the cheaper plan after some first steps; `allowed` (s) is the largest stable step."""
+def _tried(system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: float, closes: bool) -> Plan:
+    """Return the cheaper plan after some first steps; `allowed` (s) is the largest stable step.
+
+    `closes` states whether contacts that are open at the start determine it.
+    """
     span, gap = float(plan.times[-1]), float(plan.times[-1]) / (len(plan.times) - 1)
     smooth = min([span, *(t for t in system.scene.breakpoints() if t > 0.0)])
     explicit = _Trial(system, plan, 0.0, y)
-    for share in TRIALS:
+    for share in (*TRIALS, *LATER) if closes else TRIALS:
         until, enough = min(share * span, smooth), max(FEWEST, int(2.0 * share * span / allowed))
-        if explicit.run.t >= until or not explicit.advance(until, enough) or explicit.run.h < LIMITED * allowed:
+        if closes:
+            succeeds = explicit.advance_until_short(until, enough, allowed / LIMITED)
+        else:
+            succeeds = (
+                explicit.run.t < until and explicit.advance(until, enough) and explicit.run.h >= LIMITED * allowed
+            )
+        if not succeeds:
             return plan
+        if closes and explicit.run.h >= allowed / LIMITED:
+            continue
         now = float(explicit.run.t)
         other = _Trial(system, implicit, now, explicit.y)
         settled = all(other.advance(part * (smooth - now) + now, PROBE) for part in (0.25, 0.5))

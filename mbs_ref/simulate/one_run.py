@@ -33,7 +33,7 @@ def simulate(
     UnsoundScene for invalid parts, and InconsistentScene if the initial conditions violate a constraint (unless
     `project_initial` is set). Every later failure is a status with a message; Ctrl-C returns the samples so far.
 
-    A run that ends well is repeated with half of its step or a tenth of its tolerances, to estimate its error
+    A run that ends well is repeated with steps of another size or a tenth of its tolerances, to estimate its error
     (simulate/error_estimate.py). Its status is `unresolved` if no output after the start has a correct digit. The
     second run is outside of `timing`; estimate = 'off' omits it.
 

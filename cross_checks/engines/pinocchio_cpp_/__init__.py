@@ -17,6 +17,7 @@ METHODS = (
     Method("dop853", "adaptive", 8, "DOP853 in C++ with the step control of SciPy's", RTOLS, embedded=7),
     Method("rk4", "fixed", 4, "Runge-Kutta 4 in C++", STEPS, stability=exponential(4)),
 )
+FORMS = {"dop853_world": "world", "dop853_constrained": "constrained", "dop853_loop_aba": "loop_aba"}
 TREES = "the C++ loop drives trees; the engine pinocchio closes loops"
 
 
@@ -34,18 +35,23 @@ class PinocchioCpp(Pinocchio):
     package: ClassVar[str] = "pinocchio"
     method_table: ClassVar[tuple[Method, ...]] = METHODS
     takes_loads: ClassVar[bool] = False
+    closes_loops: ClassVar[bool] = False
 
     def version(self) -> str:
         return described()
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        reasons = [Refusal(TREES, permanent=False)] if "closed-loop" in traits(scene) else []
+        reasons = [Refusal(TREES, permanent=False)] if self.is_beyond(scene) else []
         reasons += [Refusal(obstacle(), permanent=False)] if obstacle() else []
         return reasons + super().topology_refusals(scene)
 
+    def is_beyond(self, scene: Scene) -> bool:
+        """Return whether the scene has loops that this engine does not close."""
+        return "closed-loop" in traits(scene) and not self.closes_loops
+
     def build(self, scene: Scene, plan: Plan) -> Compiled:
         built = super().build(scene, plan)
-        tree = Tree(built.mechanism.model)
+        tree = Tree(built.mechanism.model, FORMS.get(plan.method.name, "local"), built.mechanism.contacts)
         return Compiled(built.mechanism, built.contact_data, built.rhs, built.start, built.breakpoints, tree)
 
     def first_call(self, model: Any, plan: Plan) -> None:
@@ -53,6 +59,18 @@ class PinocchioCpp(Pinocchio):
 
     def advance(self, model: Any, plan: Plan) -> Loop:
         return model.tree.advance(model.start, plan)
+
+
+class EveryAlgorithm(PinocchioCpp):
+    """The same by each algorithm for trees and loops, so that benchmarks meet the best."""
+
+    method_table: ClassVar[tuple[Method, ...]] = (
+        *METHODS,
+        Method("dop853_world", "adaptive", 8, "DOP853 in C++, ABA in world axes", RTOLS, embedded=7),
+        Method("dop853_constrained", "adaptive", 8, "DOP853 in C++, constraintDynamics", RTOLS, embedded=7),
+        Method("dop853_loop_aba", "adaptive", 8, "DOP853 in C++, loop-constrained ABA", RTOLS, embedded=7),
+    )
+    closes_loops: ClassVar[bool] = True
 
 
 ENGINE = PinocchioCpp

@@ -1,11 +1,11 @@
-"""The C++ program, compiled once against the headers and the library of Pinocchio's own wheel.
+"""The C++ program, compiled once against the headers of Pinocchio's own wheel, for this machine's processor.
 
-It is kept in the cache folder under a digest of its source, the compiler, the flags and Pinocchio's version.
+It is kept in the cache folder under a digest of its source, the compiler, the flags, the processor and Pinocchio's
+version.
 """
 
 import hashlib
 import os
-import platform
 import shutil
 import subprocess
 import tempfile
@@ -14,6 +14,7 @@ from importlib.metadata import PackageNotFoundError, files
 from pathlib import Path
 
 import pinocchio as pin
+from llvmlite.binding import get_host_cpu_name
 from numba.core.event import trigger_event
 
 from mbs_ref.kernels.jit import cache_folder
@@ -21,10 +22,11 @@ from mbs_ref.kernels.jit import cache_folder
 SOURCE = Path(__file__).with_name("driver.cpp")
 COMPILERS = ("g++", "clang++")  # tried in turn where the environment names none in CXX
 LIBRARY = "libpinocchio_default.so"
-# The definitions with which the wheel's own CMake files compile against it (pinocchioTargets.cmake).
+# The definitions of the wheel's own CMake files (pinocchioTargets.cmake) without the one that takes its templates,
+# compiled for any processor, from the library.
 FLAGS = (
-    "-std=c++17", "-O3", "-w", "-DNDEBUG", "-fPIC", "-shared", "-fvisibility=hidden",
-    "-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION", "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
+    "-std=c++17", "-O3", "-march=native", "-w", "-DNDEBUG", "-fPIC", "-shared", "-fvisibility=hidden",
+    "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
     "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 )  # fmt: skip
 
@@ -45,12 +47,13 @@ def obstacle() -> str:
 @cache
 def described() -> str:
     """Return Pinocchio's version, the compiler's, and a digest of the program's source."""
-    return f"{pin.__version__}, {_compiler_version()}, program {hashlib.sha256(SOURCE.read_bytes()).hexdigest()[:8]}"
+    program = hashlib.sha256(SOURCE.read_bytes()).hexdigest()[:8]
+    return f"{pin.__version__}, {_compiler_version()} -march=native on {get_host_cpu_name()}, program {program}"
 
 
 def library() -> Path:
     """Return the compiled program, made where it is not kept; RuntimeError says what the compiler said."""
-    name = hashlib.sha256(repr((described(), FLAGS, str(_prefix()), platform.machine())).encode()).hexdigest()[:20]
+    name = hashlib.sha256(repr((described(), FLAGS, str(_prefix()))).encode()).hexdigest()[:20]
     kept = cache_folder() / f"pinocchio_cpp-{name}.so"
     if not kept.is_file():
         with trigger_event("numba:compile"):  # who waits for a run sees that it compiles
@@ -65,7 +68,7 @@ def _compile(kept: Path) -> None:
     os.close(handle)
     include, lib = _prefix() / "include", _prefix() / "lib"
     where = ["-isystem", include, "-isystem", include / "eigen3", f"-L{lib}", f"-Wl,-rpath,{lib}"]
-    command = [_compiler(), *FLAGS, *where, SOURCE, "-o", made, "-lpinocchio_default", "-lboost_serialization"]
+    command = [_compiler(), *FLAGS, *where, SOURCE, "-o", made, "-lboost_serialization"]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     if done.returncode:
         os.unlink(made)

@@ -1,4 +1,4 @@
-// Pinocchio's forward dynamics of a tree under Runge-Kutta methods, as one writes them over its headers in C++.
+// Pinocchio's forward dynamics under Runge-Kutta methods, as one writes them over its headers in C++.
 //
 // The state is y = (q, v). A quaternion in q is integrated as four numbers and normalised before it is used, so that
 // the methods keep their order on ball joints (pinocchio::integrate in a Runge-Kutta stage has order 2 there).
@@ -11,15 +11,17 @@
 
 #include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/aba.hpp>
+#include <pinocchio/algorithm/constrained-dynamics.hpp>
+#include <pinocchio/algorithm/loop-constrained-aba.hpp>
 
 namespace {
 
 using Vector = Eigen::VectorXd;
-using Read = Eigen::Ref<const Vector>;  // the arguments that the library has compiled its algorithms for
 using Eigen::Map;
 using Eigen::Vector3d;
 
 enum Kind { TURN_Z, TURN, SLIDE, BALL, TRANSLATION, FREE };
+enum Form { ABA_LOCAL, ABA_WORLD, CONSTRAINED, LOOP_ABA };  // which algorithm gives the accelerations
 enum Outcome { SUCCESS, STEP_TOO_SMALL, TOO_MANY_STEPS };
 
 struct Turn { int q, v, flight; };  // a quaternion, its rate, and where its free-flyer's position is (-1: a ball joint)
@@ -29,8 +31,24 @@ struct Tree {
   pinocchio::Data data;
   std::vector<Turn> turns;
   std::vector<std::pair<int, int>> plain;  // coordinates whose rate is a velocity
-  Vector tau, q;
+  Vector tau, q, v;
+  Form form;
+  std::vector<pinocchio::RigidConstraintModel, Eigen::aligned_allocator<pinocchio::RigidConstraintModel>> contacts;
+  std::vector<pinocchio::RigidConstraintData, Eigen::aligned_allocator<pinocchio::RigidConstraintData>> contact_data;
+  pinocchio::ProximalSettings proximal;
 };
+
+const Vector& accelerations(Tree& tree) {
+  using pinocchio::Convention;
+  switch (tree.form) {
+    case ABA_LOCAL: return pinocchio::aba(tree.model, tree.data, tree.q, tree.v, tree.tau, Convention::LOCAL);
+    case ABA_WORLD: return pinocchio::aba(tree.model, tree.data, tree.q, tree.v, tree.tau, Convention::WORLD);
+    case CONSTRAINED: return pinocchio::constraintDynamics(tree.model, tree.data, tree.q, tree.v, tree.tau,
+                                                           tree.contacts, tree.contact_data, tree.proximal);
+    default: return pinocchio::lcaba(tree.model, tree.data, tree.q, tree.v, tree.tau,
+                                     tree.contacts, tree.contact_data, tree.proximal);
+  }
+}
 
 pinocchio::JointModel joint_model(int kind, const Vector3d& axis) {
   switch (kind) {
@@ -54,7 +72,8 @@ void number_coordinates(Tree& tree, int joint, int kind) {
 void rate(Tree& tree, const Vector& y, Vector& dy) {
   const int nq = tree.model.nq, nv = tree.model.nv;
   tree.q = y.head(nq);
-  const auto v = y.tail(nv);
+  tree.v = y.tail(nv);
+  const Vector& v = tree.v;
   for (const auto& [to, from] : tree.plain) dy[to] = v[from];
   for (const Turn& turn : tree.turns) {
     auto theta = tree.q.segment<4>(turn.q);  // x, y, z, w
@@ -66,8 +85,7 @@ void rate(Tree& tree, const Vector& y, Vector& dy) {
     const Vector3d speed = v.segment<3>(turn.v - 3), twice = 2.0 * e.cross(speed);
     dy.segment<3>(turn.flight) = speed + theta[3] * twice + e.cross(twice);
   }
-  dy.tail(nv) = pinocchio::aba(tree.model, tree.data, Read(tree.q), Read(v), Read(tree.tau),
-                               pinocchio::Convention::LOCAL);
+  dy.tail(nv) = accelerations(tree);
 }
 
 struct Tableau { const double *a, *b, *e3, *e5; };  // (12, 12), (12,), (13,), (13,): stages and error estimates
@@ -170,17 +188,21 @@ double since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
+using Square = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+pinocchio::SE3 placed(const double* x) { return {Map<const Square>(x), Map<const Vector3d>(x + 9)}; }
+
 #define EXPORTED extern "C" __attribute__((visibility("default")))
 
 // joints: for each a kind, its parent, and 28 numbers: placement (rotation by rows, translation), axis,
 // mass, centre of mass, and inertia about it (by rows of three). gravity: (3,) m/s^2.
-EXPORTED Tree* make_tree(int n, const int* kinds, const int* parents, const double* numbers, const double* gravity) {
+EXPORTED Tree* make_tree(int form, int n, const int* kinds, const int* parents, const double* numbers,
+                         const double* gravity) {
   auto* tree = new Tree;
-  using Square = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  tree->form = static_cast<Form>(form);
   for (int k = 0; k < n; ++k) {
     const double* x = numbers + 28 * k;
-    const pinocchio::SE3 place(Map<const Square>(x), Map<const Vector3d>(x + 9));
-    const int joint = tree->model.addJoint(parents[k], joint_model(kinds[k], Map<const Vector3d>(x + 12)), place,
+    const int joint = tree->model.addJoint(parents[k], joint_model(kinds[k], Map<const Vector3d>(x + 12)), placed(x),
                                            "joint " + std::to_string(k));
     tree->model.inertias[joint] = pinocchio::Inertia(
         x[15], Map<const Vector3d>(x + 16), pinocchio::Symmetric3(Eigen::Matrix3d(Map<const Square>(x + 19))));
@@ -188,9 +210,27 @@ EXPORTED Tree* make_tree(int n, const int* kinds, const int* parents, const doub
   }
   tree->model.gravity.linear() = Map<const Vector3d>(gravity);
   tree->data = pinocchio::Data(tree->model);
-  tree->tau = Vector::Zero(tree->model.nv);
+  tree->tau = tree->v = Vector::Zero(tree->model.nv);
   tree->q = Vector::Zero(tree->model.nq);
   return tree;
+}
+
+// joints: two for each contact of 3 or 6 rows; numbers: its placements in them (24); gains and settings: (5,).
+EXPORTED void close_loops(Tree* tree, int n, const int* rows, const int* joints, const double* numbers,
+                          const double* settings) {
+  for (int k = 0; k < n; ++k) {
+    const auto type = rows[k] == 6 ? pinocchio::CONTACT_6D : pinocchio::CONTACT_3D;
+    const double* x = numbers + 24 * k;
+    pinocchio::RigidConstraintModel contact(type, tree->model, joints[2 * k], placed(x), joints[2 * k + 1],
+                                            placed(x + 12), pinocchio::LOCAL);
+    contact.setBaumgarteCorrectorParameters(
+        pinocchio::BaumgarteCorrectorParametersTpl<double>(settings[0], settings[1]), pinocchio::MaximalSelection());
+    tree->contacts.push_back(contact);
+    tree->contact_data.push_back(contact.createData());
+  }
+  tree->proximal = pinocchio::ProximalSettings(settings[2], settings[3], static_cast<int>(settings[4]));
+  if (tree->form == LOOP_ABA) pinocchio::computeJointMinimalOrdering(tree->model, tree->data, tree->contacts);
+  else pinocchio::initConstraintDynamics(tree->model, tree->data, tree->contacts, tree->contact_data);
 }
 
 EXPORTED void free_tree(Tree* tree) { delete tree; }

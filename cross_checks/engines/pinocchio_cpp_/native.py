@@ -2,14 +2,17 @@
 
 import ctypes
 import weakref
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from scipy.integrate import DOP853
 
 from cross_checks.engine.outcome import End, Loop
 from cross_checks.engine.plan import Plan
+from cross_checks.engines.pinocchio_.loop import GAINS, PROXIMAL
 from cross_checks.engines.pinocchio_cpp_.compiler import library
 from mbs_ref.trajectory import Status
 
@@ -17,6 +20,7 @@ KINDS = (  # in the order of the program's enumeration
     "JointModelRZ", "JointModelRevoluteUnaligned", "JointModelPrismaticUnaligned", "JointModelSpherical",
     "JointModelTranslation", "JointModelFreeFlyer",
 )  # fmt: skip
+FORMS = ("local", "world", "constrained", "loop_aba")  # likewise
 SUCCESS, STEP_TOO_SMALL, TOO_MANY_STEPS = range(3)
 TABLEAU = tuple(np.ascontiguousarray(part, dtype=float) for part in (DOP853.A, DOP853.B, DOP853.E3, DOP853.E5))
 _array = np.ctypeslib.ndpointer
@@ -33,15 +37,24 @@ class Report(ctypes.Structure):
 
 
 class Tree:
-    """A tree of joints in the program, and its state there."""
+    """A tree of joints in the program, the contacts that close its loops, and its state there."""
 
-    def __init__(self, model: Any) -> None:
+    def __init__(self, model: Any, form: str = "local", contacts: Sequence[Any] = ()) -> None:
         joints = [(model.joints[k], model.jointPlacements[k], model.inertias[k]) for k in range(1, model.njoints)]
         kinds = np.array([KINDS.index(joint.shortname()) for joint, _, _ in joints], dtype=np.int32)
         parents = np.array(list(model.parents)[1:], dtype=np.int32)
         numbers = np.array([_numbers(*joint) for joint in joints])
         self._program = _program()
-        self._tree = self._program.make_tree(len(joints), kinds, parents, numbers, np.array(model.gravity.linear))
+        self._tree = self._program.make_tree(
+            FORMS.index(form), len(joints), kinds, parents, numbers, np.array(model.gravity.linear)
+        )
+        if contacts:
+            rows = [6 if one.type == pin.ContactType.CONTACT_6D else 3 for one in contacts]
+            ends = [(one.joint1_id, one.joint2_id) for one in contacts]
+            places = [np.concatenate((_place(one.joint1_placement), _place(one.joint2_placement))) for one in contacts]
+            settings = np.array([*GAINS, *PROXIMAL.values()])
+            whole = np.array(rows, dtype=np.int32), np.array(ends, dtype=np.int32)
+            self._program.close_loops(self._tree, len(contacts), *whole, np.array(places), settings)
         weakref.finalize(self, self._program.free_tree, self._tree)
 
     def derivative(self, y: np.ndarray) -> np.ndarray:
@@ -63,10 +76,14 @@ class Tree:
         return Loop(states, _end(report, plan), report.steps, report.calls, report.rejected)
 
 
+def _place(placement: Any) -> np.ndarray:
+    return np.concatenate((placement.rotation.ravel(), placement.translation))
+
+
 def _numbers(joint: Any, placement: Any, inertia: Any) -> np.ndarray:
     """Return placement, axis, mass, centre and inertia of a joint's body: (28,)."""
     axis = getattr(joint.extract(), "axis", np.zeros(3))  # of joints that turn or slide along no axis of their frame
-    parts = placement.rotation, placement.translation, axis, [inertia.mass], inertia.lever, inertia.inertia
+    parts = _place(placement), axis, [inertia.mass], inertia.lever, inertia.inertia
     return np.concatenate([np.asarray(part, dtype=float).ravel() for part in parts])
 
 
@@ -84,7 +101,9 @@ def _end(report: Report, plan: Plan) -> End:
 def _program() -> ctypes.CDLL:
     program = ctypes.CDLL(str(library()))
     number, whole, tree = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
-    program.make_tree.argtypes, program.make_tree.restype = [whole, _WHOLE, _WHOLE, _REALS, _REALS], tree
+    program.make_tree.argtypes, program.make_tree.restype = [whole, whole, _WHOLE, _WHOLE, _REALS, _REALS], tree
+    program.close_loops.argtypes = [tree, whole, _WHOLE, _WHOLE, _REALS, _REALS]
+    program.close_loops.restype = None
     program.free_tree.argtypes, program.free_tree.restype = [tree], None
     program.derivative.argtypes, program.derivative.restype = [tree, _REALS, _REALS], None
     program.run_rk4.argtypes, program.run_rk4.restype = [tree, _REALS, whole, _WHOLE, number], Report

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
+from mbs_ref.cores.joint_graph import joint_rows, layout
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.relative import model as arrays
@@ -36,21 +37,21 @@ def no_tree(scene: Scene) -> Iterator[str]:
         yield f"joint {scene.joints[k].name!r} closes a loop"
 
 
-def layout_of(scene: Scene, redundant: Callable[[Scene], JointedSystem]) -> Layout:
+def layout_of(scene: Scene) -> Layout:
     """Return the layout of a tree; ValueError says all that keeps the scene from being one."""
     reasons = list(no_tree(scene))
     if reasons:
         raise ValueError(f"coordinates = 'relative' needs a tree of known joints: {'; '.join(reasons[:8])}")
-    return Layout(redundant(scene))
+    return Layout(scene)
 
 
 class Layout:
     """Where each body's joint has its coordinates q and rates u in the state [q, u]."""
 
-    def __init__(self, system: JointedSystem) -> None:
-        self.system, self.scene = system, system.scene
-        self.order = system.groups.bodies.scene_index.tolist()
-        self.joint = {system.place[k].slot: k for k in system.place}  # of the body's elimination number
+    def __init__(self, scene: Scene) -> None:
+        graph = layout(scene, joint_rows(scene))
+        self.scene, self.order, self.parent = scene, graph.order, graph.parent
+        self.joint = {i: edge.joints[0] for i, edge in enumerate(graph.tree_edge) if edge}  # by elimination number
         self.kind = [self._kind(i) for i in range(len(self.order))]
         self.freedoms = [self._freedoms(i) for i in range(len(self.order))]
         widths = [self.freedoms[i] + self._surplus(i) for i in range(len(self.order))]
@@ -71,7 +72,7 @@ class Layout:
     def _freedoms(self, i: int) -> int:
         if self.kind[i] != arrays.FREE:
             return FREEDOMS[self.kind[i]]
-        return self.scene.dimension if isinstance(self.body(i), PointMass) else self.system.RATES
+        return self.scene.dimension if isinstance(self.body(i), PointMass) else 3 * self.scene.dimension - 3
 
     def _surplus(self, i: int) -> int:
         """Return how many coordinates more than rates a body's joint has: one where Euler parameters are."""
@@ -82,15 +83,15 @@ class Layout:
         joint: Any = self.scene.joints[self.joint[i]]
         return ("body_a", "body_b") if joint.body_a == self.body(i).name else ("body_b", "body_a")
 
-    def arrays(self, offset: np.ndarray, axis: np.ndarray) -> arrays.Joints:
+    def arrays(self, system: JointedSystem, offset: np.ndarray, axis: np.ndarray) -> arrays.Joints:
         """Return the joints' arrays, their orientations at t = 0 (n, 1 or 4) and axes (n, dimension) given."""
         arms = np.zeros((2, len(self.order), self.scene.dimension))
         for i, k in self.joint.items():
             for side, end in enumerate(self.ends(i)):
-                arms[side, i] = self.system.arm_of(self.scene.joints[k], end)
+                arms[side, i] = system.arm_of(self.scene.joints[k], end)
         return arrays.Joints(
             kind=ints(self.kind),
-            parent=self.system.groups.bodies.parent.copy(),
+            parent=ints(self.parent),
             q=ints(self.q[:-1].tolist()),
             v=ints(self.v[:-1].tolist()),
             freedoms=ints(self.freedoms),

@@ -33,15 +33,19 @@ class RelativeSystem(System):
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.layout = layout_of(scene, self.REDUNDANT)
+        self.layout = layout_of(scene)
+        self._redundant: JointedSystem = self.REDUNDANT(scene)
+        self._allocate(self.layout.arrays(self.redundant, *self._frames()))
+
+    def _allocate(self, joints: arrays.Joints) -> None:
+        """Make the handles of the redundant system known, and room for a run."""
         inner = np.array([self.redundant.model.address, self.redundant.work.address], dtype=np.int64)
-        joints = self.layout.arrays(*self._frames())
         self.groups = arrays.RelativeGroups(joints, arrays.Redundant(inner))
         self.scratch = self._empty_scratch()
 
     @property
     def redundant(self) -> JointedSystem:
-        return self.layout.system
+        return self._redundant
 
     def _empty_scratch(self) -> arrays.RelativeScratch:
         n, rates = len(self.layout.kind), self.redundant.RATES
@@ -52,7 +56,10 @@ class RelativeSystem(System):
         return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), full)
 
     def twin(self) -> Self:
-        return type(self)(self.scene)
+        other = self._unconnected()
+        other._redundant = self.redundant.twin()
+        other._allocate(self.groups.joints)
+        return other
 
     @abstractmethod
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
@@ -92,7 +99,7 @@ class RelativeSystem(System):
     @classmethod
     def state_units(cls, scene: Scene, scales: Scales) -> np.ndarray:  # type: ignore[override]
         """Return L for lengths, 1 for angles and Euler parameters, and the same over T (n_state,)."""
-        return layout_of(scene, cls.REDUNDANT).units(scales.length, scales.time)
+        return layout_of(scene).units(scales.length, scales.time)
 
     # --- asked of the redundant system ----------------------------------------------------------------
 

@@ -25,6 +25,11 @@ INDEPENDENT = 1e-8  # relative pivot: above roundoff, 1e-12, and below what RANK
 PROJECTED = 1e-11  # m, rad: a pose off the constraints by more tells nothing about ranks
 
 
+def _after(first: np.ndarray, count: int) -> np.ndarray:
+    """Return `count` places (n, count) from each first one (n,) on."""
+    return first[:, None] + np.arange(count)
+
+
 class SpatialSystem(JointedSystem):
     """A spatial scene as arrays and compiled functions.
 
@@ -150,26 +155,27 @@ class SpatialSystem(JointedSystem):
         position, velocity, omega = (np.zeros((*shape, 3)) for _ in range(3))
         theta = np.zeros((*shape, 4))
         theta[:, :, 0] = 1.0
-        for i, k in enumerate(order):
-            q, v = bodies.q[i], bodies.v[i]
-            position[:, k], velocity[:, k] = states[:, q : q + 3], states[:, v : v + 3]
-            if bodies.rigid[i]:
-                theta[:, k] = states[:, q + 3 : q + 7]
-                omega[:, k] = np.einsum("tij,tj->ti", rotation_matrices(theta[:, k]), states[:, v + 3 : v + 6])
+        position[:, order], velocity[:, order] = states[:, _after(bodies.q, 3)], states[:, _after(bodies.v, 3)]
+        turns = bodies.rigid == 1
+        own, q, v = order[turns], bodies.q[turns] + 3, bodies.v[turns] + 3
+        theta[:, own] = states[:, _after(q, 4)]
+        omega[:, own] = np.einsum("tkij,tkj->tki", rotation_matrices(theta[:, own]), states.take(_after(v, 3), axis=1))
         return Poses(position, theta, velocity, omega)
 
     def states_of(self, poses: Poses) -> np.ndarray:
         """Return states (n_t, n_state); nothing has slipped yet."""
         bodies, count = self.groups.bodies, len(poses.position)
         states = np.zeros((count, len(self.initial_state())))
-        for i, k in enumerate(bodies.scene_index):
-            q, v = bodies.q[i], bodies.v[i]
-            states[:, q : q + 3], states[:, v : v + 3] = poses.position[:, k], poses.velocity[:, k]
-            if bodies.rigid[i]:
-                theta = poses.orientation[:, k]
-                states[:, q + 3 : q + 7] = theta
-                turns, omega = rotation_matrices(theta), poses.angular_velocity[:, k]
-                states[:, v + 3 : v + 6] = np.einsum("tij,ti->tj", turns, omega)
+        order, turns = bodies.scene_index, bodies.rigid == 1
+        states[:, _after(bodies.q, 3)], states[:, _after(bodies.v, 3)] = (
+            poses.position[:, order], poses.velocity[:, order],
+        )  # fmt: skip
+        own, q, v = order[turns], bodies.q[turns] + 3, bodies.v[turns] + 3
+        theta = poses.orientation[:, own]
+        states[:, _after(q, 4)] = theta
+        states[:, _after(v, 3)] = np.einsum(
+            "tkij,tki->tkj", rotation_matrices(theta), poses.angular_velocity.take(own, axis=1)
+        )
         return states
 
     # --- rows and masses, dense -------------------------------------------------------------------

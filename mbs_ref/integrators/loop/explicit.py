@@ -88,8 +88,9 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         if adaptive and not attempt.searching:  # a shorter step than an accepted one needs no error estimate
             if restore:
                 project(model, work, attempt.t_new, stages.new, tolerance, STAGE_ITERATIONS)
-            derivative(model, work, attempt.t_new, stages.new, stages.slopes[last])
-            run.rhs_calls += 1
+            if not projects:  # else where projection puts the step's end, once it is accepted
+                derivative(model, work, attempt.t_new, stages.new, stages.slopes[last])
+                run.rhs_calls += 1
             error = error_norm(model, work, tableau, attempt.h, y, stages, restore, options.rtol, options.atol)
             accepted, run.h = stepping.resized(
                 error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, rejected
@@ -114,7 +115,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         there = regularity(work) if projects else 1.0
         avoids = is_too_near(there, pivot if restore else 1.0, rtol, avoided, adaptive) and verdict != EVENT
         if options.dense and (attempt.lands or not avoids):
-            fill_between(model, work, tableau, options, run, attempt, y, stages, restore, outputs)
+            fill_between(model, work, tableau, options, run, attempt, y, stages, ends, restore, outputs)
         if not avoids:
             run.h, natural, avoided = resumed(run.h, natural), 0.0, 0
             code = stepping.accept(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)

@@ -87,7 +87,7 @@ def _estimate(model, work, weights, h, y, stages, restore, rtol, atol):
 
 
 @jit
-def fill_between(model, work, tableau, options, run, attempt, y, stages, restore, outputs):
+def fill_between(model, work, tableau, options, run, attempt, y, stages, ends, restore, outputs):
     """Fill the outputs inside an accepted step from y; where it lands on the last output, that one is left.
 
     Like a step's end, an output is put onto the constraints where steps are.
@@ -96,9 +96,10 @@ def fill_between(model, work, tableau, options, run, attempt, y, stages, restore
     first = run.next_output
     while run.next_output < end and outputs.times[run.next_output] <= attempt.t_new:
         if run.next_output == first:
-            if attempt.searching or options.step > 0.0:  # no error estimate has needed the slope at its end
-                derivative(model, work, attempt.t_new, stages.new, stages.slopes[tableau.b.shape[0]])
+            if ends.known[1] == 0:
+                derivative(model, work, attempt.t_new, ends.y_new, ends.dy_new)
                 run.rhs_calls += 1
+                ends.known[1] = 1
             bumps = _bumps(model, work, tableau, attempt, y, stages, restore, options.projection_tolerance)
             run.rhs_calls += tableau.dense.c.shape[0]
         place = run.next_output

@@ -25,13 +25,13 @@ NO_INTERPOLANT = Interpolant(np.zeros((0, 0)), np.zeros(0), np.zeros((0, 0)))
 
 
 class Tableau(NamedTuple):
-    """Butcher coefficients; error rows weigh the stages and, last, the slope at the new point."""
+    """Butcher coefficients; error rows weigh the stages alone, so that a rejected step needs no slope at its end."""
 
     a: np.ndarray  # (s, s)
     b: np.ndarray  # (s,)
     c: np.ndarray  # (s,)
-    error: np.ndarray  # (s + 1,) main error weights; empty for fixed-step methods
-    error_low: np.ndarray  # (s + 1,) second estimate (DOP853), or empty
+    error: np.ndarray  # (s,) main error weights; empty for fixed-step methods
+    error_low: np.ndarray  # (s,) second estimate (DOP853), or empty
     order: int
     error_order: int
     dense: Interpolant = NO_INTERPOLANT
@@ -60,8 +60,8 @@ DOP853 = Tableau(
     a=np.array(_DOP853.A),
     b=np.array(_DOP853.B),
     c=np.array(_DOP853.C),
-    error=np.array(_DOP853.E5),
-    error_low=np.array(_DOP853.E3),
+    error=np.array(_DOP853.E5[:-1]),
+    error_low=np.array(_DOP853.E3[:-1]),
     order=8,
     error_order=7,
     dense=Interpolant(np.array(_DOP853.A_EXTRA), np.array(_DOP853.C_EXTRA), np.array(_DOP853.D)),

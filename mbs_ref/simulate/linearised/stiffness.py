@@ -12,6 +12,7 @@ import numpy as np
 
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import System
+from mbs_ref.kernels.contact.laws import MODE_OPEN
 from mbs_ref.scene import Scene, SpringDamper, TorsionSpring, UserForce
 from mbs_ref.simulate.plan import Plan
 
@@ -70,18 +71,30 @@ def stiffness(system: System, t: float, y: np.ndarray, speed: float = 0.0) -> St
     Contacts are linearised where an impact at `speed` (m/s) is deepest: at 0 a law such as Hertz's has no stiffness.
     """
     kw, cw, slopes = system.contact_oscillators(t, y, speed).T
-    root = np.sqrt(0.25 * cw.astype(complex) ** 2 - kw)
-    local = np.concatenate((-0.5 * cw + root, -0.5 * cw - root))
     with system.taut_strings() as any_string:
         taut = _eigenvalues(system, t, y) if any_string else np.zeros(0, complex)
     return Stiffness(
         eigenvalues=_eigenvalues(system, t, y),
-        open_contacts=local,
+        open_contacts=_roots(kw, cw),
         taut=taut,
         oscillation_rule=1.0 / np.sqrt(np.max(kw, initial=0.0)) if np.any(kw > 0.0) else np.inf,
         damping_rule=1.0 / np.max(cw, initial=0.0) if np.any(cw > 0.0) else np.inf,
         contact_slopes=slopes,
     )
+
+
+def _roots(kw: np.ndarray, cw: np.ndarray) -> np.ndarray:
+    root = np.sqrt(0.25 * cw.astype(complex) ** 2 - kw)
+    return np.concatenate((-0.5 * cw + root, -0.5 * cw - root))
+
+
+def fastest_contact(system: System, y: np.ndarray) -> float:
+    """Return the largest |lambda| (1/s) of open contacts, each alone as if it closed at the scene's speed; else 0."""
+    if not system.scene.contacts:
+        return 0.0
+    is_open = system.redundant.groups.contact_modes.mode[: len(system.scene.contacts)] == MODE_OPEN
+    kw, cw, _ = system.contact_oscillators(0.0, y, system.scales.speed)[is_open].T
+    return float(np.max(np.abs(_roots(kw, cw)), initial=0.0))
 
 
 def stiffness_at_start(scene: Scene, speed: float = 0.0) -> Stiffness:

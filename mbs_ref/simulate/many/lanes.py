@@ -22,7 +22,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.units import is_celestial
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.assembly import or_empty, sampled, trajectory, with_estimate
-from mbs_ref.simulate.error_estimate import all_companions, companion_plan
+from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
 from mbs_ref.simulate.legs import Counts, Run, planned_legs, reached, run_legs
 from mbs_ref.simulate.many.threads import pieces, shared
 from mbs_ref.simulate.one_run import compiled
@@ -186,12 +186,13 @@ def _side_by_side(cases: list[Case]) -> list[list[Trajectory]]:
     ready = (time.perf_counter() - began) / max(1, sum(len(case.starts) for case in cases))
     runs = _runs(bunches)
     others: list[list[Run]] | list[None] = [None] * len(bunches)
+    is_coarse = all(is_coarsened(*one[:2], run) for one, own in zip(bunches, runs, strict=True) for run in own)
     if bunches and bunches[0].plan.settings.estimate == "on":
-        finer = [companion_plan(bunch.system, bunch.plan) for bunch in bunches]
+        finer = [companion_plan(bunch.system, bunch.plan, is_coarse) for bunch in bunches]
         again = [bunch._replace(plan=plan) for bunch, (plan, _) in zip(bunches, finer, strict=True)]
         others = _runs(again, refine=finer[0][1])
     times = [Timing(build_s=case.build_s, first_call_s=ready, loop_s=0.0) for case in cases]
-    return [_trajectories(*one) for one in zip(checked, times, runs, others, strict=True)]
+    return [_trajectories(*one, is_coarse) for one in zip(checked, times, runs, others, strict=True)]
 
 
 def _checked(case: Case) -> CheckedCase:
@@ -213,12 +214,14 @@ def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
     return [runs[k] for k in range(len(bunches))]
 
 
-def _trajectories(checked: CheckedCase, timing: Timing, runs: list[Run], others: list[Run] | None) -> list[Trajectory]:
+def _trajectories(
+    checked: CheckedCase, timing: Timing, runs: list[Run], others: list[Run] | None, is_coarse: bool
+) -> list[Trajectory]:
     """Return the trajectories of a case, in the order of its starts."""
     (system, plan, _), paths = checked.bunch, dict(checked.inconsistent)
     samples = sampled(system, plan, runs)
     poses = [sample.poses for sample in samples]
-    companions = [None] * len(runs) if others is None else all_companions(system, poses, runs, others)
+    companions = [None] * len(runs) if others is None else all_companions(system, poses, runs, others, is_coarse)
     for (k, notes), run, companion, sample in zip(checked.notes.items(), runs, companions, samples, strict=True):
         spent = replace(timing, loop_s=run.loop_s)
         path = trajectory(system, plan, run, [*plan.notes, *notes], spent, sample)

@@ -146,6 +146,15 @@ def test_outputs_that_end_every_step_do_not_hide_it():
         assert_honest(path, error(scene, path))
 
 
+@pytest.mark.parametrize("coordinates", ["cartesian", "relative"])
+def test_outputs_that_end_every_step_are_judged_by_steps_of_twice_the_size(coordinates):
+    scene = scenes.make("pendulum_chain", links=5)
+    path = simulate(scene, Settings(coordinates=coordinates, rtol=1e-6, reactions=False))
+    assert path.rhs_calls <= 12 * path.steps + 12  # as many as stages: a slope at a step's end serves the next step
+    assert "twice the size" in of(path).how
+    assert error(scene, path) <= of(path).value <= 30.0 * error(scene, path)
+
+
 @pytest.mark.parametrize(("method", "stiffness"), [("generalized_alpha", 1e7), ("radau", 1e12)])
 def test_a_motion_that_steps_damp_away_before_the_first_output_is_missed(method, stiffness):
     """A slider rings on a stiff spring; hundreds of steps of a millisecond leave nothing of it, as half of them do."""

@@ -53,6 +53,18 @@ def test_a_stack_at_rest_is_stiff(rtol):
     assert np.max(np.abs(run.position - fine.position)) < 10 * rtol
 
 
+def test_a_stack_that_falls_before_it_rests_is_stiff_once_its_contacts_close():
+    scene = scenes.make("box_stack")
+    system = compile_scene(scene)
+    rest = system.poses(system.initial_state()[None])
+    raised = rest._replace(position=rest.position + np.array([0.0, 0.02]))
+    run, other = (simulate(scene, AUTO.model_copy(update={"method": m, "rtol": 1e-6}), None, raised)
+                  for m in ("auto", "dop853"))  # fmt: skip
+    assert run.method == "radau"
+    assert run.rhs_calls < 0.5 * other.rhs_calls
+    assert np.max(np.abs(run.position[-1] - other.position[-1])) < 1e-4
+
+
 @pytest.mark.parametrize("name", ["pendulum", "slider_crank", "car_axis", "bouncing_ball", "flyball_governor"])
 def test_other_motions_run_as_by_default_to_the_bit(name):
     settings = AUTO.model_copy(update={"t_end": 0.5, "samples": 5})
