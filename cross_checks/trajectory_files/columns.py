@@ -1,24 +1,18 @@
-"""The numbers of a file by the names of their columns: CSV, NPZ or Parquet."""
+"""The columns of a file or of arrays by their names, thinned where they have more rows than are judged; units."""
 
-import csv
-import importlib
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.trajectory import POSES, pose_columns
+from cross_checks.trajectory_files.formats import FileError, Rows, parts, rows_of
 
-SUFFIXES = (".csv", ".txt", ".tsv", ".npz", ".parquet")
-
-
-OWN = {"bodies", "times", *POSES}  # in the files that `mbs-ref simulate -o` writes
-
-
-class FileError(ValueError):
-    """A file cannot be read as a trajectory; the sentence names the line, the column and what is expected."""
+MOST_ROWS = 10_000  # that are judged of those that stand at regular places
+NONE = 2**62  # a stride that leaves no row but the first
+Only = tuple[np.ndarray, float]  # times of the rows that are wanted, and how far off they may be, in the file's unit
+Report = Callable[[int, int, str], None]  # done, total, what
 
 
 class Columns(NamedTuple):
@@ -26,139 +20,116 @@ class Columns(NamedTuple):
 
     path: Path
     values: dict[str, np.ndarray]  # column -> (n_rows,)
-    lines: tuple[int, ...] = ()  # of the file, where each row stands; none where the file has no lines
+    numbers: np.ndarray | None = None  # (n_rows,) lines of the file, or places among its rows
+    word: str = "row"  # what the numbers count
+    total: int = 0  # rows of the file
+    stride: int = 1  # of every how many rows one is here
 
     def place(self, row: int, column: str) -> str:
         """Return where a number stands, for a sentence."""
-        line = f"line {self.lines[row]}" if self.lines else f"row {row}"
-        return f"{self.path.name}: {line}, column {column!r}"
+        number = row if self.numbers is None else self.numbers[row]
+        return f"{self.path.name}: {self.word} {number}, column {column!r}"
+
+    @property
+    def thinned(self) -> tuple[str, ...]:
+        """A sentence where not every row is judged."""
+        if self.stride == 1:
+            return ()
+        count = len(next(iter(self.values.values())))
+        every = f"every {self.stride}th, and of each part of the file the one at which a column bends most"
+        return (f"{count} of {self.total} rows of {self.path.name} are judged: {every}",)
 
 
-def read_columns(path: Path, delimiter: str = ",") -> Columns:
-    """Read a file's columns.
+def read_columns(
+    path: Path, delimiter: str = ",", clock: str = "t", only: Only | None = None, report: Report | None = None
+) -> Columns:
+    """Read a file's columns in bounded memory; more than MOST_ROWS rows are thinned by a power of 2.
+
+    Besides every k-th row, of each part that is read the last one and that with the largest second difference, over
+    its column's mean, remain. With `only`, those at the times alone.
 
     Raises FileError: not a file, an unknown suffix, no row, a row that is too short or too long, a cell that is no
-    finite number, a column that stands twice.
+    finite number, a column that stands twice, values of the column `clock` that do not increase.
     """
-    if path.suffix not in SUFFIXES:
-        raise FileError(f"{path}: suffix {path.suffix!r} is unknown; allowed: {', '.join(SUFFIXES)}")
-    if not path.is_file():
-        raise FileError(f"{path}: there is no such file")
-    readers = {".npz": _npz, ".parquet": _parquet}
-    return _checked(readers[path.suffix](path) if path.suffix in readers else _text(path, delimiter))
+    return _kept(path, parts(path, delimiter), clock, only, report)
 
 
-def columns_of(arrays: Mapping[str, np.ndarray]) -> Columns:
+def columns_of(arrays: Mapping[str, np.ndarray], clock: str = "t", only: Only | None = None) -> Columns:
     """Return arrays as columns, as those of an NPZ file: (n_rows,) is one, (n_rows, k) are name[0] to name[k - 1].
 
-    Raises FileError as `read_columns` does.
+    Raises FileError as `read_columns` does, and thins as it does.
     """
-    return _checked(_of_arrays(Path("arrays"), arrays))
-
-
-def _checked(table: Columns) -> Columns:
-    path = table.path
-    if not table.values or not len(next(iter(table.values.values()))):
-        raise FileError(f"{path}: holds no row of numbers; expected: a header and a row a time")
-    for name, values in table.values.items():
-        bad = np.flatnonzero(~np.isfinite(values))
-        if len(bad):
-            raise FileError(f"{table.place(int(bad[0]), name)}: {values[bad[0]]} is not finite")
-    return table
+    path = Path("arrays")
+    return _kept(path, [rows_of(path, arrays)], clock, only, None)
 
 
 def read_header(path: Path) -> list[str]:
     """Return the names of a file's columns. Raises FileError."""
-    return list(read_columns(path).values)
+    return next(iter(parts(path))).names
 
 
-def _text(path: Path, delimiter: str) -> Columns:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileError(f"{path}: byte {error.start} is not UTF-8 text") from error
-    rows = csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True)
-    lines = ((rows.line_num, [cell.strip() for cell in row]) for row in rows)
-    filled = [(line, row) for line, row in lines if any(row) and not row[0].startswith("#")]
-    if not filled:
-        raise FileError(f"{path}: is empty; expected: a header and a row a time")
-    names = _checked_header(path, *filled[0])
-    numbers = np.array([list(_numbers(path, line, row, names)) for line, row in filled[1:]]).reshape(-1, len(names))
-    return Columns(path, dict(zip(names, numbers.T, strict=True)), tuple(line for line, _ in filled[1:]))
+class _Part(NamedTuple):
+    places: np.ndarray  # (n,) among all rows
+    marked: np.ndarray  # (n,) which remain in any case
+    rows: Rows
+
+    def thinned(self, stride: int) -> "_Part":
+        keep = self.marked | (self.places % stride == 0)
+        rows = self.rows._replace(table=self.rows.table[keep], numbers=self.rows.numbers[keep])
+        return _Part(self.places[keep], self.marked[keep], rows)
 
 
-def _checked_header(path: Path, line: int, names: list[str]) -> list[str]:
-    if all(_number(name) is not None for name in names):
-        raise FileError(f"{path.name}: line {line} holds numbers; expected: the names of the columns")
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise FileError(f"{path.name}: line {line}, column {twice[0]!r} stands {names.count(twice[0])} times")
-    return names
+def _kept(path: Path, every: Iterable[Rows], clock: str, only: Only | None, report: Report | None) -> Columns:
+    kept: list[_Part] = []
+    total, stride, before = 0, 1 if only is None else NONE, -np.inf
+    for rows in every:
+        before = _checked(path, rows, clock, before)
+        kept.append(_Part(total + np.arange(len(rows.table)), _marked(rows, clock, only), rows))
+        total += len(rows.table)
+        while sum(np.count_nonzero(part.places % stride == 0) for part in kept) > MOST_ROWS:
+            stride *= 2
+        kept = [part.thinned(stride) for part in kept]
+        if report is not None:
+            report(int(100.0 * rows.share), 100, f"percent, {total} rows")
+    if total == 0 or not kept[0].rows.names:
+        raise FileError(f"{path}: holds no row of numbers; expected: a header and a row a time")
+    table, numbers = (np.concatenate([getattr(part.rows, name) for part in kept]) for name in ("table", "numbers"))
+    values = dict(zip(kept[0].rows.names, table.T, strict=True))
+    return Columns(path, values, numbers, kept[0].rows.word, total, 1 if stride == NONE else stride)
 
 
-def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> Iterator[float]:
-    if len(row) != len(names):
-        problem = f"{len(row)} cells; expected: {len(names)}, as in the header"
-        raise FileError(f"{path.name}: line {line} has {problem}")
-    for name, cell in zip(names, row, strict=True):
-        value = _number(cell)
-        if value is None:
-            raise FileError(f"{path.name}: line {line}, column {name!r}: {cell!r} is no number")
-        yield value
+def _marked(part: Rows, clock: str, only: Only | None) -> np.ndarray:
+    """Return which rows remain in any case (n,)."""
+    marked = np.zeros(len(part.table), dtype=bool)
+    if only is None:
+        marked[-1:] = True
+        if len(part.table) > 2:
+            bends = np.abs(np.diff(part.table, 2, axis=0))
+            typical = bends.mean(axis=0)
+            marked[1 + np.argmax(np.max(bends / np.where(typical > 0.0, typical, 1.0), axis=1))] = True
+    elif clock in part.names and len(only[0]):
+        times, wanted = part.table[:, part.names.index(clock)], np.pad(only[0], 1, constant_values=(-np.inf, np.inf))
+        after = np.searchsorted(wanted, times)
+        marked = np.minimum(wanted[after] - times, times - wanted[after - 1]) <= only[1]
+    return marked
 
 
-def _number(cell: str) -> float | None:
-    try:
-        return float(cell)
-    except ValueError:
-        return None
-
-
-def _npz(path: Path) -> Columns:
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return _of_arrays(path, {name: arrays[name] for name in arrays.files})
-    except (ValueError, OSError) as error:
-        raise FileError(f"{path}: cannot be read as NPZ: {error}") from error
-
-
-def _of_arrays(path: Path, held: Mapping[str, np.ndarray]) -> Columns:
-    if held.keys() >= OWN:
-        return Columns(path, _of_one_length(path, _own(held)))
-    values = {}
-    for name, array in held.items():
-        if array.dtype.kind in "fiu" and array.ndim == 1:
-            values[name] = array.astype(float)
-        elif array.dtype.kind in "fiu" and array.ndim == 2:
-            values |= {f"{name}[{k}]": column.astype(float) for k, column in enumerate(array.T)}
-    return Columns(path, _of_one_length(path, values))
-
-
-def _own(held: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return the columns of an NPZ that `mbs-ref simulate -o` wrote, named as in its CSV."""
-    bodies = [str(body) for body in held["bodies"]]
-    return {"t": held["times"], **pose_columns(bodies, (held[name] for name in POSES))}
-
-
-def _parquet(path: Path) -> Columns:
-    try:
-        parquet = importlib.import_module("pyarrow.parquet")
-    except ImportError as error:
-        raise FileError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
-    try:
-        held = parquet.read_table(path)
-    except (OSError, ValueError) as error:  # pyarrow's own errors are of these classes
-        raise FileError(f"{path}: cannot be read as Parquet: {error}") from error
-    numeric = {name: held[name].to_numpy() for name in held.column_names}
-    return Columns(path, {name: v.astype(float) for name, v in numeric.items() if v.dtype.kind in "fiu"})
-
-
-def _of_one_length(path: Path, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    lengths = {name: len(column) for name, column in values.items()}
-    if len(set(lengths.values())) > 1:
-        problem = ", ".join(f"{name}: {length}" for name, length in lengths.items())
-        raise FileError(f"{path}: columns differ in length ({problem})")
-    return values
+def _checked(path: Path, part: Rows, clock: str, before: float) -> float:
+    """Raise FileError where a number is not finite or the clock goes back; return the clock's last value."""
+    bad = np.argwhere(~np.isfinite(part.table))
+    if len(bad):
+        row, column = bad[0]
+        raise FileError(f"{part.place(path, row, part.names[column])}: {part.table[row, column]} is not finite")
+    if clock not in part.names or not len(part.table):
+        return before
+    times = part.table[:, part.names.index(clock)]
+    back = is_increasing(np.append(before, times))
+    if back is not None:
+        earlier = before if back == 1 else times[back - 2]
+        raise FileError(
+            f"{part.place(path, back - 1, clock)}: {times[back - 1]:g} follows {earlier:g}; times must increase"
+        )
+    return float(times[-1])
 
 
 def is_increasing(times: np.ndarray) -> int | None:

@@ -10,7 +10,7 @@ import numpy as np
 from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store, default_path
-from cross_checks.trajectory_files.columns import OWN, FileError
+from cross_checks.trajectory_files.formats import OWN, FileError
 from cross_checks.trajectory_files.judgement import Judgement, judgement, truth_rows
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case

@@ -1,0 +1,190 @@
+"""The rows of a file in parts of bounded size: CSV, NPZ or Parquet."""
+
+import csv
+import importlib
+import math
+import zipfile
+from collections.abc import Iterator, Mapping
+from itertools import islice
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import numpy as np
+
+from mbs_ref.trajectory import POSES, pose_columns
+
+SUFFIXES = (".csv", ".txt", ".tsv", ".npz", ".parquet")
+OWN = {"bodies", "times", *POSES}  # in the files that `mbs-ref simulate -o` writes
+PART = 2**18  # numbers in memory
+
+
+class FileError(ValueError):
+    """A file cannot be read as a trajectory; the sentence names the line, the column and what is expected."""
+
+
+class Rows(NamedTuple):
+    """Consecutive rows of a file."""
+
+    names: list[str]
+    table: np.ndarray  # (n, n_columns)
+    numbers: np.ndarray  # (n,) their lines in the file, or their places among the rows
+    share: float  # of the file that is read by their end
+    word: str = "row"  # what the numbers count
+
+    def place(self, path: Path, row: int, column: str) -> str:
+        """Return where a number stands, for a sentence."""
+        return f"{path.name}: {self.word} {self.numbers[row]}, column {column!r}"
+
+
+def parts(path: Path, delimiter: str = ",") -> Iterator[Rows]:
+    """Yield the rows of a file, PART numbers at a time; the first part may be empty.
+
+    Raises FileError: no file, an unknown suffix, rows of unequal length, a cell that is no number, a column that
+    stands twice.
+    """
+    if path.suffix not in SUFFIXES:
+        raise FileError(f"{path}: suffix {path.suffix!r} is unknown; allowed: {', '.join(SUFFIXES)}")
+    if not path.is_file():
+        raise FileError(f"{path}: there is no such file")
+    try:
+        match path.suffix:
+            case ".npz":
+                yield from _npz(path)
+            case ".parquet":
+                yield from _parquet(path)
+            case _:
+                yield from _text(path, delimiter)
+    except FileError:
+        raise
+    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:  # pyarrow's own errors are of these classes
+        raise FileError(f"{path}: cannot be read as {path.suffix[1:].upper()}: {error}") from error
+
+
+def rows_of(path: Path, arrays: Mapping[str, np.ndarray]) -> Rows:
+    """Return arrays as rows: (n_rows,) is a column, (n_rows, k) are name[0] to name[k - 1]; raises FileError."""
+    columns = _own(arrays) if arrays.keys() >= OWN else _numeric(arrays)
+    _check_lengths(path, {name: len(column) for name, column in columns.items()})
+    table = np.column_stack(list(columns.values())) if columns else np.empty((0, 0))
+    return Rows(list(columns), table, np.arange(len(table)), 1.0)
+
+
+def _check_lengths(path: Path, lengths: Mapping[str, int]) -> None:
+    if len(set(lengths.values())) > 1:
+        problem = ", ".join(f"{name}: {length}" for name, length in lengths.items())
+        raise FileError(f"{path}: columns differ in length ({problem})")
+
+
+def _numeric(arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    values = {}
+    for name, array in arrays.items():
+        if array.dtype.kind in "fiu" and array.ndim == 1:
+            values[name] = array.astype(float)
+        elif array.dtype.kind in "fiu" and array.ndim == 2:
+            values |= {f"{name}[{k}]": column.astype(float) for k, column in enumerate(array.T)}
+    return values
+
+
+def _own(held: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the columns of an NPZ that `mbs-ref simulate -o` wrote, named as in its CSV."""
+    bodies = [str(body) for body in held["bodies"]]
+    return {"t": held["times"], **pose_columns(bodies, (held[name] for name in POSES))}
+
+
+def _text(path: Path, delimiter: str) -> Iterator[Rows]:
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        rows = csv.reader(file, delimiter=delimiter, skipinitialspace=True)
+        stripped = ((rows.line_num, [cell.strip() for cell in row]) for row in rows)
+        filled = ((line, row) for line, row in stripped if any(row) and not row[0].startswith("#"))
+        try:
+            line, names = next(filled, (0, []))
+            if not names:
+                raise FileError(f"{path}: is empty; expected: a header and a row a time")
+            _check_header(path, line, names)
+            size, count = path.stat().st_size, max(PART // len(names), 1)
+            part = list(islice(filled, count))
+            while True:
+                numbers = [_numbers(path, line, row, names) for line, row in part]
+                table, lines = np.array(numbers).reshape(-1, len(names)), np.array([line for line, _ in part])
+                yield Rows(names, table, lines, min(file.buffer.tell() / size, 1.0), "line")
+                if not (part := list(islice(filled, count))):
+                    return
+        except UnicodeDecodeError as error:
+            raise FileError(f"{path}: after line {rows.line_num} a byte is not UTF-8 text") from error
+        except csv.Error as error:
+            raise FileError(f"{path}: line {rows.line_num}: {error}") from error
+
+
+def _check_header(path: Path, line: int, names: list[str]) -> None:
+    if all(_number(name) is not None for name in names):
+        raise FileError(f"{path.name}: line {line} holds numbers; expected: the names of the columns")
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise FileError(f"{path.name}: line {line}, column {twice[0]!r} stands {names.count(twice[0])} times")
+
+
+def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> list[float]:
+    if len(row) != len(names):
+        problem = f"{len(row)} cells; expected: {len(names)}, as in the header"
+        raise FileError(f"{path.name}: line {line} has {problem}")
+    try:
+        return [float(cell) for cell in row]
+    except ValueError:
+        name, cell = next(pair for pair in zip(names, row, strict=True) if _number(pair[1]) is None)
+        raise FileError(f"{path.name}: line {line}, column {name!r}: {cell!r} is no number") from None
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None
+
+
+class _Member:
+    """An array of an NPZ file, read row by row; one that is stored column by column is read whole."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        version = np.lib.format.read_magic(file)
+        read = {(1, 0): np.lib.format.read_array_header_1_0}.get(version, np.lib.format.read_array_header_2_0)
+        self.shape, by_column, self.dtype = read(file)
+        if self.dtype.hasobject:
+            raise ValueError("an array of Python objects")
+        self.file, self.at, self.whole = file, 0, None
+        if by_column and len(self.shape) > 1:
+            self.whole = np.frombuffer(file.read(), self.dtype).reshape(self.shape, order="F")
+
+    def rows(self, count: int) -> np.ndarray:
+        self.at += count
+        if self.whole is not None:
+            return self.whole[self.at - count : self.at]
+        wanted = min(count, self.shape[0] - self.at + count)
+        size = self.dtype.itemsize * math.prod(self.shape[1:])
+        return np.frombuffer(self.file.read(wanted * size), self.dtype).reshape(wanted, *self.shape[1:])
+
+
+def _npz(path: Path) -> Iterator[Rows]:
+    with zipfile.ZipFile(path) as archive:
+        held = {name.removesuffix(".npy"): _Member(archive.open(name)) for name in archive.namelist()}
+        labels = {"bodies": held["bodies"].rows(2**31)} if held.keys() >= OWN else {}
+        wanted = OWN - {"bodies"} if labels else {k for k, m in held.items() if m.dtype.kind in "fiu"}
+        held = {name: held[name] for name in held if name in wanted and len(held[name].shape) in (1, 2, 3)}
+        lengths = {name: member.shape[0] for name, member in held.items()}
+        _check_lengths(path, lengths)
+        total, width = max(lengths.values(), default=0), sum(math.prod(member.shape[1:]) for member in held.values())
+        count = max(PART // max(width, 1), 1)
+        for start in range(0, max(total, 1), count):
+            part = rows_of(path, labels | {name: member.rows(count) for name, member in held.items()})
+            yield part._replace(numbers=part.numbers + start, share=min((start + count) / max(total, 1), 1.0))
+
+
+def _parquet(path: Path) -> Iterator[Rows]:
+    try:
+        parquet = importlib.import_module("pyarrow.parquet")
+    except ImportError as error:
+        raise FileError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
+    file, start = parquet.ParquetFile(path), 0
+    for batch in file.iter_batches(batch_size=max(PART // max(len(file.schema_arrow.names), 1), 1)):
+        names = batch.schema.names
+        part = rows_of(path, {name: batch.column(name).to_numpy(zero_copy_only=False) for name in names})
+        yield part._replace(numbers=part.numbers + start, share=(start + batch.num_rows) / file.metadata.num_rows)
+        start += batch.num_rows
