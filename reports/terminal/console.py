@@ -200,6 +200,6 @@ Exit codes:
   1  a validation failed: a run did not succeed, a cell is wrong
   2  usage: unknown name, bad value, bad scene file
   3  a requested engine is not installed
-  4  incomplete: interrupted; what was computed is stored
+  4  incomplete: interrupted, or storage, memory, a package or a number failed; what was computed is stored
   5  nothing was selected
 """
