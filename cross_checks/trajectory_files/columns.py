@@ -1,5 +1,7 @@
 """The columns of a file or of arrays by their names, thinned where they have more rows than are judged; units."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -29,6 +31,11 @@ class Columns(NamedTuple):
         """Return where a number stands, for a sentence."""
         number = row if self.numbers is None else self.numbers[row]
         return f"{self.path.name}: {self.word} {number}, column {column!r}"
+
+    def at(self, rows: np.ndarray) -> Columns:
+        """Return the table of some of its rows, given by their places (n,)."""
+        values = {name: column[rows] for name, column in self.values.items()}
+        return self._replace(values=values, numbers=rows if self.numbers is None else self.numbers[rows])
 
     @property
     def thinned(self) -> tuple[str, ...]:
@@ -73,7 +80,7 @@ class _Part(NamedTuple):
     marked: np.ndarray  # (n,) which remain in any case
     rows: Rows
 
-    def thinned(self, stride: int) -> "_Part":
+    def thinned(self, stride: int) -> _Part:
         keep = self.marked | (self.places % stride == 0)
         rows = self.rows._replace(table=self.rows.table[keep], numbers=self.rows.numbers[keep])
         return _Part(self.places[keep], self.marked[keep], rows)

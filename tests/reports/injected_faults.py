@@ -42,7 +42,8 @@ FAULTS: dict[str, Callable[[], BaseException]] = {
 CALLS = (
     ("open", builtins, "open"), ("open", io, "open"), ("open", os, "open"), ("write", os, "fsync"),
     ("write", os, "replace"), ("write", os, "mkdir"), ("memory", np, "empty"), ("memory", np, "zeros"),
-    ("memory", np, "full"), ("memory", np, "concatenate"), ("memory", np, "linspace"), ("import", builtins, "__import__"),
+    ("memory", np, "full"), ("memory", np, "concatenate"), ("memory", np, "linspace"),
+    ("import", builtins, "__import__"),
 )  # fmt: skip
 
 
