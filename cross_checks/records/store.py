@@ -54,20 +54,14 @@ def default_path() -> Path:
     return Path(named) if named else Path(root) / "mbs-ref" / "runs.sqlite"
 
 
-class StoreError(OSError):
-    """A store cannot be read or written; the sentence names its file."""
-
-    def __init__(self, path: Path | None, error: sqlite3.Error) -> None:
-        place = path or "the store in memory"
-        super().__init__(f"{place}: {error}: name another store by --store or MBS_REF_STORE, or move this one away")
-
-
 @contextmanager
 def _reached(path: Path | None) -> Iterator[None]:
+    """Raise an OSError that names the file where the store cannot be read or written."""
     try:
         yield
     except sqlite3.Error as error:
-        raise StoreError(path, error) from error
+        place = path or "the store in memory"
+        raise OSError(f"{place}: {error}: name another store by --store or MBS_REF_STORE, or move it away") from error
 
 
 class Store:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from cross_checks.trajectory_files import columns as units
-from cross_checks.trajectory_files.columns import FileError
+from cross_checks.trajectory_files.formats import FileError
 from mbs_ref.trajectory import COLUMNS, POSES
 
 AXIS = re.compile(r"-?[xyz]")

@@ -5,46 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.trajectory_files.formats import FileError, Rows, parts, rows_of
+from cross_checks.trajectory_files.formats import Columns, FileError, part_of, parts
 
 MOST_ROWS = 10_000  # that are judged of those that stand at regular places
 NONE = 2**62  # a stride that leaves no row but the first
 Only = tuple[np.ndarray, float]  # times of the rows that are wanted, and how far off they may be, in the file's unit
 Report = Callable[[int, int, str], None]  # done, total, what
-
-
-class Columns(NamedTuple):
-    """A table of numbers."""
-
-    path: Path
-    values: dict[str, np.ndarray]  # column -> (n_rows,)
-    numbers: np.ndarray | None = None  # (n_rows,) lines of the file, or places among its rows
-    word: str = "row"  # what the numbers count
-    total: int = 0  # rows of the file
-    stride: int = 1  # of every how many rows one is here
-
-    def place(self, row: int, column: str) -> str:
-        """Return where a number stands, for a sentence."""
-        number = row if self.numbers is None else self.numbers[row]
-        return f"{self.path.name}: {self.word} {number}, column {column!r}"
-
-    def at(self, rows: np.ndarray) -> Columns:
-        """Return the table of some of its rows, given by their places (n,)."""
-        values = {name: column[rows] for name, column in self.values.items()}
-        return self._replace(values=values, numbers=rows if self.numbers is None else self.numbers[rows])
-
-    @property
-    def thinned(self) -> tuple[str, ...]:
-        """A sentence where not every row is judged."""
-        if self.stride == 1:
-            return ()
-        count = len(next(iter(self.values.values())))
-        every = f"every {self.stride}th, and of each part of the file the one at which a column bends most"
-        return (f"{count} of {self.total} rows of {self.path.name} are judged: {every}",)
 
 
 def read_columns(
@@ -67,82 +36,64 @@ def columns_of(arrays: Mapping[str, np.ndarray], clock: str = "t", only: Only | 
     Raises FileError as `read_columns` does, and thins as it does.
     """
     path = Path("arrays")
-    return _kept(path, [rows_of(path, arrays)], clock, only, None)
+    return _kept(path, [part_of(path, arrays)], clock, only, None)
 
 
 def read_header(path: Path) -> list[str]:
     """Return the names of a file's columns. Raises FileError."""
-    return next(iter(parts(path))).names
+    return list(next(parts(path)).values)
 
 
-class _Part(NamedTuple):
-    places: np.ndarray  # (n,) among all rows
-    marked: np.ndarray  # (n,) which remain in any case
-    rows: Rows
-
-    def thinned(self, stride: int) -> _Part:
-        keep = self.marked | (self.places % stride == 0)
-        rows = self.rows._replace(table=self.rows.table[keep], numbers=self.rows.numbers[keep])
-        return _Part(self.places[keep], self.marked[keep], rows)
-
-
-def _kept(path: Path, every: Iterable[Rows], clock: str, only: Only | None, report: Report | None) -> Columns:
-    kept: list[_Part] = []
+def _kept(path: Path, every: Iterable[Columns], clock: str, only: Only | None, report: Report | None) -> Columns:
+    kept: list[tuple[Columns, np.ndarray, np.ndarray]] = []  # rows, their places, and which remain in any case
     total, stride, before = 0, 1 if only is None else NONE, -np.inf
-    for rows in every:
-        before = _checked(path, rows, clock, before)
-        kept.append(_Part(total + np.arange(len(rows.table)), _marked(rows, clock, only), rows))
-        total += len(rows.table)
-        while sum(np.count_nonzero(part.places % stride == 0) for part in kept) > MOST_ROWS:
+    for part in every:
+        before = _checked(part, clock, before)
+        kept.append((part, total + np.arange(len(part)), _marked(part, clock, only)))
+        total += len(part)
+        while sum(np.count_nonzero(places % stride == 0) for _, places, _ in kept) > MOST_ROWS:
             stride *= 2
-        kept = [part.thinned(stride) for part in kept]
+        keep = [marked | (places % stride == 0) for _, places, marked in kept]
+        kept = [
+            (part.at(own), places[own], marked[own]) for own, (part, places, marked) in zip(keep, kept, strict=True)
+        ]
         if report is not None:
-            report(int(100.0 * rows.share), 100, f"percent, {total} rows")
-    if total == 0 or not kept[0].rows.names:
+            report(int(100.0 * part.share), 100, f"% ({total} rows)")
+    if total == 0:
         raise FileError(f"{path}: holds no row of numbers; expected: a header and a row a time")
-    table, numbers = (np.concatenate([getattr(part.rows, name) for part in kept]) for name in ("table", "numbers"))
-    values = dict(zip(kept[0].rows.names, table.T, strict=True))
-    return Columns(path, values, numbers, kept[0].rows.word, total, 1 if stride == NONE else stride)
+    first, stride = kept[0][0], 1 if stride == NONE else stride
+    values = {name: np.concatenate([part.values[name] for part, _, _ in kept]) for name in first.values}
+    numbers = np.concatenate([part.numbers for part, _, _ in kept])
+    return Columns(path, values, numbers, first.word, total, stride)
 
 
-def _marked(part: Rows, clock: str, only: Only | None) -> np.ndarray:
+def _marked(part: Columns, clock: str, only: Only | None) -> np.ndarray:
     """Return which rows remain in any case (n,)."""
-    marked = np.zeros(len(part.table), dtype=bool)
+    marked = np.zeros(len(part), dtype=bool)
     if only is None:
         marked[-1:] = True
-        if len(part.table) > 2:
-            bends = np.abs(np.diff(part.table, 2, axis=0))
-            typical = bends.mean(axis=0)
-            marked[1 + np.argmax(np.max(bends / np.where(typical > 0.0, typical, 1.0), axis=1))] = True
-    elif clock in part.names and len(only[0]):
-        times, wanted = part.table[:, part.names.index(clock)], np.pad(only[0], 1, constant_values=(-np.inf, np.inf))
+        if len(part) > 2:
+            bends = [np.abs(np.diff(column, 2)) for column in part.values.values()]
+            marked[1 + np.argmax(np.max([bend / (bend.mean() or 1.0) for bend in bends], axis=0))] = True
+    elif clock in part.values:
+        times, wanted = part.values[clock], np.pad(only[0], 1, constant_values=(-np.inf, np.inf))
         after = np.searchsorted(wanted, times)
         marked = np.minimum(wanted[after] - times, times - wanted[after - 1]) <= only[1]
     return marked
 
 
-def _checked(path: Path, part: Rows, clock: str, before: float) -> float:
+def _checked(part: Columns, clock: str, before: float) -> float:
     """Raise FileError where a number is not finite or the clock goes back; return the clock's last value."""
-    bad = np.argwhere(~np.isfinite(part.table))
-    if len(bad):
-        row, column = bad[0]
-        raise FileError(f"{part.place(path, row, part.names[column])}: {part.table[row, column]} is not finite")
-    if clock not in part.names or not len(part.table):
-        return before
-    times = part.table[:, part.names.index(clock)]
-    back = is_increasing(np.append(before, times))
-    if back is not None:
-        earlier = before if back == 1 else times[back - 2]
-        raise FileError(
-            f"{part.place(path, back - 1, clock)}: {times[back - 1]:g} follows {earlier:g}; times must increase"
-        )
-    return float(times[-1])
-
-
-def is_increasing(times: np.ndarray) -> int | None:
-    """Return the first row whose time is not above the one before; None where all are."""
+    for name, column in part.values.items():
+        bad = np.flatnonzero(~np.isfinite(column))
+        if len(bad):
+            raise FileError(f"{part.place(int(bad[0]), name)}: {column[bad[0]]} is not finite")
+    times = np.append(before, part.values.get(clock, ()))
     back = np.flatnonzero(np.diff(times) <= 0.0)
-    return int(back[0]) + 1 if len(back) else None
+    if len(back):
+        problem = f"{times[back[0] + 1]:g} follows {times[back[0]]:g}; times must increase"
+        raise FileError(f"{part.place(int(back[0]), clock)}: {problem}")
+    return float(times[-1])
 
 
 UNITS = {

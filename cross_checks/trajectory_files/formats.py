@@ -1,5 +1,7 @@
 """The rows of a file in parts of bounded size: CSV, NPZ or Parquet."""
 
+from __future__ import annotations
+
 import csv
 import importlib
 import math
@@ -22,21 +24,34 @@ class FileError(ValueError):
     """A file cannot be read as a trajectory; the sentence names the line, the column and what is expected."""
 
 
-class Rows(NamedTuple):
-    """Consecutive rows of a file."""
+class Columns(NamedTuple):
+    """A table of numbers, or a part of one."""
 
-    names: list[str]
-    table: np.ndarray  # (n, n_columns)
-    numbers: np.ndarray  # (n,) their lines in the file, or their places among the rows
-    share: float  # of the file that is read by their end
+    path: Path
+    values: dict[str, np.ndarray]  # column -> (n_rows,)
+    numbers: np.ndarray | None = None  # (n_rows,) lines of the file, or places among its rows
     word: str = "row"  # what the numbers count
+    total: int = 0  # rows of the file
+    stride: int = 1  # of every how many rows one is here
+    share: float = 1.0  # of the file that is read by its end
 
-    def place(self, path: Path, row: int, column: str) -> str:
+    def __len__(self) -> int:
+        return len(next(iter(self.values.values()), ()))
+
+    def place(self, row: int, column: str) -> str:
         """Return where a number stands, for a sentence."""
-        return f"{path.name}: {self.word} {self.numbers[row]}, column {column!r}"
+        number = row if self.numbers is None else self.numbers[row]
+        return f"{self.path.name}: {self.word} {number}, column {column!r}"
+
+    def at(self, rows: np.ndarray) -> Columns:
+        """Return some of the rows, given by their places or a mask (n,)."""
+        values = {name: column[rows] for name, column in self.values.items()}
+        return self._replace(
+            values=values, numbers=np.arange(len(self))[rows] if self.numbers is None else self.numbers[rows]
+        )
 
 
-def parts(path: Path, delimiter: str = ",") -> Iterator[Rows]:
+def parts(path: Path, delimiter: str = ",") -> Iterator[Columns]:
     """Yield the rows of a file, PART numbers at a time; the first part may be empty.
 
     Raises FileError: no file, an unknown suffix, rows of unequal length, a cell that is no number, a column that
@@ -60,12 +75,11 @@ def parts(path: Path, delimiter: str = ",") -> Iterator[Rows]:
         raise FileError(f"{path}: cannot be read as {path.suffix[1:].upper()}: {error}") from error
 
 
-def rows_of(path: Path, arrays: Mapping[str, np.ndarray]) -> Rows:
-    """Return arrays as rows: (n_rows,) is a column, (n_rows, k) are name[0] to name[k - 1]; raises FileError."""
+def part_of(path: Path, arrays: Mapping[str, np.ndarray]) -> Columns:
+    """Return arrays as columns: (n_rows,) is one, (n_rows, k) are name[0] to name[k - 1]; raises FileError."""
     columns = _own(arrays) if arrays.keys() >= OWN else _numeric(arrays)
     _check_lengths(path, {name: len(column) for name, column in columns.items()})
-    table = np.column_stack(list(columns.values())) if columns else np.empty((0, 0))
-    return Rows(list(columns), table, np.arange(len(table)), 1.0)
+    return Columns(path, columns)
 
 
 def _check_lengths(path: Path, lengths: Mapping[str, int]) -> None:
@@ -90,7 +104,7 @@ def _own(held: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     return {"t": held["times"], **pose_columns(bodies, (held[name] for name in POSES))}
 
 
-def _text(path: Path, delimiter: str) -> Iterator[Rows]:
+def _text(path: Path, delimiter: str) -> Iterator[Columns]:
     with path.open(encoding="utf-8-sig", newline="") as file:
         rows = csv.reader(file, delimiter=delimiter, skipinitialspace=True)
         stripped = ((rows.line_num, [cell.strip() for cell in row]) for row in rows)
@@ -105,7 +119,8 @@ def _text(path: Path, delimiter: str) -> Iterator[Rows]:
             while True:
                 numbers = [_numbers(path, line, row, names) for line, row in part]
                 table, lines = np.array(numbers).reshape(-1, len(names)), np.array([line for line, _ in part])
-                yield Rows(names, table, lines, min(file.buffer.tell() / size, 1.0), "line")
+                values = dict(zip(names, table.T, strict=True))
+                yield Columns(path, values, lines, "line", share=min(file.buffer.tell() / size, 1.0))
                 if not (part := list(islice(filled, count))):
                     return
         except UnicodeDecodeError as error:
@@ -162,7 +177,7 @@ class _Member:
         return np.frombuffer(self.file.read(wanted * size), self.dtype).reshape(wanted, *self.shape[1:])
 
 
-def _npz(path: Path) -> Iterator[Rows]:
+def _npz(path: Path) -> Iterator[Columns]:
     with zipfile.ZipFile(path) as archive:
         held = {name.removesuffix(".npy"): _Member(archive.open(name)) for name in archive.namelist()}
         labels = {"bodies": held["bodies"].rows(2**31)} if held.keys() >= OWN else {}
@@ -173,11 +188,12 @@ def _npz(path: Path) -> Iterator[Rows]:
         total, width = max(lengths.values(), default=0), sum(math.prod(member.shape[1:]) for member in held.values())
         count = max(PART // max(width, 1), 1)
         for start in range(0, max(total, 1), count):
-            part = rows_of(path, labels | {name: member.rows(count) for name, member in held.items()})
-            yield part._replace(numbers=part.numbers + start, share=min((start + count) / max(total, 1), 1.0))
+            part = part_of(path, labels | {name: member.rows(count) for name, member in held.items()})
+            end = start + len(part)
+            yield part._replace(numbers=np.arange(start, end), share=end / max(total, 1))
 
 
-def _parquet(path: Path) -> Iterator[Rows]:
+def _parquet(path: Path) -> Iterator[Columns]:
     try:
         parquet = importlib.import_module("pyarrow.parquet")
     except ImportError as error:
@@ -185,6 +201,9 @@ def _parquet(path: Path) -> Iterator[Rows]:
     file, start = parquet.ParquetFile(path), 0
     for batch in file.iter_batches(batch_size=max(PART // max(len(file.schema_arrow.names), 1), 1)):
         names = batch.schema.names
-        part = rows_of(path, {name: batch.column(name).to_numpy(zero_copy_only=False) for name in names})
-        yield part._replace(numbers=part.numbers + start, share=(start + batch.num_rows) / file.metadata.num_rows)
-        start += batch.num_rows
+        part, end = (
+            part_of(path, {name: batch.column(name).to_numpy(zero_copy_only=False) for name in names}),
+            start + batch.num_rows,
+        )
+        yield part._replace(numbers=np.arange(start, end), share=end / file.metadata.num_rows)
+        start = end

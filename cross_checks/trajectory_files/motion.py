@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.column_map import AngularVelocity, Body, ColumnMap, Orientation, own_map, read_map
-from cross_checks.trajectory_files.columns import Columns, Only, Report, columns_of, is_increasing, read_columns
-from cross_checks.trajectory_files.formats import FileError
+from cross_checks.trajectory_files.columns import Only, Report, columns_of, read_columns
+from cross_checks.trajectory_files.formats import Columns, FileError
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.messages import suggest
 from mbs_ref.trajectory import POSES, Trajectory, pose_shapes
@@ -43,11 +43,14 @@ def described_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> Descr
         k = scene.body_names.index(name)
         for part, values in _Reader(columns, stated, d, name, times).read(body).items():
             state[part][:, k] = values
-    return DescribedMotion(Trajectory(times, **state), (*columns.thinned, *_missing(scene, stated)))
+    return DescribedMotion(Trajectory(times, **state), _missing(scene, columns, stated))
 
 
-def _missing(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:
+def _missing(scene: Scene, columns: Columns, stated: ColumnMap) -> tuple[str, ...]:
     sentences = []
+    if columns.stride > 1:
+        rows = f"{len(columns)} of {columns.total} rows of {columns.path.name} are judged: every {columns.stride}th"
+        sentences.append(f"{rows}, and of each part of the file the one at which a column bends most")
     for body in scene.bodies:
         own = stated.bodies.get(body.name)
         left_out = list(POSES) if own is None else own.missing
@@ -62,10 +65,6 @@ def _missing(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:
 def _times(scene: Scene, columns: Columns, stated: ColumnMap) -> np.ndarray:
     name = stated.time.column
     times = _column(columns, name, "time") * units.factor("time", stated.time.unit)
-    back = is_increasing(times)
-    if back is not None:
-        problem = f"{times[back]:g} s follows {times[back - 1]:g} s"
-        raise FileError(f"{columns.place(back, name)}: {problem}; times must increase")
     slack = 1e-9 * scene.duration
     outside = np.flatnonzero((times < -slack) | (times > scene.duration + slack))
     if len(outside):
@@ -235,19 +234,11 @@ def read_motion(
     return Read(columns, stated, described_motion(scene, columns, stated))
 
 
-def in_common(
-    first: Read, scene: Scene, files: Sequence[tuple[Path, Path | None]], report: Report | None = None
-) -> tuple[DescribedMotion, DescribedMotion]:
-    """Read the second of two files with their maps; return both motions.
-
-    Where rows are left out, the file with more rows is read again at the times of the other.
-    """
-    (path, path_map), (other, other_map) = files
-    second = read_motion(other, scene, other_map, report=report)
-    if first.columns.stride == second.columns.stride == 1:
-        return first.motion, second.motion
-    if first.columns.total < second.columns.total:
-        second = read_motion(other, scene, other_map, first.motion.path.times, report)
-    else:
-        first = read_motion(path, scene, path_map, second.motion.path.times, report)
-    return first.motion, second.motion
+def in_common(scene: Scene, files: Sequence[tuple[Path, Path | None]], report: Report) -> list[DescribedMotion]:
+    """Read two files with their maps; of rows that are left out, the longer file's are at the times of the shorter."""
+    both = [read_motion(path, scene, own, report=report) for path, own in files]
+    if any(one.columns.stride > 1 for one in both):
+        longer = int(both[1].columns.total > both[0].columns.total)
+        path, own = files[longer]
+        both[longer] = read_motion(path, scene, own, both[1 - longer].motion.path.times, report)
+    return [one.motion for one in both]

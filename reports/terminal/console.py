@@ -96,15 +96,6 @@ def complain(problems: Iterable[str]) -> None:
 
 
 @contextmanager
-def writing(what: object) -> Iterator[None]:
-    """Raise Failed where a file cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        raise Failed(f"{what}: cannot be written: {error.strerror}") from error
-
-
-@contextmanager
 def interruptible(done: Callable[[], str]) -> Iterator[None]:
     """Raise Incomplete on Ctrl-C, with what is done."""
     try:

@@ -9,7 +9,10 @@ from reports.terminal.console import Incomplete
 FAULTS = (OSError, MemoryError, ImportError, ArithmeticError)  # that a command cannot answer for
 NEXT = {
     errno.ENOSPC: "free space", errno.EDQUOT: "free space", errno.EMFILE: "allow more open files (ulimit -n)",
-    **dict.fromkeys((errno.EACCES, errno.EPERM, errno.EROFS), "choose a place that can be written"),
+    **dict.fromkeys(
+        (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR),
+        "name a place that can be read and written (by an option, MBS_REF_STORE or XDG_CACHE_HOME)",
+    ),
 }  # fmt: skip
 
 

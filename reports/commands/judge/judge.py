@@ -66,17 +66,15 @@ def command(
     try:
         if write_map is not None:
             return _begin_map(Path(file), chosen, write_map)
-        with console.progress(f"reading {file}") as report:
-            read = read_motion(Path(file), chosen, _path(map_file), report=report)
-        with open_runs([chosen], store) as runs:
+        with open_runs([chosen], store) as runs, console.progress(f"reading {file}") as report:
             if against is None:
+                read = read_motion(Path(file), chosen, _path(map_file), report=report)
                 with console.awaited(f"computing the truth of {chosen.name} at the times of {file}, once"):
                     result = judged(chosen, read, truth_at(runs, chosen), limit)
             else:
                 files = (Path(file), _path(map_file)), (Path(against), _path(against_map or map_file))
-                with console.progress(f"reading {against}") as report:
-                    both = in_common(read, chosen, files, report)
-                result = judgement(chosen, *as_truth(chosen, *both, Path(against).name), limit)
+                ours, theirs = in_common(chosen, files, report)
+                result = judgement(chosen, *as_truth(chosen, ours, theirs, Path(against).name), limit)
     except FileError as error:
         raise click.UsageError(str(error)) from error
     if drawing is not None:

@@ -9,7 +9,7 @@ from cross_checks.trajectory_files import columns, formats
 from cross_checks.trajectory_files.columns import read_columns
 from cross_checks.trajectory_files.formats import FileError
 from cross_checks.trajectory_files.judgement import as_truth
-from cross_checks.trajectory_files.motion import in_common, read_motion
+from cross_checks.trajectory_files.motion import in_common
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -72,7 +72,6 @@ def test_two_long_files_are_compared_at_the_times_of_the_shorter(tmp_path):
         files.append((tmp_path / f"{samples}.npz", None))
         write_poses(path, list(scene.body_names), files[-1][0])
     for both in (files, files[::-1]):
-        first = read_motion(both[0][0], scene)
-        ours, truth = as_truth(scene, *in_common(first, scene, both), "other")
+        ours, truth = as_truth(scene, *in_common(scene, both, lambda done, total, what: None), "other")
         assert 50 >= len(ours.path.times) > 20
         assert np.max(np.abs(ours.path.position - truth.position)) < 1e-7
