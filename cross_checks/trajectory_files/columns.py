@@ -11,6 +11,7 @@ import numpy as np
 from cross_checks.trajectory_files.formats import Columns, FileError, part_of, parts
 
 MOST_ROWS = 10_000  # that are judged of those that stand at regular places
+NO_ROWS = "holds no row of numbers; expected: a header and a row a time"
 NONE = 2**62  # a stride that leaves no row but the first
 Only = tuple[np.ndarray, float]  # times of the rows that are wanted, and how far off they may be, in the file's unit
 Report = Callable[[int, int, str], None]  # done, total, what
@@ -41,7 +42,10 @@ def columns_of(arrays: Mapping[str, np.ndarray], clock: str = "t", only: Only | 
 
 def read_header(path: Path) -> list[str]:
     """Return the names of a file's columns. Raises FileError."""
-    return list(next(parts(path)).values)
+    first = next(parts(path), None)
+    if first is None:
+        raise FileError(f"{path}: {NO_ROWS}")
+    return list(first.values)
 
 
 def _kept(path: Path, every: Iterable[Columns], clock: str, only: Only | None, report: Report | None) -> Columns:
@@ -60,7 +64,7 @@ def _kept(path: Path, every: Iterable[Columns], clock: str, only: Only | None, r
         if report is not None:
             report(int(100.0 * part.share), 100, f"% ({total} rows)")
     if total == 0:
-        raise FileError(f"{path}: holds no row of numbers; expected: a header and a row a time")
+        raise FileError(f"{path}: {NO_ROWS}")
     first, stride = kept[0][0], 1 if stride == NONE else stride
     values = {name: np.concatenate([part.values[name] for part, _, _ in kept]) for name in first.values}
     numbers = np.concatenate([part.numbers for part, _, _ in kept])

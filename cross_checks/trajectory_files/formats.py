@@ -7,9 +7,10 @@ import importlib
 import math
 import zipfile
 from collections.abc import Iterator, Mapping
-from itertools import islice
+from dataclasses import dataclass, replace
+from itertools import batched
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO
 
 import numpy as np
 
@@ -24,7 +25,8 @@ class FileError(ValueError):
     """A file cannot be read as a trajectory; the sentence names the line, the column and what is expected."""
 
 
-class Columns(NamedTuple):
+@dataclass(frozen=True)
+class Columns:
     """A table of numbers, or a part of one."""
 
     path: Path
@@ -45,14 +47,12 @@ class Columns(NamedTuple):
 
     def at(self, rows: np.ndarray) -> Columns:
         """Return some of the rows, given by their places or a mask (n,)."""
-        values = {name: column[rows] for name, column in self.values.items()}
-        return self._replace(
-            values=values, numbers=np.arange(len(self))[rows] if self.numbers is None else self.numbers[rows]
-        )
+        numbers = np.arange(len(self)) if self.numbers is None else self.numbers
+        return replace(self, values={k: v[rows] for k, v in self.values.items()}, numbers=numbers[rows])
 
 
 def parts(path: Path, delimiter: str = ",") -> Iterator[Columns]:
-    """Yield the rows of a file, PART numbers at a time; the first part may be empty.
+    """Yield the rows of a file, PART numbers at a time.
 
     Raises FileError: no file, an unknown suffix, rows of unequal length, a cell that is no number, a column that
     stands twice.
@@ -71,7 +71,13 @@ def parts(path: Path, delimiter: str = ",") -> Iterator[Columns]:
                 yield from _text(path, delimiter)
     except FileError:
         raise
-    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:  # pyarrow's own errors are of these classes
+    except (
+        OSError,
+        EOFError,
+        ValueError,
+        csv.Error,
+        zipfile.BadZipFile,
+    ) as error:  # pyarrow's own are of these classes
         raise FileError(f"{path}: cannot be read as {path.suffix[1:].upper()}: {error}") from error
 
 
@@ -109,24 +115,14 @@ def _text(path: Path, delimiter: str) -> Iterator[Columns]:
         rows = csv.reader(file, delimiter=delimiter, skipinitialspace=True)
         stripped = ((rows.line_num, [cell.strip() for cell in row]) for row in rows)
         filled = ((line, row) for line, row in stripped if any(row) and not row[0].startswith("#"))
-        try:
-            line, names = next(filled, (0, []))
-            if not names:
-                raise FileError(f"{path}: is empty; expected: a header and a row a time")
-            _check_header(path, line, names)
-            size, count = path.stat().st_size, max(PART // len(names), 1)
-            part = list(islice(filled, count))
-            while True:
-                numbers = [_numbers(path, line, row, names) for line, row in part]
-                table, lines = np.array(numbers).reshape(-1, len(names)), np.array([line for line, _ in part])
-                values = dict(zip(names, table.T, strict=True))
-                yield Columns(path, values, lines, "line", share=min(file.buffer.tell() / size, 1.0))
-                if not (part := list(islice(filled, count))):
-                    return
-        except UnicodeDecodeError as error:
-            raise FileError(f"{path}: after line {rows.line_num} a byte is not UTF-8 text") from error
-        except csv.Error as error:
-            raise FileError(f"{path}: line {rows.line_num}: {error}") from error
+        line, names = next(filled, (0, []))
+        if not names:
+            raise FileError(f"{path}: is empty; expected: a header and a row a time")
+        _check_header(path, line, names)
+        for part in batched(filled, max(PART // len(names), 1)):
+            table = np.array([_numbers(path, line, row, names) for line, row in part])
+            values, lines = dict(zip(names, table.T, strict=True)), np.array([line for line, _ in part])
+            yield Columns(path, values, lines, "line", share=min(file.buffer.tell() / path.stat().st_size, 1.0))
 
 
 def _check_header(path: Path, line: int, names: list[str]) -> None:
@@ -187,10 +183,9 @@ def _npz(path: Path) -> Iterator[Columns]:
         _check_lengths(path, lengths)
         total, width = max(lengths.values(), default=0), sum(math.prod(member.shape[1:]) for member in held.values())
         count = max(PART // max(width, 1), 1)
-        for start in range(0, max(total, 1), count):
+        for start in range(0, total, count):
             part = part_of(path, labels | {name: member.rows(count) for name, member in held.items()})
-            end = start + len(part)
-            yield part._replace(numbers=np.arange(start, end), share=end / max(total, 1))
+            yield _placed(part, start, total)
 
 
 def _parquet(path: Path) -> Iterator[Columns]:
@@ -200,10 +195,13 @@ def _parquet(path: Path) -> Iterator[Columns]:
         raise FileError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
     file, start = parquet.ParquetFile(path), 0
     for batch in file.iter_batches(batch_size=max(PART // max(len(file.schema_arrow.names), 1), 1)):
-        names = batch.schema.names
-        part, end = (
-            part_of(path, {name: batch.column(name).to_numpy(zero_copy_only=False) for name in names}),
-            start + batch.num_rows,
+        part = part_of(
+            path, {k: v.to_numpy(zero_copy_only=False) for k, v in zip(batch.schema.names, batch, strict=True)}
         )
-        yield part._replace(numbers=np.arange(start, end), share=end / file.metadata.num_rows)
-        start = end
+        yield _placed(part, start, file.metadata.num_rows)
+        start += len(part)
+
+
+def _placed(part: Columns, start: int, total: int) -> Columns:
+    end = start + len(part)
+    return replace(part, numbers=np.arange(start, end), share=end / total)
