@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
@@ -15,7 +16,7 @@ from cross_checks.records.store import Store
 from reports.cli import main
 from tests.reports.injected_faults import Gate, Place, injected
 
-QUICK = 8  # faults of a command in every run of the tests
+QUICK = 25  # faults of a command in every run of the tests
 MOST = 60  # in the nightly one
 EXIT_CODES = range(6)
 COMMANDS = {
@@ -41,9 +42,9 @@ def run(command: str, place: Path, gate: Gate) -> Result:
         return CliRunner().invoke(main, words, prog_name="mbs-ref", env={"MBS_REF_STORE": str(place / "store.sqlite")})
 
 
-def _rows(place: Path) -> set[str]:
+def _rows(place: Path) -> set[tuple]:
     with closing(sqlite3.connect(place / "store.sqlite")) as base:
-        return {key for (key,) in base.execute("SELECT key FROM runs")}
+        return {row for table in ("runs", "arrays") for row in base.execute(f"SELECT * FROM {table}")}
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,8 @@ def filled(tmp_path_factory) -> Path:
     """A folder with a small store and the files of earlier commands."""
     place = tmp_path_factory.mktemp("filled")
     (place / "swing.py").write_text(ADAPTER)
+    with Store(place / "store.sqlite") as store:
+        store.keep_arrays("earlier", {"of": "a truth"}, {"numbers": np.arange(3.0)})
     for command in ("simulate", "judge"):
         done = run(command, place, Gate())
         assert done.exit_code == 0, done.output
@@ -90,10 +93,9 @@ def test_faults_end_in_a_line_and_lose_nothing(command, filled, tmp_path):
 def test_a_damaged_run_is_computed_again_and_a_file_that_is_no_store_is_named(filled, tmp_path):
     place = shutil.copytree(filled, tmp_path / "damaged")
     with closing(sqlite3.connect(place / "store.sqlite")) as base, base:
-        base.execute("UPDATE runs SET samples = x'00'")
-        key = base.execute("SELECT key FROM runs").fetchone()[0]
+        base.execute("UPDATE arrays SET data = x'00'")
     with Store(place / "store.sqlite") as store:
-        assert store.run(key) is None
+        assert store.arrays("earlier") is None
     (place / "store.sqlite").write_text("no database at all, but a text that is long enough")
     done = run("judge", place, Gate())
     assert done.exit_code == 4
