@@ -39,11 +39,14 @@ FAULTS: dict[str, Callable[[], BaseException]] = {
     "memory": lambda: MemoryError("Unable to allocate 9 GiB"),
     "import": lambda: ImportError("No module named 'absent'", name="absent"),
 }
+ALLOCATE = (
+    "empty", "empty_like", "zeros", "zeros_like", "ones", "full", "full_like", "array", "stack", "column_stack",
+    "concatenate", "append", "arange", "linspace", "geomspace", "repeat", "union1d", "unique", "where", "pad",
+)  # fmt: skip
 CALLS = (
     ("open", builtins, "open"), ("open", io, "open"), ("open", os, "open"), ("write", os, "fsync"),
-    ("write", os, "replace"), ("write", os, "mkdir"), ("memory", np, "empty"), ("memory", np, "zeros"),
-    ("memory", np, "full"), ("memory", np, "concatenate"), ("memory", np, "linspace"),
-    ("import", builtins, "__import__"),
+    ("write", os, "replace"), ("write", os, "mkdir"), ("import", builtins, "__import__"),
+    *(("memory", np, name) for name in ALLOCATE),
 )  # fmt: skip
 
 
