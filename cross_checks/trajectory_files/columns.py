@@ -67,7 +67,7 @@ def _kept(path: Path, every: Iterable[Columns], clock: str, only: Only | None, r
         raise FileError(f"{path}: {NO_ROWS}")
     first, stride = kept[0][0], 1 if stride == NONE else stride
     values = {name: np.concatenate([part.values[name] for part, _, _ in kept]) for name in first.values}
-    numbers = np.concatenate([part.numbers for part, _, _ in kept])
+    numbers = np.concatenate([part.counted for part, _, _ in kept])
     return Columns(path, values, numbers, first.word, total, stride)
 
 

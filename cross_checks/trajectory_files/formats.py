@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import importlib
+import io
 import math
 import zipfile
 from collections.abc import Iterator, Mapping
@@ -40,15 +41,18 @@ class Columns:
     def __len__(self) -> int:
         return len(next(iter(self.values.values()), ()))
 
+    @property
+    def counted(self) -> np.ndarray:
+        """The lines, or places, of all rows (n_rows,)."""
+        return np.arange(len(self)) if self.numbers is None else self.numbers
+
     def place(self, row: int, column: str) -> str:
         """Return where a number stands, for a sentence."""
-        number = row if self.numbers is None else self.numbers[row]
-        return f"{self.path.name}: {self.word} {number}, column {column!r}"
+        return f"{self.path.name}: {self.word} {self.counted[row]}, column {column!r}"
 
     def at(self, rows: np.ndarray) -> Columns:
         """Return some of the rows, given by their places or a mask (n,)."""
-        numbers = np.arange(len(self)) if self.numbers is None else self.numbers
-        return replace(self, values={k: v[rows] for k, v in self.values.items()}, numbers=numbers[rows])
+        return replace(self, values={k: v[rows] for k, v in self.values.items()}, numbers=self.counted[rows])
 
 
 def parts(path: Path, delimiter: str = ",") -> Iterator[Columns]:
@@ -111,7 +115,7 @@ def _own(held: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def _text(path: Path, delimiter: str) -> Iterator[Columns]:
-    with path.open(encoding="utf-8-sig", newline="") as file:
+    with path.open("rb") as raw, io.TextIOWrapper(raw, encoding="utf-8-sig", newline="") as file:
         rows = csv.reader(file, delimiter=delimiter, skipinitialspace=True)
         stripped = ((rows.line_num, [cell.strip() for cell in row]) for row in rows)
         filled = ((line, row) for line, row in stripped if any(row) and not row[0].startswith("#"))
@@ -122,7 +126,7 @@ def _text(path: Path, delimiter: str) -> Iterator[Columns]:
         for part in batched(filled, max(PART // len(names), 1)):
             table = np.array([_numbers(path, line, row, names) for line, row in part])
             values, lines = dict(zip(names, table.T, strict=True)), np.array([line for line, _ in part])
-            yield Columns(path, values, lines, "line", share=min(file.buffer.tell() / path.stat().st_size, 1.0))
+            yield Columns(path, values, lines, "line", share=min(raw.tell() / path.stat().st_size, 1.0))
 
 
 def _check_header(path: Path, line: int, names: list[str]) -> None:

@@ -45,7 +45,7 @@ def test_a_long_file_is_thinned_evenly_and_rows_that_stand_out_remain(name, tmp_
     table, seen = spiked(), []
     read = read_columns(written(tmp_path / name, table), report=lambda done, total, what: seen.append(done / total))
     first = 2 if read.word == "line" else 0
-    rows = read.numbers - first
+    rows = read.counted - first
     assert (read.total, read.stride) == (ROWS, 32)
     assert set(range(0, ROWS, 32)) | {777, ROWS - 1} <= set(rows)
     assert len(rows) < 50 + 2 * len(seen)
