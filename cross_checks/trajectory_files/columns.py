@@ -10,7 +10,7 @@ import numpy as np
 
 from cross_checks.trajectory_files.formats import Columns, FileError, part_of, parts
 
-MOST_ROWS = 10_000  # that are judged of those that stand at regular places
+MOST_ROWS = 4000  # that are judged of those that stand at regular places
 NO_ROWS = "holds no row of numbers; expected: a header and a row a time"
 NONE = 2**62  # a stride that leaves no row but the first
 Only = tuple[np.ndarray, float]  # times of the rows that are wanted, and how far off they may be, in the file's unit
