@@ -12,6 +12,7 @@ import click
 from reports import commands
 from reports.terminal import console as exit_codes
 from reports.terminal.console import Incomplete
+from reports.terminal.faults import FAULTS, fault
 
 
 class Commands(click.Group):
@@ -44,6 +45,10 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except KeyboardInterrupt:
             raise Incomplete("interrupted") from None
+        except FAULTS as error:
+            if isinstance(error, BrokenPipeError):  # the reader of the output has ended
+                raise
+            raise fault(error) from error
 
 
 @cache

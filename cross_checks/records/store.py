@@ -12,6 +12,10 @@ import json
 import os
 import sqlite3
 import threading
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,6 +32,7 @@ CREATE TABLE IF NOT EXISTS runs (key TEXT PRIMARY KEY, record TEXT NOT NULL, sam
 CREATE TABLE IF NOT EXISTS timings (key TEXT, host TEXT, loops TEXT NOT NULL, PRIMARY KEY (key, host));
 CREATE TABLE IF NOT EXISTS arrays (key TEXT PRIMARY KEY, facts TEXT NOT NULL, data BLOB NOT NULL);
 """
+UNREADABLE = (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error)  # of damaged bytes
 PATIENCE = 60.0  # s to wait for another process that writes
 
 
@@ -49,6 +54,16 @@ def default_path() -> Path:
     return Path(named) if named else Path(root) / "mbs-ref" / "runs.sqlite"
 
 
+@contextmanager
+def _reached(path: Path | None) -> Iterator[None]:
+    """Raise an OSError that names the file where the store cannot be read or written."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        place = path or "the store in memory"
+        raise OSError(f"{place}: {error}: name another store by --store or MBS_REF_STORE, or move it away") from error
+
+
 class Store:
     """A store in a file, or in memory without one. Safe to use from several threads and processes."""
 
@@ -57,10 +72,11 @@ class Store:
             path.parent.mkdir(parents=True, exist_ok=True)
         self.path = path
         self._lock = threading.Lock()
-        self._base = sqlite3.connect(path or ":memory:", timeout=PATIENCE, check_same_thread=False)
-        self._base.execute("PRAGMA journal_mode=WAL")
-        self._base.execute("PRAGMA synchronous=NORMAL")
-        self._base.executescript(TABLES)
+        with _reached(path):
+            self._base = sqlite3.connect(path or ":memory:", timeout=PATIENCE, check_same_thread=False)
+            self._base.execute("PRAGMA journal_mode=WAL")
+            self._base.execute("PRAGMA synchronous=NORMAL")
+            self._base.executescript(TABLES)
 
     def __enter__(self) -> Store:
         return self
@@ -74,8 +90,9 @@ class Store:
 
     def run(self, key: str) -> Run | None:
         """Return what is kept under a key."""
-        row = self._one("SELECT record, samples FROM runs WHERE key = ?", key)
-        return None if row is None else Run(from_dict(json.loads(row[0])), _unpacked(row[1]))
+        return self._decoded(
+            "runs", "record, samples", key, lambda r: Run(from_dict(json.loads(r[0])), _unpacked(r[1]))
+        )
 
     def keep_run(self, key: str, run: Run) -> None:
         """Keep a run whole or not at all; the first one kept stays. ValueError where its record holds NaN."""
@@ -93,8 +110,7 @@ class Store:
 
     def arrays(self, key: str) -> tuple[dict[str, Any], dict[str, np.ndarray]] | None:
         """Return facts and arrays kept under a key, for truths that took long to make."""
-        row = self._one("SELECT facts, data FROM arrays WHERE key = ?", key)
-        return None if row is None else (json.loads(row[0]), _arrays(row[1]))
+        return self._decoded("arrays", "facts, data", key, lambda row: (json.loads(row[0]), _arrays(row[1])))
 
     def keep_arrays(self, key: str, facts: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
         """Keep facts and arrays under a key."""
@@ -102,7 +118,7 @@ class Store:
 
     def merge(self, other: Path) -> int:
         """Add the runs of another store that this one lacks; return how many."""
-        with self._lock:
+        with self._lock, _reached(self.path):
             self._base.execute("ATTACH ? AS other", (str(other),))
             try:
                 with self._base:
@@ -114,13 +130,26 @@ class Store:
         row = self._one("SELECT count(*) FROM runs")
         return 0 if row is None else int(row[0])
 
+    def _decoded[T](self, table: str, columns: str, key: str, decode: Callable[[Any], T]) -> T | None:
+        """Return what is stored under a key; what cannot be decoded is removed, so that it is computed again."""
+        row = self._one(f"SELECT {columns} FROM {table} WHERE key = ?", key)
+        try:
+            return None if row is None else decode(row)
+        except UNREADABLE:
+            self._write(f"DELETE FROM {table} WHERE key = ?", key)
+            return None
+
     def _one(self, query: str, *given: Any) -> Any:
-        with self._lock:
+        with self._lock, _reached(self.path):
             return self._base.execute(query, given).fetchone()
 
     def _write(self, query: str, *given: Any) -> None:
-        with self._lock, self._base:
+        with self._lock, _reached(self.path), self._base:
             self._base.execute(query, given)
+
+
+def _stored_run(row: tuple[str, bytes | None]) -> Run:
+    return Run(from_dict(json.loads(row[0])), _unpacked(row[1]))
 
 
 def _packed(path: Trajectory | None) -> bytes | None:

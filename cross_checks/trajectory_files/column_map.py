@@ -10,7 +10,7 @@ import tomli_w
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from cross_checks.trajectory_files import columns as units
-from cross_checks.trajectory_files.columns import FileError
+from cross_checks.trajectory_files.formats import FileError
 from mbs_ref.trajectory import POSES
 
 OWN = tomllib.loads((files(__package__) / "own_map.toml").read_text(encoding="utf-8"))  # plane or space -> part

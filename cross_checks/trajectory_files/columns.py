@@ -1,170 +1,103 @@
-"""The numbers of a file by the names of their columns: CSV, NPZ or Parquet."""
+"""The columns of a file or of arrays by their names, thinned where they have more rows than are judged; units."""
 
-import csv
-import importlib
+from __future__ import annotations
+
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.trajectory import POSES, pose_columns
+from cross_checks.trajectory_files.formats import Columns, FileError, part_of, parts
 
-SUFFIXES = (".csv", ".txt", ".tsv", ".npz", ".parquet")
-
-
-OWN = {"bodies", "times", *POSES}  # in the files that `mbs-ref simulate -o` writes
-
-
-class FileError(ValueError):
-    """A file cannot be read as a trajectory; the sentence names the line, the column and what is expected."""
+MOST_ROWS = 4000  # that are judged of those that stand at regular places
+NO_ROWS = "holds no row of numbers; expected: a header and a row a time"
+NONE = 2**62  # a stride that leaves no row but the first
+Only = tuple[np.ndarray, float]  # times of the rows that are wanted, and how far off they may be, in the file's unit
+Report = Callable[[int, int, str], None]  # done, total, what
 
 
-class Columns(NamedTuple):
-    """A table of numbers."""
+def read_columns(
+    path: Path, delimiter: str = ",", clock: str = "t", only: Only | None = None, report: Report | None = None
+) -> Columns:
+    """Read a file's columns in bounded memory; more than MOST_ROWS rows are thinned by a power of 2.
 
-    path: Path
-    values: dict[str, np.ndarray]  # column -> (n_rows,)
-    lines: tuple[int, ...] = ()  # of the file, where each row stands; none where the file has no lines
-
-    def place(self, row: int, column: str) -> str:
-        """Return where a number stands, for a sentence."""
-        line = f"line {self.lines[row]}" if self.lines else f"row {row}"
-        return f"{self.path.name}: {line}, column {column!r}"
-
-
-def read_columns(path: Path, delimiter: str = ",") -> Columns:
-    """Read a file's columns.
+    Besides every k-th row, of each part that is read the last one and that with the largest second difference, over
+    its column's mean, remain. With `only`, those at the times alone.
 
     Raises FileError: not a file, an unknown suffix, no row, a row that is too short or too long, a cell that is no
-    finite number, a column that stands twice.
+    finite number, a column that stands twice, values of the column `clock` that do not increase.
     """
-    if path.suffix not in SUFFIXES:
-        raise FileError(f"{path}: suffix {path.suffix!r} is unknown; allowed: {', '.join(SUFFIXES)}")
-    if not path.is_file():
-        raise FileError(f"{path}: there is no such file")
-    readers = {".npz": _npz, ".parquet": _parquet}
-    return _checked(readers[path.suffix](path) if path.suffix in readers else _text(path, delimiter))
+    return _kept(path, parts(path, delimiter), clock, only, report)
 
 
-def columns_of(arrays: Mapping[str, np.ndarray]) -> Columns:
+def columns_of(arrays: Mapping[str, np.ndarray], clock: str = "t", only: Only | None = None) -> Columns:
     """Return arrays as columns, as those of an NPZ file: (n_rows,) is one, (n_rows, k) are name[0] to name[k - 1].
 
-    Raises FileError as `read_columns` does.
+    Raises FileError as `read_columns` does, and thins as it does.
     """
-    return _checked(_of_arrays(Path("arrays"), arrays))
-
-
-def _checked(table: Columns) -> Columns:
-    path = table.path
-    if not table.values or not len(next(iter(table.values.values()))):
-        raise FileError(f"{path}: holds no row of numbers; expected: a header and a row a time")
-    for name, values in table.values.items():
-        bad = np.flatnonzero(~np.isfinite(values))
-        if len(bad):
-            raise FileError(f"{table.place(int(bad[0]), name)}: {values[bad[0]]} is not finite")
-    return table
+    path = Path("arrays")
+    return _kept(path, [part_of(path, arrays)], clock, only, None)
 
 
 def read_header(path: Path) -> list[str]:
     """Return the names of a file's columns. Raises FileError."""
-    return list(read_columns(path).values)
+    first = next(parts(path), None)
+    if first is None:
+        raise FileError(f"{path}: {NO_ROWS}")
+    return list(first.values)
 
 
-def _text(path: Path, delimiter: str) -> Columns:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileError(f"{path}: byte {error.start} is not UTF-8 text") from error
-    rows = csv.reader(text.splitlines(), delimiter=delimiter, skipinitialspace=True)
-    lines = ((rows.line_num, [cell.strip() for cell in row]) for row in rows)
-    filled = [(line, row) for line, row in lines if any(row) and not row[0].startswith("#")]
-    if not filled:
-        raise FileError(f"{path}: is empty; expected: a header and a row a time")
-    names = _checked_header(path, *filled[0])
-    numbers = np.array([list(_numbers(path, line, row, names)) for line, row in filled[1:]]).reshape(-1, len(names))
-    return Columns(path, dict(zip(names, numbers.T, strict=True)), tuple(line for line, _ in filled[1:]))
+def _kept(path: Path, every: Iterable[Columns], clock: str, only: Only | None, report: Report | None) -> Columns:
+    kept: list[tuple[Columns, np.ndarray, np.ndarray]] = []  # rows, their places, and which remain in any case
+    total, stride, before = 0, 1 if only is None else NONE, -np.inf
+    for part in every:
+        before = _checked(part, clock, before)
+        kept.append((part, total + np.arange(len(part)), _marked(part, clock, only)))
+        total += len(part)
+        while sum(np.count_nonzero(places % stride == 0) for _, places, _ in kept) > MOST_ROWS:
+            stride *= 2
+        keep = [marked | (places % stride == 0) for _, places, marked in kept]
+        kept = [
+            (part.at(own), places[own], marked[own]) for own, (part, places, marked) in zip(keep, kept, strict=True)
+        ]
+        if report is not None:
+            report(int(100.0 * part.share), 100, f"% ({total} rows)")
+    if total == 0:
+        raise FileError(f"{path}: {NO_ROWS}")
+    first, stride = kept[0][0], 1 if stride == NONE else stride
+    values = {name: np.concatenate([part.values[name] for part, _, _ in kept]) for name in first.values}
+    numbers = np.concatenate([part.counted for part, _, _ in kept])
+    return Columns(path, values, numbers, first.word, total, stride)
 
 
-def _checked_header(path: Path, line: int, names: list[str]) -> list[str]:
-    if all(_number(name) is not None for name in names):
-        raise FileError(f"{path.name}: line {line} holds numbers; expected: the names of the columns")
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise FileError(f"{path.name}: line {line}, column {twice[0]!r} stands {names.count(twice[0])} times")
-    return names
+def _marked(part: Columns, clock: str, only: Only | None) -> np.ndarray:
+    """Return which rows remain in any case (n,)."""
+    marked = np.zeros(len(part), dtype=bool)
+    if only is None:
+        marked[-1:] = True
+        if len(part) > 2:
+            bends = [np.abs(np.diff(column, 2)) for column in part.values.values()]
+            marked[1 + np.argmax(np.max([bend / (bend.mean() or 1.0) for bend in bends], axis=0))] = True
+    elif clock in part.values:
+        times, wanted = part.values[clock], np.pad(only[0], 1, constant_values=(-np.inf, np.inf))
+        after = np.searchsorted(wanted, times)
+        marked = np.minimum(wanted[after] - times, times - wanted[after - 1]) <= only[1]
+    return marked
 
 
-def _numbers(path: Path, line: int, row: list[str], names: list[str]) -> Iterator[float]:
-    if len(row) != len(names):
-        problem = f"{len(row)} cells; expected: {len(names)}, as in the header"
-        raise FileError(f"{path.name}: line {line} has {problem}")
-    for name, cell in zip(names, row, strict=True):
-        value = _number(cell)
-        if value is None:
-            raise FileError(f"{path.name}: line {line}, column {name!r}: {cell!r} is no number")
-        yield value
-
-
-def _number(cell: str) -> float | None:
-    try:
-        return float(cell)
-    except ValueError:
-        return None
-
-
-def _npz(path: Path) -> Columns:
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return _of_arrays(path, {name: arrays[name] for name in arrays.files})
-    except (ValueError, OSError) as error:
-        raise FileError(f"{path}: cannot be read as NPZ: {error}") from error
-
-
-def _of_arrays(path: Path, held: Mapping[str, np.ndarray]) -> Columns:
-    if held.keys() >= OWN:
-        return Columns(path, _of_one_length(path, _own(held)))
-    values = {}
-    for name, array in held.items():
-        if array.dtype.kind in "fiu" and array.ndim == 1:
-            values[name] = array.astype(float)
-        elif array.dtype.kind in "fiu" and array.ndim == 2:
-            values |= {f"{name}[{k}]": column.astype(float) for k, column in enumerate(array.T)}
-    return Columns(path, _of_one_length(path, values))
-
-
-def _own(held: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return the columns of an NPZ that `mbs-ref simulate -o` wrote, named as in its CSV."""
-    bodies = [str(body) for body in held["bodies"]]
-    return {"t": held["times"], **pose_columns(bodies, (held[name] for name in POSES))}
-
-
-def _parquet(path: Path) -> Columns:
-    try:
-        parquet = importlib.import_module("pyarrow.parquet")
-    except ImportError as error:
-        raise FileError(f"{path}: Parquet needs the package pyarrow: pip install pyarrow") from error
-    try:
-        held = parquet.read_table(path)
-    except (OSError, ValueError) as error:  # pyarrow's own errors are of these classes
-        raise FileError(f"{path}: cannot be read as Parquet: {error}") from error
-    numeric = {name: held[name].to_numpy() for name in held.column_names}
-    return Columns(path, {name: v.astype(float) for name, v in numeric.items() if v.dtype.kind in "fiu"})
-
-
-def _of_one_length(path: Path, values: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    lengths = {name: len(column) for name, column in values.items()}
-    if len(set(lengths.values())) > 1:
-        problem = ", ".join(f"{name}: {length}" for name, length in lengths.items())
-        raise FileError(f"{path}: columns differ in length ({problem})")
-    return values
-
-
-def is_increasing(times: np.ndarray) -> int | None:
-    """Return the first row whose time is not above the one before; None where all are."""
+def _checked(part: Columns, clock: str, before: float) -> float:
+    """Raise FileError where a number is not finite or the clock goes back; return the clock's last value."""
+    for name, column in part.values.items():
+        bad = np.flatnonzero(~np.isfinite(column))
+        if len(bad):
+            raise FileError(f"{part.place(int(bad[0]), name)}: {column[bad[0]]} is not finite")
+    times = np.append(before, part.values.get(clock, ()))
     back = np.flatnonzero(np.diff(times) <= 0.0)
-    return int(back[0]) + 1 if len(back) else None
+    if len(back):
+        problem = f"{times[back[0] + 1]:g} follows {times[back[0]]:g}; times must increase"
+        raise FileError(f"{part.place(int(back[0]), clock)}: {problem}")
+    return float(times[-1])
 
 
 UNITS = {

@@ -11,15 +11,14 @@ from cross_checks import metrics
 from cross_checks.judge.measure import gaps_as_none, measure
 from cross_checks.metrics.metric import Judged, from_truth
 from cross_checks.records.record import Error
-from cross_checks.trajectory_files.columns import FileError
-from cross_checks.trajectory_files.motion import DescribedMotion
+from cross_checks.trajectory_files.formats import FileError
+from cross_checks.trajectory_files.motion import SAME_TIME, DescribedMotion
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.observables.distance import NAMES, UNITS, largest, units_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
 
-SAME_TIME = 1e-9  # of the duration: samples of two files that are closer are of one time
 MOST = 8  # errors in the text of a judgement
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store, default_path
-from cross_checks.trajectory_files.columns import OWN, FileError
-from cross_checks.trajectory_files.judgement import Judgement, judgement, truth_rows
+from cross_checks.trajectory_files.formats import OWN, FileError
+from cross_checks.trajectory_files.judgement import Judgement, judgement, samples_at, truth_rows
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.motion import Read, read_motion
@@ -20,6 +20,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.trajectory import COLUMNS, Trajectory
 
 TruthAt = Callable[[np.ndarray], Truth | NoTruth]  # of times (n_t,), s
+MOST_EXPLAINED = 1000  # rows, besides the worst, at which mistakes are fitted
 DEFAULT_ERROR = 1e-6  # of the scene's scales: a motion with a smaller error agrees with the truth
 
 
@@ -53,8 +54,13 @@ def judged(scene: Scene, read: Read, at: TruthAt, error: float) -> Judgement:
     verdict = judgement(scene, read.motion, truth, error)
     if verdict.verdict != "departs" or not isinstance(truth, Truth):
         return verdict
-    case = Case(scene, read.columns, read.stated, read.motion.path, truth)
-    return replace(verdict, suspicions=tuple(suspicions(case, error)))
+    times, worst = read.motion.path.times, [part.at for part in verdict.parts if part.at is not None]
+    rows = np.linspace(0.0, len(times) - 1.0, min(len(times), MOST_EXPLAINED)).astype(int)
+    rows = np.union1d(rows, np.searchsorted(times, worst))
+    path, columns = samples_at(read.motion.path, rows), read.columns.at(rows)
+    return replace(
+        verdict, suspicions=tuple(suspicions(Case(scene, columns, read.stated, path, truth_rows(truth, rows)), error))
+    )
 
 
 def _source(motion: Any, scene: Scene) -> Path | dict[str, np.ndarray]:

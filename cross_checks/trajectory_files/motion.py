@@ -1,6 +1,6 @@
 """The motion that a file or arrays describe, by the map of their columns."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,11 +9,13 @@ from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.column_map import AngularVelocity, Body, ColumnMap, Orientation, own_map, read_map
-from cross_checks.trajectory_files.columns import Columns, FileError, columns_of, is_increasing, read_columns
+from cross_checks.trajectory_files.columns import Only, Report, columns_of, read_columns
+from cross_checks.trajectory_files.formats import Columns, FileError
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.messages import suggest
 from mbs_ref.trajectory import POSES, Trajectory, pose_shapes
 
+SAME_TIME = 1e-9  # of the duration: samples of two files that are closer are of one time
 UNIT = 1e-3  # Euler parameters further from a norm of one than this are something else
 
 
@@ -41,11 +43,14 @@ def described_motion(scene: Scene, columns: Columns, stated: ColumnMap) -> Descr
         k = scene.body_names.index(name)
         for part, values in _Reader(columns, stated, d, name, times).read(body).items():
             state[part][:, k] = values
-    return DescribedMotion(Trajectory(times, **state), _missing(scene, stated))
+    return DescribedMotion(Trajectory(times, **state), _missing(scene, columns, stated))
 
 
-def _missing(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:
+def _missing(scene: Scene, columns: Columns, stated: ColumnMap) -> tuple[str, ...]:
     sentences = []
+    if columns.stride > 1:
+        rows = f"{len(columns)} of {columns.total} rows of {columns.path.name} are judged: every {columns.stride}th"
+        sentences.append(f"{rows}, and of each part of the file the one at which a column bends most")
     for body in scene.bodies:
         own = stated.bodies.get(body.name)
         left_out = list(POSES) if own is None else own.missing
@@ -60,10 +65,6 @@ def _missing(scene: Scene, stated: ColumnMap) -> tuple[str, ...]:
 def _times(scene: Scene, columns: Columns, stated: ColumnMap) -> np.ndarray:
     name = stated.time.column
     times = _column(columns, name, "time") * units.factor("time", stated.time.unit)
-    back = is_increasing(times)
-    if back is not None:
-        problem = f"{times[back]:g} s follows {times[back - 1]:g} s"
-        raise FileError(f"{columns.place(back, name)}: {problem}; times must increase")
     slack = 1e-9 * scene.duration
     outside = np.flatnonzero((times < -slack) | (times > scene.duration + slack))
     if len(outside):
@@ -209,16 +210,21 @@ class Read(NamedTuple):
     motion: DescribedMotion
 
 
-def read_motion(source: Path | Mapping[str, np.ndarray], scene: Scene, map_path: Path | None = None) -> Read:
+def read_motion(
+    source: Path | Mapping[str, np.ndarray], scene: Scene, map_path: Path | None = None, at: np.ndarray | None = None,
+    report: Report | None = None,
+) -> Read:  # fmt: skip
     """Read a trajectory of a scene from a file or arrays; only columns named as by `mbs-ref simulate -o` need no map.
 
-    Raises FileError.
+    With `at` (s), the rows at those times alone. Raises FileError.
     """
     stated = None if map_path is None else read_map(map_path)
+    clock, unit = ("t", 1.0) if stated is None else (stated.time.column, units.factor("time", stated.time.unit))
+    only: Only | None = None if at is None else (at / unit, SAME_TIME * scene.duration / unit)
     if isinstance(source, Path):
-        columns = read_columns(source, "," if stated is None else stated.delimiter)
+        columns = read_columns(source, "," if stated is None else stated.delimiter, clock, only, report)
     else:
-        columns = columns_of(source)
+        columns = columns_of(source, clock, only)
     stated = stated or own_map(list(columns.values), list(scene.body_names))
     if stated is None:
         raise FileError(
@@ -226,3 +232,13 @@ def read_motion(source: Path | Mapping[str, np.ndarray], scene: Scene, map_path:
             f"--map MAP.toml, which --write-map MAP.toml begins for you"
         )
     return Read(columns, stated, described_motion(scene, columns, stated))
+
+
+def in_common(scene: Scene, files: Sequence[tuple[Path, Path | None]], report: Report) -> list[DescribedMotion]:
+    """Read two files with their maps; of rows that are left out, the longer file's are at the times of the shorter."""
+    both = [read_motion(path, scene, own, report=report) for path, own in files]
+    if any(one.columns.stride > 1 for one in both):
+        longer = int(both[1].columns.total > both[0].columns.total)
+        path, own = files[longer]
+        both[longer] = read_motion(path, scene, own, both[1 - longer].motion.path.times, report)
+    return [one.motion for one in both]

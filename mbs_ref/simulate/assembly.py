@@ -12,6 +12,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.simulate.diagnosis import singular_passage, unseen_forces
 from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
 from mbs_ref.simulate.legs import Run
+from mbs_ref.simulate.linearised.stiffness import unstable_passage
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start.consistent import InconsistentScene
 from mbs_ref.simulate.start.soundness import UnsoundScene
@@ -42,6 +43,9 @@ def sampled(system: System, plan: Plan, runs: list[Run]) -> list[Samples]:
 def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples) -> Trajectory:
     """Return the trajectory of a run, without an estimate of its error."""
     times, states = run.times, run.states
+    passages = singular_passage(system, times, states)
+    if run.status in ENDED:
+        passages += unstable_passage(system, plan, times, states)
     chosen = (f"method auto is {plan.integrator.name}: {plan.reason}",) if plan.reason else ()
     return Trajectory(
         times=times,
@@ -52,7 +56,7 @@ def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: T
         method_switches=run.counts.switches if plan.integrator.switches else None,
         timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
-        notes=(*chosen, *notes, *_other_methods(plan, run), *singular_passage(system, times, states)),
+        notes=(*chosen, *notes, *_other_methods(plan, run), *passages),
         method=plan.integrator.name,
         reason=plan.reason,
         used=_used(plan, run),

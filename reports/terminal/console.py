@@ -96,15 +96,6 @@ def complain(problems: Iterable[str]) -> None:
 
 
 @contextmanager
-def writing(what: object) -> Iterator[None]:
-    """Raise Failed where a file cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        raise Failed(f"{what}: cannot be written: {error.strerror}") from error
-
-
-@contextmanager
 def interruptible(done: Callable[[], str]) -> Iterator[None]:
     """Raise Incomplete on Ctrl-C, with what is done."""
     try:
@@ -200,6 +191,6 @@ Exit codes:
   1  a validation failed: a run did not succeed, a cell is wrong
   2  usage: unknown name, bad value, bad scene file
   3  a requested engine is not installed
-  4  incomplete: interrupted; what was computed is stored
+  4  incomplete: interrupted, or storage, memory, a package or a number failed; what was computed is stored
   5  nothing was selected
 """

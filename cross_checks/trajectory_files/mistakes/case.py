@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from cross_checks.judge.measure import error_of
 from cross_checks.metrics.metric import Judged
 from cross_checks.trajectory_files.column_map import ColumnMap
-from cross_checks.trajectory_files.columns import Columns
+from cross_checks.trajectory_files.formats import Columns
 from cross_checks.trajectory_files.judgement import samples_at, truth_rows
 from cross_checks.truths.truth import Truth
 from mbs_ref.observables.distance import turn_between, units_of

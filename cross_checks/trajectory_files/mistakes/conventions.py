@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.trajectory_files import columns as units
-from cross_checks.trajectory_files.columns import FileError
+from cross_checks.trajectory_files.formats import FileError
 from cross_checks.trajectory_files.mistakes.case import Case, Hypothesis
 from cross_checks.trajectory_files.motion import described_motion
 from mbs_ref.trajectory import POSES

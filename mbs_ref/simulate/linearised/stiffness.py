@@ -20,6 +20,7 @@ LARGEST = 250  # bodies; the eigenvalues of more take longer than most runs
 DIFFERENCE = 1e-7  # m, rad, m/s, rad/s: half a step of the central differences
 GROWTH = 1.05  # factor per step beyond which a decaying or steady motion counts as unstable
 UNSTABLE = 1e-3  # of the largest |lambda|: a larger real part belongs to a motion that grows by itself
+LOOKS = 8  # outputs at which the step is judged after a run
 _SCAN = 400  # trial steps, geometrically spaced
 
 
@@ -117,17 +118,31 @@ def _eigenvalues(system: System, t: float, y: np.ndarray) -> np.ndarray:
 
 def unstable_step(system: System, plan: Plan, y: np.ndarray) -> str:
     """Return why an explicit fixed step is unstable at the start, or nothing."""
+    unstable = _unstable(system, plan, 0.0, y) if plan.settings.refuse_unstable else ""
+    return unstable and f"{unstable}; use a smaller step, an implicit or adaptive method, or refuse_unstable = False"
+
+
+def unstable_passage(system: System, plan: Plan, times: np.ndarray, states: np.ndarray) -> tuple[str, ...]:
+    """Return a note on the first of LOOKS outputs of the last run at which an explicit fixed step is unstable."""
+    for k in np.unique(np.linspace(0.0, len(times) - 1.0, LOOKS).astype(int)):
+        system.recall_modes(float(times[k]))
+        unstable = _unstable(system, plan, float(times[k]), states[k])
+        if unstable:
+            return (f"at t = {times[k]:.6g} s {unstable}: the error may be larger than its estimate",)
+    return ()
+
+
+def _unstable(system: System, plan: Plan, t: float, y: np.ndarray) -> str:
     step = plan.options.step
-    if not (step and plan.integrator.stability and plan.settings.refuse_unstable and may_be_stiff(system.scene)):
+    if not (step and plan.integrator.stability and may_be_stiff(system.scene)):
         return ""
-    stiff = stiffness(system, 0.0, y)
+    stiff = stiffness(system, t, y)
     limit = stiff.step_limit(plan.integrator.stability)
     if step <= limit:
         return ""
     return (
         f"step = {step:g} s is beyond what {plan.integrator.name} can bear: the fastest motion has |lambda| = "
-        f"{stiff.fastest:.4g} 1/s and needs a step of at most {limit:.3g} s; use a smaller step, an implicit or "
-        "adaptive method, or refuse_unstable = False"
+        f"{stiff.fastest:.4g} 1/s and needs a step of at most {limit:.3g} s"
     )
 
 

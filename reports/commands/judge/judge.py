@@ -51,10 +51,10 @@ def command(
     off, mistakes that would explain it are fitted: units, conventions, frames, reference points, clocks, and numbers of
     the scene. Exit code 1 where it is off by more than --error, 5 where there is no truth to judge it.
     """
-    from cross_checks.trajectory_files.columns import FileError
+    from cross_checks.trajectory_files.formats import FileError
     from cross_checks.trajectory_files.judgement import as_truth, judgement
     from cross_checks.trajectory_files.library import judged, truth_at
-    from cross_checks.trajectory_files.motion import read_motion
+    from cross_checks.trajectory_files.motion import in_common, read_motion
 
     chosen = inputs.comparable(scene, parameters, keep_rates)
     if t_end is not None:
@@ -64,14 +64,15 @@ def command(
     try:
         if write_map is not None:
             return _begin_map(Path(file), chosen, write_map)
-        read = read_motion(Path(file), chosen, _path(map_file))
-        with open_runs([chosen], store) as runs:
+        with open_runs([chosen], store) as runs, console.progress(f"reading {file}") as report:
             if against is None:
+                read = read_motion(Path(file), chosen, _path(map_file), report=report)
                 with console.awaited(f"computing the truth of {chosen.name} at the times of {file}, once"):
                     result = judged(chosen, read, truth_at(runs, chosen), limit)
             else:
-                other = read_motion(Path(against), chosen, _path(against_map or map_file))
-                result = judgement(chosen, *as_truth(chosen, read.motion, other.motion, Path(against).name), limit)
+                files = (Path(file), _path(map_file)), (Path(against), _path(against_map or map_file))
+                ours, theirs = in_common(chosen, files, report)
+                result = judgement(chosen, *as_truth(chosen, ours, theirs, Path(against).name), limit)
     except FileError as error:
         raise click.UsageError(str(error)) from error
     if drawing is not None:
@@ -85,7 +86,8 @@ def _path(name: str | None) -> Path | None:
 
 def _begin_map(file: Path, scene: Scene, target: str) -> None:
     from cross_checks.trajectory_files.column_map import blank_map
-    from cross_checks.trajectory_files.columns import FileError, read_header
+    from cross_checks.trajectory_files.columns import read_header
+    from cross_checks.trajectory_files.formats import FileError
 
     place = inputs.output(target, (".toml",))
     assert place is not None

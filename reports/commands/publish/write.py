@@ -9,7 +9,7 @@ from cross_checks import writers
 from cross_checks.engines import EngineMissing
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed, writing
+from reports.terminal.console import EngineAbsent, Failed
 
 
 @click.command(name="write", epilog="Example: mbs-ref write n_four_bar --as exudyn -o loops.py")
@@ -39,8 +39,7 @@ def command(
     if target is None:
         click.echo(text, nl=False)
         return
-    with writing(f"-o {output}"):
-        write_atomic(Path(target), text.encode())
+    write_atomic(Path(target), text.encode())
     click.echo(target)
 
 

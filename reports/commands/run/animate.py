@@ -10,7 +10,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed, progress, writing
+from reports.terminal.console import EngineAbsent, Failed, progress
 
 
 @click.command(name="animate", epilog="Example: mbs-ref animate slider_crank --engine mbs_ref -o crank.gif")
@@ -61,8 +61,7 @@ def command(
             pictures[Path(target).with_suffix(".html")] = as_page(built.name, film, first.times[: len(film)], seconds)
         pictures[Path(target).with_suffix(".png")] = filmstrip(built, first, strip)
     for file, content in pictures.items():
-        with writing(file):
-            write_atomic(file, content)
+        write_atomic(file, content)
         click.echo(str(file))
     short = [f"{name}: {path.message}" for name, path in runs.items() if not path.ok]
     if short:

@@ -16,7 +16,7 @@ from reports.poses_file import FORMATS, write_ensemble
 from reports.query import SCHEDULER, cluster
 from reports.scene_summary import summary
 from reports.shared_ensemble import shared_ensemble
-from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table, writing
+from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table
 
 
 @click.command(name="ensemble", epilog="Example: mbs-ref ensemble double_pendulum --vary angle_2=+-5% -n 500")
@@ -112,13 +112,12 @@ def _planned(
 
 
 def _write(built: Ensemble, target: Path | None, drawn: Path | None, output: str | None, plot: str | None) -> None:
-    with writing(output or plot):
-        if target is not None:
-            write_ensemble(built, target)
-        if drawn is not None:
-            from cross_checks.records.plots.bands import bands
+    if target is not None:
+        write_ensemble(built, target)
+    if drawn is not None:
+        from cross_checks.records.plots.bands import bands
 
-            write_atomic(drawn, bands(built).to_html().encode())
+        write_atomic(drawn, bands(built).to_html().encode())
 
 
 def _show(built: Ensemble) -> None:

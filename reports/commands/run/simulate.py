@@ -67,8 +67,7 @@ def command(
 
     record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=NOT_COMPARED)
     if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
-        with console.writing(f"-o {output}"):
-            write_poses(trajectory, chosen_scene.body_names, target)
+        write_poses(trajectory, chosen_scene.body_names, target)
     if not as_json:
         _show(record)
     if trajectory is not None and not no_truth and record.status in ("success", "stop-event"):

@@ -7,7 +7,7 @@ import pytest
 
 import cross_checks
 import mbs_ref
-from cross_checks.trajectory_files.columns import FileError
+from cross_checks.trajectory_files.formats import FileError
 from reports.poses_file import write_poses
 
 pytest_plugins = ["pytester"]

@@ -16,7 +16,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files.column_map import ColumnMap
-from cross_checks.trajectory_files.columns import Columns, FileError
+from cross_checks.trajectory_files.formats import Columns, FileError
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.motion import described_motion

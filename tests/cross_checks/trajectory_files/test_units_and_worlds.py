@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.column_map import ColumnMap
-from cross_checks.trajectory_files.columns import FileError, columns_of
+from cross_checks.trajectory_files.columns import columns_of
+from cross_checks.trajectory_files.formats import FileError
 from cross_checks.trajectory_files.judgement import as_truth, judgement
 from cross_checks.trajectory_files.motion import DescribedMotion, described_motion
 from cross_checks.truths.truth import Truth

@@ -7,18 +7,21 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from mbs_ref.integrators import integrators
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
 from tests.mbs_ref.hidden_events.exact import Truth, Undecided, truth
 from tests.mbs_ref.hidden_events.families import FAMILIES, draw, log_uniform
+from tests.mbs_ref.hidden_events.own_errors import flight_error, spring_error
 from tests.mbs_ref.hidden_events.world import Level, Watch, World
 from tests.mbs_ref.hidden_events.write_scene import Units, write_scene
 
 ADAPTIVE = ("dop853", "radau", "lsodar", "dassl", "dassl_index1", "dassl_index2", "dassl_index3")
 RESOLUTION = {"dop853": 1e-10, "radau": 1e-10}  # of the extent: a run's own errors; closer calls are not judged
 LOOSE = 1e-7  # the same for multistep methods, whose error per step is larger at the same tolerance
-FIXED = 1e-6  # the same for fixed steps
+FIXED = 1e-6  # the same for fixed steps, at least
+SAFE = 10.0  # times the errors of a fixed step where nothing is watched
 LATEST = 1e-10  # of the horizon: a time that is off by more is late, where a method's resolution is as fine
 MARGIN = 0.01  # of how far a time moves with the resolution: roundoff of a distance is as much smaller
 REACH = 0.1  # of the time between two events of one name: a logged time within is a late one, not another event
@@ -47,6 +50,14 @@ class Case:
             return truth(self.world, resolution)
         except Undecided:
             return None
+
+    @lru_cache(maxsize=64)  # noqa: B019
+    def resolution(self, method: str) -> float:
+        """Return the share of the extent below which a method's own errors decide what happens."""
+        if method in ADAPTIVE:
+            return RESOLUTION.get(method, LOOSE)
+        flight = flight_error(self.world, self.units, self.settings(method, 101))
+        return max(FIXED, SAFE * flight, spring_error(self.world, integrators()[method].order, STEP_ANGLE))
 
     def settings(self, method: str, samples: int) -> Settings:
         """Return tight tolerances, or a fixed step that turns no body by more than STEP_ANGLE."""
@@ -84,7 +95,7 @@ class Comparison:
 
 def compare(hidden: Case, run: Trajectory, method: str) -> Comparison:
     """Compare by name and time. The first difference decides: what follows it is another motion."""
-    resolution = RESOLUTION.get(method, LOOSE if method in ADAPTIVE else FIXED)
+    resolution = hidden.resolution(method)
     exact = hidden.truth(resolution)
     if exact is None:
         return Comparison("undecided")

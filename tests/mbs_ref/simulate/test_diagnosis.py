@@ -96,3 +96,21 @@ def test_a_spring_that_cannot_count_turns_is_named():
     assert not path.ok
     assert "load 'coil' has turned by" in path.message
     assert "cannot count turns" in path.message
+
+
+def test_a_step_that_becomes_unstable_on_the_way_is_noted():
+    """A spring along a hinged rod does not resist its turn at first; the frequency rises to sqrt(0.9 k / I)."""
+    rod = {"type": "planar", "name": "rod", "mass": 1.0, "inertia": 1.0 / 12.0, "position": (0.5, 0.0)}
+    spring = {"type": "spring_damper", "body_a": "rod", "body_b": "ground", "point_a": (1.0, 0.0)}
+    scene = Scene.model_validate({
+        "name": "hinged_rod", "duration": 0.1, "gravity": (0.0, 0.0),
+        "bodies": [rod | {"velocity": (0.0, 15.0), "angular_velocity": 30.0}],
+        "joints": [{"type": "revolute", "name": "hinge", "body_a": "rod", "body_b": "ground", "point": (0.0, 0.0)}],
+        "loads": [spring | {"name": "spring", "point_b": (3.0, 0.0), "stiffness": 1e4, "rest_length": 2.0}],
+    })  # fmt: skip
+    notes = {
+        step: simulate(scene, Settings(method="rk4", step=step, samples=21, estimate="off")).notes
+        for step in (1e-4, 2.5e-2)
+    }
+    stated = {step: any("beyond what rk4 can bear" in note for note in every) for step, every in notes.items()}
+    assert stated == {1e-4: False, 2.5e-2: True}
