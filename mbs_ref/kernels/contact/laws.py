@@ -61,7 +61,8 @@ class ContactModes(NamedTuple):
     dashpot: Annotated[Floats, "k"]  # N s/m^(m + 1), c in force
     stamp: Annotated[Floats, "k"]  # s, time of the contact's last event; of one that comes to rest, when bounces end
     burst: Annotated[Ints, "k"]  # events since then without a pause
-    lead: Annotated[Floats, "k", 2]  # m, m/s: the gap and its rate that a closed contact's row imposes; 0 but in impacts
+    # m, m/s: the gap and its rate that the row of a closed constraint contact imposes; 0 outside of impacts
+    lead: Annotated[Floats, "k", 2]
     roots: Annotated[Ints, 1]  # event functions watched; 0 without contacts and in the plain mode
     noise: Annotated[Floats, 3]  # m, m/s, m/s^2: how far past its root a function must be, above roundoff
     slow: Annotated[Floats, 1]  # m/s, slip speed that counts as none in space: eps^(1/2) of the scene's speeds

@@ -208,20 +208,23 @@ def _largest_acceleration(work, dimension):
 
 @jit
 def _lack(model, work, k, level, slight):
-    """Return by how much (m/s or m/s^2) a contact pulls, or closes in, beyond roundoff.
+    """Return by how much (m/s or m/s^2) a closed contact pulls or leaves, or an open one closes in, beyond roundoff.
 
-    One that leaves, but is drawn back before its gap would count, closes in.
+    A closed one leaves whose row depends on others: the solver drops it. An open one that leaves, but is drawn back
+    before its gap would count, closes in.
     """
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     near, slow, slight_push = modes.noise
-    if modes.mode[k] == MODE_CLOSED:
-        least = slow if level == IMPULSES else slight_push
-        return -contact_push(work, laws, k) / contact_mass(model, k) - least
     touch = contact_geometry(model, work, k)
     if level == IMPULSES:
-        return modes.lead[k, 1] - touch.closing - AT_REST * slow
-    drawn = _drawn(model, work, k, touch)
+        drawn, least, roundoff = modes.lead[k, 1] - touch.closing, slow, AT_REST * slow
+    else:
+        drawn, least, roundoff = _drawn(model, work, k, touch), slight_push, AT_REST * slight_push + slight
+    if modes.mode[k] == MODE_CLOSED:
+        return max(-contact_push(work, laws, k) / contact_mass(model, k) - least, -drawn - roundoff)
+    if level == IMPULSES:
+        return drawn - roundoff
     leaves = max(touch.closing, 0.0)
     if leaves * leaves > 2.0 * drawn * AT_REST * near:
         return 0.0
-    return drawn - AT_REST * slight_push - slight
+    return drawn - roundoff
