@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 )
 @click.option("--figures", is_flag=True, help="Compare scenes with contact by figures instead.")
 @click.option("--only", metavar="SCENE", multiple=True, help="Of the scenes compared, only this; repeatable.")
-@click.option("--holding", is_flag=True, help="Measure the creep of a block on a slope instead.")
+@click.option("--holding", is_flag=True, help="Measure the creep of blocks that friction holds instead.")
 @click.option(
     "--instant", type=click.Path(path_type=Path), metavar="FILE", help="Assess the first step of --only SCENE instead."
 )
@@ -40,8 +40,8 @@ def command(
     """Translate a contact into the parameters of each engine.
 
     Small experiments measure what each engine makes of them. They hold for one pair of the given effective mass.
-    --figures runs the library's scenes with contact by each engine's own contact model, --holding a block that
-    Coulomb's law holds on a slope. --instant writes the contact problem of a scene's first step in FCLIB's layout
+    --figures runs the library's scenes with contact by each engine's own contact model, --holding blocks that
+    Coulomb's law holds. --instant writes the contact problem of a scene's first step in FCLIB's layout
     (FILE.hdf5 needs h5py, else FILE.npz) and shows by how much each engine's step violates its conditions.
     """
     from cross_checks import contact
@@ -54,7 +54,7 @@ def command(
     if absent and (chosen or not present):
         raise EngineAbsent("; ".join(absent))
     if figures or holding or instant:
-        cases = by_figure.slopes() if holding else by_figure.with_contact()
+        cases = by_figure.holding() if holding else by_figure.with_contact()
         if unknown := [name for name in only if name not in cases]:
             raise NothingSelected(f"no scene here is named {unknown[0]!r}; allowed: {', '.join(cases)}")
         chosen_cases = {name: cases[name] for name in only or cases}
