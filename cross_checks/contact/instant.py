@@ -81,8 +81,8 @@ def _frame(normal: np.ndarray) -> np.ndarray:
 
 def write(problem: Instant, path: Path) -> None:
     """Write FCLIB's local problem: HDF5 if the name ends in .hdf5 (needs h5py), else a NumPy archive of its names."""
-    w = csc_array(problem.delassus)
-    matrix = {"m": w.shape[0], "n": w.shape[1], "nzmax": w.nnz, "nz": -1, "p": w.indptr, "i": w.indices, "x": w.data}
+    w, n = csc_array(problem.delassus), len(problem.free)
+    matrix = {"m": n, "n": n, "nzmax": w.nnz, "nz": -1, "p": w.indptr, "i": w.indices, "x": w.data}
     plain = {"spacedim": problem.scene.dimension, "vectors/q": problem.free, "vectors/mu": problem.friction}
     named = plain | {f"W/{name}": value for name, value in matrix.items()}
     arrays = {f"fclib_local/{name}": np.atleast_1d(value) for name, value in named.items()}

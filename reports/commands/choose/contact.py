@@ -96,7 +96,7 @@ def _violations(models: dict[str, ContactModel], cases: dict[str, Any], step: fl
     if len(cases) != 1:
         raise click.UsageError(f"--instant takes one scene, --only SCENE; {len(cases)} are chosen")
     try:
-        problem = instant.instant(*cases.values(), step)
+        problem = instant.instant(next(iter(cases.values())), step)
         instant.write(problem, path)
     except (ValueError, OSError, ModuleNotFoundError) as error:
         raise click.UsageError(str(error)) from error
