@@ -15,7 +15,7 @@ from cross_checks.contact.experiments import run
 from cross_checks.contact.request import GRAVITY, ContactModel
 from cross_checks.metrics.contact_figures import contact_figures
 from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref.scene import GROUND, Force, Prismatic, Scene
 from mbs_ref.scene.contact import StickSlip
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
@@ -113,10 +113,11 @@ FRICTION, SHARES, LOADS = 0.7, (0.1, math.tan(0.2) / 0.7, 0.5, 0.9), (1.0, 100.0
 STIFFNESS, DAMPING = 1e5, 200.0  # N/m, N s/m of each corner
 
 
-def slopes() -> dict[str, Scene]:
-    """Return blocks that Coulomb's law holds: by the share of the friction cone, and beneath a load."""
+def holding() -> dict[str, Scene]:
+    """Return blocks that Coulomb's law holds: on a slope, beneath a load, pressed to a wall and gripped by jaws."""
     cases = {f"slope at {share:.0%} of the cone": _slope(share, 0.0) for share in SHARES}
-    return cases | {f"the same beneath {load:g} of its mass": _slope(SHARES[1], load) for load in LOADS}
+    cases |= {f"slope beneath {load:g} of its mass": _slope(SHARES[1], load) for load in LOADS}
+    return cases | {"pressed to a wall": _pressed(SHARES[1]), "gripped by two jaws": _pressed(SHARES[1], 2)}
 
 
 def _slope(share: float, load: float) -> Scene:
@@ -128,3 +129,14 @@ def _slope(share: float, load: float) -> Scene:
     contacts = tuple(contact.model_copy(update={"friction": grip}) for contact in stack.contacts)
     gravity = (GRAVITY * math.sin(angle), 0.0, -GRAVITY * math.cos(angle))
     return stack.model_copy(update={"gravity": gravity, "contacts": contacts})
+
+
+def _pressed(share: float, jaws: int = 1) -> Scene:
+    """Return a block whose weight pulls along the wall to which a force presses it, itself or by a jaw that slides."""
+    scene = _slope(share, float(jaws - 1))
+    block, last = scene.bodies[0], scene.bodies[-1]
+    force = block.mass * GRAVITY / (jaws * share * FRICTION)
+    load = Force(name="press", body=last.name, point=last.position, vector=(0.0, 0.0, -force))
+    guide = Prismatic(name="guide", body_a=last.name, body_b=GROUND, point=last.position, axis=(0.0, 0.0, 1.0))
+    joints = (guide,) if jaws > 1 else ()
+    return scene.model_copy(update={"gravity": (GRAVITY, 0.0, 0.0), "loads": (load,), "joints": joints})

@@ -154,9 +154,13 @@ class ContactSystem(System):
         return tuple(event_sources(self.scene))
 
     def contact_events(self) -> np.ndarray:
-        """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far."""
+        """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far.
+
+        A contact that comes to rest does so where its bounces end, a little after its last located impact.
+        """
         modes = self.groups.contact_modes
-        return modes.log[: modes.logged[0], :2].copy()
+        log = modes.log[: modes.logged[0]]
+        return log[np.argsort(log[:, -1], kind="stable")][:, (-1, 1)]
 
     def contact_oscillators(self, t: float, y: np.ndarray, speed: float) -> np.ndarray:
         laws = self.groups.contact_laws

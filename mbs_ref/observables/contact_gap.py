@@ -13,6 +13,16 @@ def shapes_known(contact) -> bool:
 
 def gap_of(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the gap (m, negative inside), its rate and the sliding speed (m/s), each (n_t,); in space its size."""
+    gap, normal, relative = relative_motion(motion, contact)
+    closing = np.sum(normal * relative, axis=1)
+    if motion.scene.dimension == 3:
+        return gap, closing, np.linalg.norm(relative - closing[:, None] * normal, axis=1)
+    tangent = np.column_stack((normal[:, 1], -normal[:, 0]))
+    return gap, closing, np.sum(tangent * relative, axis=1)
+
+
+def relative_motion(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the gap (n_t,), m, the normal on body b and the velocity (m/s) of a on b there, each (n_t, dimension)."""
     flat = not isinstance(contact, RoundPair)
     first, second, normal = _shapes(contact)
     center, _ = motion.point(contact.body_a, first)
@@ -26,12 +36,7 @@ def gap_of(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]
         normal = apart / distance[:, None]
         back, reach = contact.radius_a, contact.radius_a + contact.radius_b
     place = center - back * normal
-    relative = motion.rate_at(contact.body_a, place) - motion.rate_at(contact.body_b, place)
-    closing = np.sum(normal * relative, axis=1)
-    if motion.scene.dimension == 3:
-        return distance - reach, closing, np.linalg.norm(relative - closing[:, None] * normal, axis=1)
-    tangent = np.column_stack((normal[:, 1], -normal[:, 0]))
-    return distance - reach, closing, np.sum(tangent * relative, axis=1)
+    return distance - reach, normal, motion.rate_at(contact.body_a, place) - motion.rate_at(contact.body_b, place)
 
 
 def _shapes(contact) -> tuple[tuple[float, ...], tuple[float, ...], np.ndarray]:

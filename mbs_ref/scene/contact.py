@@ -127,7 +127,8 @@ class FloresLaw(Law):
 class RigidLaw(Law):
     """No penetration: at touch-down an impulse reverses the normal speed, v+ = -e v- (Newton).
 
-    Without rebound, e = 0, contact lasts as under `constraint_law`, where a constraint may stand for the force.
+    Bounces end in rest where e < 1. Then contact lasts as under `constraint_law`, where a constraint may stand for the
+    force.
     """
 
     IMPULSIVE: ClassVar[bool] = True
@@ -241,7 +242,7 @@ class ContactPart(Attached):
     @property
     def holds(self) -> bool:
         """Whether a constraint stands for the force while contact lasts."""
-        rests = isinstance(self.law, RigidLaw) and self.law.restitution == 0.0
+        rests = isinstance(self.law, RigidLaw) and self.law.restitution < 1.0
         return self.law.HOLDS or (rests and self.MAY_HOLD and getattr(self, "extent", "") != "capped")
 
     def refuses_particle(self, end: str, dimension: int) -> str:

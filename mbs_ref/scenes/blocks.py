@@ -1,7 +1,8 @@
 """A block on rough ground: resting on an incline, sliding to rest, and rocking from edge to edge."""
 
 import math
-from typing import Annotated
+from collections.abc import Iterator
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -63,9 +64,7 @@ def _resting_block(
     normal = mass * gravity * math.cos(angle)
     sink = normal / stiffness
     tilt = _tilt(height, sink, pull)
-    c, s = math.cos(tilt), math.sin(tilt)
-    center_y = 0.5 * height * c - 0.5 * sink
-    corners = [(c * x + s * 0.5 * height, center_y + s * x - c * 0.5 * height) for x in (-0.5 * LENGTH, 0.5 * LENGTH)]
+    center = (0.0, 0.5 * height * math.cos(tilt) - 0.5 * sink)
     law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
     return Scene(
         name=name,
@@ -75,18 +74,25 @@ def _resting_block(
         gravity=(gravity * math.sin(angle), -gravity * math.cos(angle)),
         bodies=(
             PlanarBody(
-                name="block", mass=mass, inertia=mass * (LENGTH**2 + height**2) / 12.0, position=(0.0, center_y),
-                angle=tilt, velocity=(speed, 0.0),
+                name="block", mass=mass, inertia=mass * (LENGTH**2 + height**2) / 12.0, position=center, angle=tilt,
+                velocity=(speed, 0.0),
             ),
         ),
-        contacts=tuple(
-            CircleOnLine(
-                name=f"corner.{side}", body_a="block", center=corner, radius=0.0, point_1=(0.0, 0.0),
-                point_2=(1.0, 0.0), law=law, friction=friction,
-            )
-            for side, corner in zip(("left", "right"), corners, strict=True)
-        ),
+        contacts=tuple(_corners("corner", center, tilt, (LENGTH, height), law=law, friction=friction)),
     )  # fmt: skip
+
+
+def _corners(
+    name: str, center: tuple[float, float], tilt: float, size: tuple[float, float], **law: Any
+) -> Iterator[CircleOnLine]:
+    """Yield the contacts of a block's corners with the ground, the lower ones first; a slab has no others."""
+    c, s = math.cos(tilt), math.sin(tilt)
+    for y, level in ((-0.5, ""), (0.5, "upper."))[: 2 if size[1] else 1]:
+        for x, side in ((-0.5, "left"), (0.5, "right")):
+            ahead, up = x * size[0], y * size[1]
+            corner = (center[0] + c * ahead - s * up, center[1] + s * ahead + c * up)
+            yield CircleOnLine(name=f"{name}.{level}{side}", body_a="block", center=corner, radius=0.0,
+                               point_1=(0.0, 0.0), point_2=(1.0, 0.0), **law)  # fmt: skip
 
 
 def sliding_block(
@@ -131,11 +137,8 @@ def rocking_block(
     """
     c, s = math.cos(tilt), math.sin(tilt)
     sink = mass * gravity / stiffness
-
-    def world(x: float, y: float) -> tuple[float, float]:
-        """Return a point given from the lower left edge, on which the block stands."""
-        return c * x - s * y, s * x + c * y - sink
-
+    ahead, up = 0.5 * SLENDER_WIDTH, 0.5 * SLENDER_HEIGHT
+    center = (c * ahead - s * up, s * ahead + c * up - sink)  # it stands on its lower left edge
     law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
     grip = RegularisedCoulomb(coefficient=friction, speed=0.01) if friction else None
     return Scene(
@@ -147,14 +150,8 @@ def rocking_block(
         bodies=(
             PlanarBody(
                 name="block", mass=mass, inertia=mass * (SLENDER_WIDTH**2 + SLENDER_HEIGHT**2) / 12.0,
-                position=world(0.5 * SLENDER_WIDTH, 0.5 * SLENDER_HEIGHT), angle=tilt,
+                position=center, angle=tilt,
             ),
         ),
-        contacts=tuple(
-            CircleOnLine(
-                name=f"edge.{side}", body_a="block", center=world(x, 0.0), radius=0.0, point_1=(-1.0, 0.0),
-                point_2=(1.0, 0.0), law=law, friction=grip,
-            )
-            for side, x in (("left", 0.0), ("right", SLENDER_WIDTH))
-        ),
+        contacts=tuple(_corners("edge", center, tilt, (SLENDER_WIDTH, SLENDER_HEIGHT), law=law, friction=grip)),
     )  # fmt: skip

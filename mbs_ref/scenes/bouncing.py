@@ -36,10 +36,10 @@ def bouncing_ball(
     law; stiffness (N/m^n), damping (N s/m, or N s/m^(n + 1) where the law multiplies it by d^n), exponent
     n of the power laws, nominal restitution; mass (kg), height above the floor (m), speed downwards
     (m/s), gravity (m/s^2; 0 leaves a single free impact), thickness of the floor if it is a plate (m; 0 is
-    endless: deeper than a plate is behind it), duration (s). ValueError for a ball that lies on a rigid floor.
+    endless: deeper than a plate is behind it), duration (s). ValueError for a ball that rests on a rigid floor, e = 1.
     """
-    if law == "rigid" and gravity > 0.0 and height == 0.0 and speed == 0.0:
-        raise ValueError("bouncing_ball: law = 'rigid' has impacts alone and bears no weight; give a height or a speed")
+    if law == "rigid" and restitution == 1.0 and gravity > 0.0 and height == 0.0 and speed == 0.0:
+        raise ValueError("bouncing_ball: a ball that never loses speed does not rest; give a height or a speed")
     return Scene(
         name="bouncing_ball",
         description=f"A ball falls on a floor with the {law} contact law.",

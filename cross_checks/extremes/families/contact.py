@@ -87,18 +87,11 @@ def _zeno(restitution: float) -> Case:
 
 
 def _bounces(e: float, height: float) -> Measure:
-    fall = math.sqrt(2.0 * height / GRAVITY)
+    def places(times: np.ndarray) -> np.ndarray:
+        above = bouncing.bounce_heights(e, height, 0.0, GRAVITY, np.asarray(times))
+        return np.stack((np.zeros_like(above), 0.05 + above), axis=1)[:, None]
 
-    def place(t: float) -> float:
-        if t <= fall:
-            return height - 0.5 * GRAVITY * t * t
-        start, speed = fall, e * GRAVITY * fall
-        while speed > 1e-12 and t > start + 2.0 * speed / GRAVITY:
-            start, speed = start + 2.0 * speed / GRAVITY, e * speed
-        since = t - start
-        return speed * since - 0.5 * GRAVITY * since * since if speed > 1e-12 else 0.0
-
-    return measures.positions(lambda times: np.array([[[0.0, 0.05 + place(float(t))]] for t in times]), height)
+    return measures.positions(places, height)
 
 
 def _grip(margin: float) -> Case:

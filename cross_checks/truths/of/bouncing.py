@@ -23,6 +23,7 @@ from mbs_ref.scenes.bouncing import floor_normal
 
 CREEPING = 10.0  # -ln(1 - e D): beyond, the end of the contact is a creep whose duration doubles do not resolve
 ROUNDOFF = 1e-14  # m, of elementary functions at these magnitudes
+BOUNCE_ROUNDOFF = 1e-13  # m, of a flight whose number in the series follows from a logarithm
 
 
 @dataclass(frozen=True)
@@ -161,14 +162,42 @@ def _motion(scene: Scene, height: np.ndarray, uncertainty: float, how: str) -> T
 
 
 def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
-    """Linear laws bounce piece by piece until the ball rests."""
+    """Rigid and linear laws bounce piece by piece until the ball rests."""
     contact: Any = scene.contacts[0]
     law = contact.law
-    if not isinstance(law, SpringDamperLaw | laws.RigidLaw) or contact.thickness is not None:
+    if isinstance(law, laws.RigidLaw) and contact.thickness is None:
+        ball: Any = scene.bodies[0]
+        height = ball.position[1] - contact.radius
+        above = bounce_heights(law.restitution, height, ball.velocity[1], -scene.gravity[1], times)
+        return _motion(scene, above + contact.radius, BOUNCE_ROUNDOFF, "parabolas whose speeds are a geometric series")
+    if not isinstance(law, SpringDamperLaw) or contact.thickness is not None:
         return NoTruth("under gravity the motion is known for the linear laws alone, on an endless floor")
     y, uncertainty = line_motion(line_of(scene, 1, [one_sided(law, (1.0,), contact.radius)]), times)
     how = "flights and damped oscillations, matrix exponentials between instants found to roundoff"
     return _motion(scene, y[:, 0], uncertainty, how)
+
+
+def bounce_heights(restitution: float, height: float, rate: float, gravity: float, times: np.ndarray) -> np.ndarray:
+    """Return the heights (m) above a rigid floor at the times of a ball that begins at `height` with `rate` (m/s).
+
+    Flight n lasts 2 e^n v/g; where e < 1 the ball rests from the limit of their sum on.
+    """
+    speed = math.sqrt(rate**2 + 2.0 * gravity * height)
+    first = (rate + speed) / gravity
+    result = np.where(times <= first, height + rate * times - 0.5 * gravity * times**2, 0.0)
+    period, e = 2.0 * restitution * speed / gravity, restitution
+    since = (times - first) / period if period > 0.0 else np.full_like(times, np.inf)
+    if e < 1.0:
+        left = 1.0 - since * (1.0 - e)  # of the series
+        flies = (since > 0.0) & (left > 0.0)
+        n = np.floor(np.log(left[flies]) / math.log(e)) if e > 0.0 else since[flies]
+        since[flies] = (since[flies] - (1.0 - e**n) / (1.0 - e)) / e**n  # of flight n
+        share = e**n
+    else:
+        flies = since > 0.0
+        since[flies], share = np.mod(since[flies], 1.0), 1.0
+    result[flies] = 0.5 * gravity * (share * period) ** 2 * since[flies] * (1.0 - since[flies])
+    return result
 
 
 def _swings(law: Any, mass: float) -> bool:

@@ -259,7 +259,7 @@ class JudgedRows(NamedTuple):
 
 def judged_rows(moment: Moment) -> JudgedRows:
     """Return C, C_q and C_t of every joint at a moment."""
-    rows = observables.rows(moment.scene, _units(moment).trajectory)
+    rows = observables.rows(moment.scene, unit_rates(moment).trajectory)
     names = {joint.name for joint in moment.scene.joints}
     mine = np.array([name in names for name in rows.joints], dtype=bool)
     rates = rows.rate[:, mine]
@@ -267,7 +267,7 @@ def judged_rows(moment: Moment) -> JudgedRows:
     return JudgedRows(rows.residual[0, mine], (rates[:-1] - rates[-1]).T, rates[-1], joints, mine)
 
 
-def _units(moment: Moment) -> Motion:
+def unit_rates(moment: Moment) -> Motion:
     """Return the pose with every unit velocity in turn, and last with none."""
     count = int(moment.used.sum())
     return moment.with_rates(np.vstack((np.eye(count), np.zeros(count))))
@@ -279,7 +279,7 @@ def augmented(moment: Moment) -> Augmented:
     v = moment.rate[moment.used]
     course = observables.constraint_rate(moment.scene, moment.moved(v).trajectory)[:, rows.mine]
     gamma = -_derivative(course, moment.span(v))
-    force = _forces(moment, _units(moment))
+    force = _forces(moment, unit_rates(moment))
     return Augmented(moment, _mass(moment), rows.jacobian, force, gamma, rows.drift, rows.joints)
 
 

@@ -59,19 +59,22 @@ class ContactModes(NamedTuple):
     # m, place at which a sticking contact's spring is slack; in space the direction of sliding; N while GRIP_PROBE
     anchor: Annotated[Floats, "k", "tangents"]
     dashpot: Annotated[Floats, "k"]  # N s/m^(m + 1), c in force
-    stamp: Annotated[Floats, "k"]  # s, time of the contact's last event
+    stamp: Annotated[Floats, "k"]  # s, time of the contact's last event; of one that comes to rest, when bounces end
     burst: Annotated[Ints, "k"]  # events since then without a pause
+    # m, m/s: the gap and its rate that the row of a closed constraint contact imposes; 0 outside of impacts
+    lead: Annotated[Floats, "k", 2]
     roots: Annotated[Ints, 1]  # event functions watched; 0 without contacts and in the plain mode
     noise: Annotated[Floats, 3]  # m, m/s, m/s^2: how far past its root a function must be, above roundoff
     slow: Annotated[Floats, 1]  # m/s, slip speed that counts as none in space: eps^(1/2) of the scene's speeds
-    log: Annotated[Floats, "most", "5 + tangents"]  # time (s), contact, mode, grip, anchor, dashpot after each event
+    # time (s), contact, mode, grip, anchor, dashpot after each event; then the time at which its bounces end
+    log: Annotated[Floats, "most", "6 + tangents"]
     logged: Annotated[Ints, 1]  # events so far; beyond `most` they are only counted
 
 
 def fresh_modes(count: int, noise: np.ndarray, slow: float, most_logged: int, dimension: int) -> ContactModes:
     """Return the modes of `count` contacts before a run has settled them."""
     tangents = dimension - 1
-    log = np.zeros((most_logged if count else 0, 5 + tangents))
+    log = np.zeros((most_logged if count else 0, 6 + tangents))
     modes = empty(ContactModes, k=count, tangents=tangents)
     return modes._replace(noise=noise, slow=np.array([slow]), log=log)
 

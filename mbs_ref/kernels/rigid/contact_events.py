@@ -154,7 +154,8 @@ def start_contacts(model, work, t, y, located):
             modes.mode[k] = MODE_PLAIN
         elif laws.release[k] == RELEASE_CONSTRAINT:
             moves = max(abs(touch.gap) / modes.noise[0], abs(touch.closing) / modes.noise[1])
-            modes.mode[k] = MODE_CLOSED if touch.beyond <= 0.0 and moves <= AT_REST else MODE_OPEN
+            rests = touch.beyond <= 0.0 and moves <= AT_REST and laws.restitution[k] == 0.0
+            modes.mode[k] = MODE_CLOSED if rests else MODE_OPEN
         elif touch.beyond > 0.0 or touch.gap > 0.0:
             modes.mode[k] = MODE_OPEN
         elif is_behind(pairs, k, touch.gap):

@@ -124,14 +124,14 @@ def _clear(model, rows, slot):
 
 @jit
 def _fill_contact(model, work, k):
-    rows, slot = rows_of(work), contact_laws_of(model).slot[k]
+    rows, slot, lead = rows_of(work), contact_laws_of(model).slot[k], contact_modes_of(model).lead
     touch = contact_geometry(model, work, k)
     on_a, on_b = gap_rows(work, touch)
     for c in range(len(core.block(model))):
         rows.jacobian[slot, 0, 0, c] = on_a[c]
         rows.jacobian[slot, 1, 0, c] = on_b[c]
-    rows.residual[slot, 0] = touch.gap
-    rows.rate[slot, 0] = touch.closing
+    rows.residual[slot, 0] = touch.gap - lead[k, 0]
+    rows.rate[slot, 0] = touch.closing - lead[k, 1]
     rows.gamma[slot, 0] = gap_gamma(model, work, k, touch)
 
 

@@ -127,6 +127,7 @@ def _log(modes, t, g):
                 for c in range(modes.anchor.shape[1]):
                     row[4 + c] = modes.anchor[k, c]
                 row[4 + modes.anchor.shape[1]] = modes.dashpot[k]
+                row[5 + modes.anchor.shape[1]] = max(t, modes.stamp[k])
 
 
 @jit

@@ -1,9 +1,12 @@
 """Constraint contacts at an event: who holds and who lets go, decided together for all that touch.
 
-With v the gap's rate, two linear complementarity problems (Pfeiffer and Glocker 1996, secs 5 and 8): of the impulses of
-a plastic impact, 0 <= v, Lambda >= 0, v Lambda = 0; then of the forces, 0 <= v', lambda >= 0, v' lambda = 0. Each is
-solved by principal pivoting: a contact that pulls opens, one that closes in is closed, the worst first, and by the
-least index if that goes on (Murty 1974), which ends. Accelerations are unique even where forces are not.
+With v the gap's rate, two linear complementarity problems (Pfeiffer and Glocker 1996, secs 5 and 8): of the impulses,
+0 <= v - u, Lambda >= 0, (v - u) Lambda = 0 with u = -e v of a contact before it lands (Newton's restitution), else 0;
+then of the forces, 0 <= v', lambda >= 0, v' lambda = 0. Each is solved by principal pivoting: a contact that pulls
+opens, one that closes in is closed, the worst first, and by the least index if that goes on (Murty 1974), which ends.
+Accelerations are unique even where forces are not.
+
+A contact that would rebound by less than a gap can be resolved rests, and its event is at the limit of its bounces.
 """
 
 import numpy as np
@@ -40,6 +43,12 @@ def contact_push(work, laws, k):
 
 
 @jit
+def _drawn(model, work, k, touch):
+    """Return how fast an open gap is accelerated to close (m/s^2)."""
+    return gap_gamma(model, work, k, touch) - gap_response(model, work, k, touch)
+
+
+@jit
 def contact_mass(model, k):
     """Return the mass (kg) of the bodies of a contact: with the noise, what roundoff leaves of a force."""
     pairs, bodies = contact_pairs_of(model), bodies_of(model)
@@ -59,10 +68,16 @@ def settle_held(model, work, t, y, g):
     modes = contact_modes_of(model)
     touching = _touching(model, work, y)
     before = modes.mode[touching]
+    _aim(model, work, t, y, touching)
     for k in touching:
         modes.mode[k] = MODE_CLOSED
+        modes.stamp[k], modes.burst[k] = t, 0  # what is solved here does not go on without end
     _close_gaps(model, work, t, y)
     _pivot(model, work, t, y, touching, IMPULSES)
+    for k in touching:
+        if modes.lead[k, 1] > 0.0:
+            modes.mode[k] = MODE_OPEN
+        modes.lead[k, 0], modes.lead[k, 1] = 0.0, 0.0
     _pivot(model, work, t, y, touching, FORCES)
     _move(model, work, t, y)
     for i in range(touching.shape[0]):
@@ -72,7 +87,7 @@ def settle_held(model, work, t, y, g):
 
 @jit
 def _touching(model, work, y):
-    """Return the constraint contacts that are closed, or open with no gap that counts."""
+    """Return the constraint contacts that are closed, or open with no gap that counts, but for those that rebound."""
     laws, modes, near = contact_laws_of(model), contact_modes_of(model), near_pairs_of(model)
     core.load_state(model, work, y)
     found, count = np.empty(near.count[0], dtype=np.int64), 0
@@ -84,10 +99,34 @@ def _touching(model, work, y):
         if modes.mode[k] == MODE_OPEN:
             touch = contact_geometry(model, work, k)
             holds = touch.beyond <= 0.0 and abs(touch.gap) <= AT_REST * modes.noise[0]
+            holds = holds and (laws.restitution[k] == 0.0 or touch.closing < 0.0)
         if holds:
             found[count] = k
             count += 1
     return found[:count]
+
+
+@jit
+def _aim(model, work, t, y, touching):
+    """Set the gaps and rates with which the contacts that land rebound, as if each had done so where its gap was 0."""
+    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    landing = np.zeros(touching.shape[0], dtype=np.bool_)
+    for i in range(touching.shape[0]):
+        k = touching[i]
+        if laws.restitution[k] > 0.0:
+            landing[i] = contact_geometry(model, work, k).closing < -AT_REST * modes.noise[1]
+            if landing[i]:
+                modes.mode[k] = MODE_OPEN
+    if not np.any(landing):
+        return
+    accelerate(model, work, t, y)
+    for k in touching[landing]:
+        touch, e = contact_geometry(model, work, k), laws.restitution[k]
+        drawn = _drawn(model, work, k, touch)
+        speed = np.sqrt(max(touch.closing**2 + 2.0 * drawn * touch.gap, 0.0))
+        late = -2.0 * touch.gap / (speed - touch.closing)
+        rate = max(e * speed - drawn * late, 0.0)
+        modes.lead[k, 0], modes.lead[k, 1] = max(rate + 0.5 * drawn * late, 0.0) * late, rate
 
 
 @jit
@@ -126,7 +165,21 @@ def _pivot(model, work, t, y, touching, level):
         worst = _worst(model, work, touching, level, turn > PATIENT * touching.shape[0])
         if worst < 0:
             return
-        modes.mode[worst] = MODE_OPEN if modes.mode[worst] == MODE_CLOSED else MODE_CLOSED
+        if modes.mode[worst] == MODE_CLOSED:
+            modes.mode[worst] = MODE_OPEN
+            continue
+        if level == FORCES:
+            modes.stamp[worst] = t + _rest_after(model, work, worst)
+        modes.mode[worst] = MODE_CLOSED
+
+
+@jit
+def _rest_after(model, work, k):
+    """Return the time (s) in which the bounces of a contact end, a geometric series, that leaves and is drawn back."""
+    touch, e = contact_geometry(model, work, k), contact_laws_of(model).restitution[k]
+    drawn, up = _drawn(model, work, k, touch), max(touch.closing, 0.0)
+    down = np.sqrt(max(up * up + 2.0 * drawn * touch.gap, 0.0))
+    return (up + down * (1.0 + e) / (1.0 - e)) / drawn
 
 
 @jit
@@ -155,20 +208,23 @@ def _largest_acceleration(work, dimension):
 
 @jit
 def _lack(model, work, k, level, slight):
-    """Return by how much (m/s or m/s^2) a contact pulls, or closes in, beyond roundoff.
+    """Return by how much (m/s or m/s^2) a closed contact pulls or leaves, or an open one closes in, beyond roundoff.
 
-    One that leaves, but is drawn back before its gap would count, closes in.
+    A closed one leaves whose row depends on others: the solver drops it. An open one that leaves, but is drawn back
+    before its gap would count, closes in.
     """
     laws, modes = contact_laws_of(model), contact_modes_of(model)
     near, slow, slight_push = modes.noise
-    if modes.mode[k] == MODE_CLOSED:
-        least = slow if level == IMPULSES else slight_push
-        return -contact_push(work, laws, k) / contact_mass(model, k) - least
     touch = contact_geometry(model, work, k)
     if level == IMPULSES:
-        return -touch.closing - AT_REST * slow
-    drawn = gap_gamma(model, work, k, touch) - gap_response(model, work, k, touch)
+        drawn, least, roundoff = modes.lead[k, 1] - touch.closing, slow, AT_REST * slow
+    else:
+        drawn, least, roundoff = _drawn(model, work, k, touch), slight_push, AT_REST * slight_push + slight
+    if modes.mode[k] == MODE_CLOSED:
+        return max(-contact_push(work, laws, k) / contact_mass(model, k) - least, -drawn - roundoff)
+    if level == IMPULSES:
+        return drawn - roundoff
     leaves = max(touch.closing, 0.0)
     if leaves * leaves > 2.0 * drawn * AT_REST * near:
         return 0.0
-    return drawn - AT_REST * slight_push - slight
+    return drawn - roundoff

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -26,15 +27,22 @@ if TYPE_CHECKING:
 )
 @click.option("--figures", is_flag=True, help="Compare scenes with contact by figures instead.")
 @click.option("--scene", "only", metavar="SCENE", multiple=True, help="Of the scenes compared, only this; repeatable.")
-@click.option("--holding", is_flag=True, help="Measure the creep of a block on a slope instead.")
+@click.option("--holding", is_flag=True, help="Measure the creep of blocks that friction holds instead.")
+@click.option(
+    "--instant", type=click.Path(path_type=Path), metavar="FILE", help="Assess the first step of --scene SCENE instead."
+)
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
-def command(figures: bool, only: tuple[str, ...], holding: bool, chosen: tuple[str, ...], as_json: bool, **request):
+def command(
+    figures: bool, only: tuple[str, ...], holding: bool, instant: Path | None, chosen: tuple[str, ...], as_json: bool,
+    **request,
+):  # fmt: skip
     """Translate a contact into the parameters of each engine.
 
     Small experiments measure what each engine makes of them. They hold for one pair of the given effective mass.
-    --figures runs the library's scenes with contact by each engine's own contact model, --holding a block that
-    Coulomb's law holds on a slope.
+    --figures runs the library's scenes with contact by each engine's own contact model, --holding blocks that
+    Coulomb's law holds. --instant writes the contact problem of a scene's first step in FCLIB's layout
+    (FILE.hdf5 needs h5py, else FILE.npz) and shows by how much each engine's step violates its conditions.
     """
     from cross_checks import contact
     from cross_checks.contact import by_figure
@@ -45,12 +53,15 @@ def command(figures: bool, only: tuple[str, ...], holding: bool, chosen: tuple[s
         raise click.UsageError(str(error)) from error
     if absent and (chosen or not present):
         raise EngineAbsent("; ".join(absent))
-    if figures or holding:
-        cases = by_figure.slopes() if holding else by_figure.with_contact()
+    if figures or holding or instant:
+        cases = by_figure.holding() if holding else by_figure.with_contact()
         if unknown := [name for name in only if name not in cases]:
             raise NothingSelected(f"no scene here is named {unknown[0]!r}; allowed: {', '.join(cases)}")
         chosen_cases = {name: cases[name] for name in only or cases}
-        _print(by_figure.compare(present, chosen_cases, request["step"], every=holding), as_json)
+        if instant:
+            _print(_violations(present, chosen_cases, request["step"], instant), as_json)
+        else:
+            _print(by_figure.compare(present, chosen_cases, request["step"], every=holding), as_json)
     else:
         _translate(present, request, as_json)
     complain(absent)
@@ -76,6 +87,20 @@ def _translate(models: dict[str, ContactModel], request: dict[str, float | None]
             continue
         _show(f"{name} {model.engine.version()}", rows)
         click.echo(translation.snippet)
+
+
+def _violations(models: dict[str, ContactModel], cases: dict[str, Any], step: float, path: Path) -> list[Any]:
+    """Write the contact problem of one scene, and return the violations by all engines."""
+    from cross_checks.contact import instant
+
+    if len(cases) != 1:
+        raise click.UsageError(f"--instant takes one scene, --scene SCENE; {len(cases)} are chosen")
+    try:
+        problem = instant.instant(next(iter(cases.values())), step)
+        instant.write(problem, path)
+    except (ValueError, OSError, ModuleNotFoundError) as error:
+        raise click.UsageError(str(error)) from error
+    return [one for model in models.values() for one in instant.assess(problem, model)]
 
 
 def _print(results: Iterable[Any], as_json: bool) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cross_checks.contact import model_of
-from cross_checks.contact.by_figure import compare, figures_of, slopes, with_contact
+from cross_checks.contact.by_figure import compare, figures_of, holding, with_contact
 from cross_checks.contact.experiments import run
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
@@ -22,10 +22,10 @@ def rows(scene, engine, step, **more) -> dict[str, dict]:
     return known
 
 
-def own_creep(option: str) -> float:
-    """Return the speed (m/s) at which a box of MuJoCo's own creeps down a slope of 0.2 rad with mu = 0.7."""
+def own_creep(option: str, along: float = 9.81 * np.sin(ANGLE), down: float = 9.81 * np.cos(ANGLE)) -> float:
+    """Return the speed (m/s) at which a box of MuJoCo's own creeps on a plane with mu = 0.7; gravity in m/s^2."""
     mujoco = pytest.importorskip("mujoco")
-    gravity = f"{9.81 * np.sin(ANGLE)} 0 {-9.81 * np.cos(ANGLE)}"
+    gravity = f"{along} 0 {-down}"
     model = mujoco.MjModel.from_xml_string(f"""<mujoco><option timestep="2e-3" gravity="{gravity}" {option}/>
       <default><geom friction="0.7 0 0" condim="3"/></default><worldbody><geom type="plane" size="0 0 1"/>
       <body pos="0 0 0.1"><freejoint/><geom type="box" size="0.2 0.15 0.1" mass="1"/></body></worldbody></mujoco>""")
@@ -38,13 +38,23 @@ def own_creep(option: str) -> float:
 
 def test_a_block_creeps_as_a_box_of_mujoco_does():
     pytest.importorskip("mujoco")
-    obtained = rows(slopes()["slope at 29% of the cone"], "mujoco", 2e-3, every=True)
+    obtained = rows(holding()["slope at 29% of the cone"], "mujoco", 2e-3, every=True)
     for method, option in (("stock", ""), ("stock_impratio10", 'cone="elliptic" impratio="10"'),
                            ("stock_impratio100", 'cone="elliptic" impratio="100"')):  # fmt: skip
         creep = obtained[method]["creep, m/s"]
         assert creep.obtained == pytest.approx(own_creep(option), rel=1e-3)
         assert abs(creep.requested) < 1e-9 > creep.uncertainty  # Coulomb's law holds it
         assert abs(creep.change) < 1e-9  # no error of the step
+
+
+def test_a_block_pressed_to_a_wall_creeps_as_beneath_a_larger_gravity():
+    """A force through the centre presses a box of 1 kg as a gravity of as many m/s^2 does."""
+    pytest.importorskip("mujoco")
+    scene, gripped = holding()["pressed to a wall"], holding()["gripped by two jaws"]
+    creep = own_creep('cone="elliptic" impratio="100"', 9.81, -scene.loads[0].vector[2])
+    path, other = (run(model_of("mujoco"), "stock_impratio100", one, 2e-3) for one in (scene, gripped))
+    assert figures_of(scene, path)["creep, m/s"] == pytest.approx(creep, rel=1e-3)
+    assert 0.5 * creep < figures_of(gripped, other)["creep, m/s"] < creep  # twice the contacts, with less impedance
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])

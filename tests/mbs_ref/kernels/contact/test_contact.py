@@ -142,12 +142,6 @@ def test_a_ball_at_rest_exactly_at_the_surface():
     assert sunk.position[-1, 0, 1] == pytest.approx(0.05 - 9.81e-4, abs=1e-10)
 
 
-def test_endless_bouncing_ends_with_a_sentence():
-    run = simulate(scenes.make("bouncing_ball", law="rigid", gravity=9.81, duration=5.0), FINE)
-    assert run.status is Status.ENDLESS_EVENTS
-    assert "'floor'" in run.message
-
-
 def test_a_fast_ball_does_not_pass_a_thin_plate():
     plate = scenes.make(
         "bouncing_ball", speed=50.0, plate=0.01, height=0.1234567, stiffness=1e8, damping=100.0, duration=0.05
