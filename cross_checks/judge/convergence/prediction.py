@@ -21,12 +21,13 @@ class Outcome(NamedTuple):
     gaps: np.ndarray  # (n,) to the runs so far
 
 
-def odds_below(posterior: Posterior, settings: np.ndarray, error: float) -> np.ndarray:
-    """Return the probability (n_s,) that a run at each setting has an error of at most `error`."""
+def odds_below(posterior: Posterior, settings: np.ndarray, error: float | np.ndarray) -> np.ndarray:
+    """Return the probability (n_s,) that a run at each setting has an error of at most `error`, one or (n_s,)."""
     weights, goal = posterior.weights, np.log10(error)
-    by_law = _odds_by_law(posterior, settings, goal)
-    near_limit = float(posterior.distance[goal > DISTANCES].sum())
-    stalled = float(posterior.level[goal > LEVELS].sum())
+    weight, predicted, scatter = _predicted(posterior, settings)
+    by_law = weight @ probability_below((goal - predicted) / scatter)
+    near_limit = np.append(0.0, np.cumsum(posterior.distance))[np.searchsorted(DISTANCES, goal)]
+    stalled = np.append(0.0, np.cumsum(posterior.level))[np.searchsorted(LEVELS, goal)]
     odds = by_law * (weights["right"] + weights["limit"] * near_limit) + weights["stalled"] * stalled
     return odds + weights["plateau"] * _odds_after_plateau(posterior, settings, goal)
 
@@ -46,7 +47,7 @@ def expected_log_error(posterior: Posterior, settings: np.ndarray) -> np.ndarray
 def error_range(posterior: Posterior, setting: float) -> tuple[float, float, float]:
     """Return the error at a setting that a run does not exceed with a probability of 0.16, 0.5 and 0.84."""
     errors = np.geomspace(1e-16, 1e2, 145)
-    below = [float(odds_below(posterior, np.array([setting]), error)[0]) for error in errors]
+    below = odds_below(posterior, np.full(len(errors), setting), errors)
     low, middle, high = (errors[min(int(np.searchsorted(below, odds)), len(errors) - 1)] for odds in (0.16, 0.5, 0.84))
     return float(low), float(middle), float(high)
 
@@ -83,12 +84,7 @@ def _predicted(posterior: Posterior, settings: np.ndarray) -> tuple[np.ndarray, 
     return weight, law + share * (known - at_runs)[:, nearest], scatter
 
 
-def _odds_by_law(posterior: Posterior, settings: np.ndarray, goal: float) -> np.ndarray:
-    weight, predicted, scatter = _predicted(posterior, settings)
-    return weight @ probability_below((goal - predicted) / scatter)
-
-
-def _odds_after_plateau(posterior: Posterior, settings: np.ndarray, goal: float) -> np.ndarray:
+def _odds_after_plateau(posterior: Posterior, settings: np.ndarray, goal: float | np.ndarray) -> np.ndarray:
     """The plateau ends with every decade of a finer setting; then an error is typical."""
     ladder = posterior.ladder
     here = float(np.log10(max(ladder.errors[-1], 1e-18)))
