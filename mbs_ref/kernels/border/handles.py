@@ -15,7 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.typing.templates import AttributeTemplate
-from numba.extending import infer_getattr, intrinsic, lower_getattr_generic
+from numba.extending import infer_getattr, lower_getattr_generic
 from numba.np.arrayobj import make_array, populate_array
 
 from mbs_ref.kernels.border.groups import check, declared
@@ -117,19 +117,6 @@ def _lower_group(context, builder, owner, value, name):
         return impl_ret_borrowed(context, builder, owner[0], builder.extract_value(value, owner.fields.index(name)))
     places = enumerate(zip(group.kind.types, group.known, strict=True), group.first)
     return context.make_tuple(builder, group.kind, [_view(context, builder, value, k, *array) for k, array in places])
-
-
-def accessor(name: str) -> Any:
-    """Return a compiled function (handle) -> its group `name`."""
-
-    @intrinsic
-    def access(typingctx, owner):
-        def codegen(context, builder, signature, args):
-            return _lower_group(context, builder, owner, args[0], name)
-
-        return _group(owner, name).kind(owner), codegen  # type: ignore[union-attr]
-
-    return access
 
 
 def _view(context, builder, owner, index, array_type, known):

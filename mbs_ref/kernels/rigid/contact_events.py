@@ -38,14 +38,6 @@ from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
 from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
 from mbs_ref.kernels.rigid.marks import speed_between
-from mbs_ref.kernels.rigid.model import (
-    contact_laws_of,
-    contact_modes_of,
-    contact_pairs_of,
-    near_pairs_of,
-    rows_of,
-    tree_of,
-)
 from mbs_ref.kernels.rigid.shapes import contact_geometry, leaving_ends
 from mbs_ref.kernels.rows import clear
 
@@ -56,8 +48,8 @@ def contact_roots(model, work, t, y, duration, table):
 
     The list covers the last `duration` (s); where that is negative it stays as it is.
     """
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
-    near = near_pairs_of(model)
+    pairs, laws, modes = model.contact_pairs, model.contact_laws, model.contact_modes
+    near = model.near_pairs
     if _some_constrained(laws, modes):
         ask.accelerate(model, work, t, y)  # their functions are multipliers
         store_solved(work, t, y)  # the step that goes on from here need not ask again
@@ -89,7 +81,7 @@ def contact_roots(model, work, t, y, duration, table):
 @jit
 def _gap_speed(model, work, k, touch):
     """Return a bound (m/s) on the rate of a gap and of the excess over open ends."""
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     a, b = pairs.a[k], pairs.b[k]
     turning = core.spin(work, a) * norm(pairs.center[k])
     turning += core.spin(work, b) * (norm(touch.arm_b) + pairs.radius[k])
@@ -111,7 +103,7 @@ def contact_transition(model, work, t, y, g, dy):
     dy is scratch of y's shape. Velocities in y change at rigid impacts, positions too where a constraint contact
     closes, and deflections where a contact sticks.
     """
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    pairs, laws, modes = model.contact_pairs, model.contact_laws, model.contact_modes
     stopped = False
     held = False
     for k in range(pairs.kind.shape[0]):
@@ -141,9 +133,9 @@ def contact_transition(model, work, t, y, g, dy):
 @jit
 def start_contacts(model, work, t, y, located):
     """Set every contact's mode by the state; events are watched only where `located`."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    pairs, laws, modes = model.contact_pairs, model.contact_laws, model.contact_modes
     resting = False
-    near_pairs_of(model).stale[0] = 1
+    model.near_pairs.stale[0] = 1
     core.load_state(model, work, y)
     for k in range(pairs.kind.shape[0]):
         touch = contact_geometry(model, work, k)
@@ -175,7 +167,7 @@ def start_contacts(model, work, t, y, located):
 @jit
 def rigid_contact_mobility(model, work, t, y, k):
     """Return n^T W n (1/kg), the normal mobility of a contact within the joints; leave W n as tree acceleration."""
-    pairs, tree, rows = contact_pairs_of(model), tree_of(work), rows_of(work)
+    pairs, tree, rows = model.contact_pairs, work.tree, work.rows
     core.load_state(model, work, y)
     ask.fill_rows(model, work, t)
     ask.factor(model, work)
@@ -195,14 +187,14 @@ def _impact(model, work, t, y, k):
     """Reverse the normal speed by an impulse, v+ = -e v-, within the joints: dv = W n p."""
     mobility = ask.contact_mobility(model, work, t, y, k)
     closing = contact_geometry(model, work, k).closing
-    impulse = -(1.0 + contact_laws_of(model).restitution[k]) * closing / mobility
+    impulse = -(1.0 + model.contact_laws.restitution[k]) * closing / mobility
     correct_rates(model, work, impulse, y)
 
 
 @jit
 def rigid_contact_forces(model, work, t, y, out):
     """Fill out (n_contacts, 1 + 2 dimension): depth d (m), force on body a (N), its point (m), in the present modes."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    pairs, laws, modes = model.contact_pairs, model.contact_laws, model.contact_modes
     if _some_constrained(laws, modes):
         ask.accelerate(model, work, t, y)
     else:

@@ -12,14 +12,6 @@ from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import exchange, inward, magnitude, place_of_mark, separation
-from mbs_ref.kernels.rigid.model import (
-    contact_laws_of,
-    contact_modes_of,
-    contact_pairs_of,
-    near_pairs_of,
-    rows_of,
-    tree_of,
-)
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 
@@ -43,7 +35,7 @@ def is_touching(pairs, laws, modes, k, touch):
 def contact_force(model, work, k, touch, normal):
     """Return the force on body a (N) at a normal force (N), with friction in the frozen mode."""
     force = core.times(work, normal, touch.normal)
-    if contact_laws_of(model).friction[k] == FRICTION_NONE:
+    if model.contact_laws.friction[k] == FRICTION_NONE:
         return force
     return core.plus(work, force, core.friction_force(model, work, k, touch, normal))
 
@@ -51,7 +43,7 @@ def contact_force(model, work, k, touch, normal):
 @jit
 def find_near(model, work, duration):
     """Let the list of near pairs cover the last `duration` (s) before the pose in `work`; return whether it is new."""
-    near = near_pairs_of(model)
+    near = model.near_pairs
     for s in range(near.body.shape[0]):
         body = near.body[s]
         place = place_of_mark(work, body, near.center[s])
@@ -59,7 +51,7 @@ def find_near(model, work, duration):
             near.place[s, c] = place[c]
         speed = magnitude(work, core.speed(work, body))
         near.travel[s] = duration * (speed + core.spin(work, body) * norm(near.center[s]))
-    return refresh(near, contact_modes_of(model))
+    return refresh(near, model.contact_modes)
 
 
 @jit
@@ -74,10 +66,10 @@ def norm(row):
 @bare
 def rigid_apply_contacts(model, work):
     """Add the forces of every contact that is closed."""
-    pairs = contact_pairs_of(model)
+    pairs = model.contact_pairs
     if pairs.kind.shape[0] == 0:
         return
-    laws, modes, near = contact_laws_of(model), contact_modes_of(model), near_pairs_of(model)
+    laws, modes, near = model.contact_laws, model.contact_modes, model.near_pairs
     if modes.roots[0] == 0 or near.stale[0] == 1:  # while modes are frozen, what touches is in the list already
         find_near(model, work, 0.0)
     for place in range(near.count[0]):
@@ -97,13 +89,13 @@ def rigid_apply_contacts(model, work):
 @jit
 def rigid_fill_contact_rows(model, work):
     """Evaluate the row of every contact as a constraint; an open one's is empty."""
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    laws, modes = model.contact_laws, model.contact_modes
     for k in range(laws.slot.shape[0]):
         if laws.slot[k] >= 0:
             if modes.mode[k] == MODE_CLOSED:
                 _fill_contact(model, work, k)
             else:
-                _clear(model, rows_of(work), laws.slot[k])
+                _clear(model, work.rows, laws.slot[k])
 
 
 @jit
@@ -124,7 +116,7 @@ def _clear(model, rows, slot):
 
 @jit
 def _fill_contact(model, work, k):
-    rows, slot, lead = rows_of(work), contact_laws_of(model).slot[k], contact_modes_of(model).lead
+    rows, slot, lead = work.rows, model.contact_laws.slot[k], model.contact_modes.lead
     touch = contact_geometry(model, work, k)
     on_a, on_b = gap_rows(work, touch)
     for c in range(len(core.block(model))):
@@ -145,7 +137,7 @@ def gap_rows(work, touch):
 @bare
 def gap_gamma(model, work, k, touch):
     """Return what the gap's second rate lacks of its rows applied to accelerations, negative (m/s^2)."""
-    pairs, n = contact_pairs_of(model), touch.normal
+    pairs, n = model.contact_pairs, touch.normal
     a, b = pairs.a[k], pairs.b[k]
     apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
     surplus = core.dot(work, n, inward(work, b, a, apart))
@@ -159,7 +151,7 @@ def gap_gamma(model, work, k, touch):
 @bare
 def gap_response(model, work, k, touch):
     """Return the gap's rows applied to the accelerations in the tree."""
-    pairs, acceleration = contact_pairs_of(model), tree_of(work).acceleration
+    pairs, acceleration = model.contact_pairs, work.tree.acceleration
     on_a, on_b = gap_rows(work, touch)
     total = 0.0
     for c in range(len(core.block(model))):

@@ -12,7 +12,7 @@ from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_events import contact_roots, contact_transition, start_contacts
 from mbs_ref.kernels.rigid.loads import distance, distance_speed, spring_roots, spring_transition, start_springs
 from mbs_ref.kernels.rigid.marks import magnitude
-from mbs_ref.kernels.rigid.model import WATCH_DISTANCE, WATCH_RATE, contact_modes_of, watches_of
+from mbs_ref.kernels.rigid.model import WATCH_DISTANCE, WATCH_RATE
 
 
 @jit
@@ -34,7 +34,7 @@ def _watched(watches, work, k):
 @jit
 def watch_roots(model, work, table):
     """Fill the functions at the state in `work`."""
-    watches, modes = watches_of(model), contact_modes_of(model)
+    watches, modes = model.watches, model.contact_modes
     first = modes.mode.shape[0] - watches.a.shape[0]
     for k in range(watches.a.shape[0]):
         i = ROOTS_EACH * (first + k)
@@ -51,7 +51,7 @@ def watch_roots(model, work, table):
 @jit
 def watch_transition(model, g):
     """Change sides; forget crossings in the other direction; return whether the run is to stop."""
-    watches, modes = watches_of(model), contact_modes_of(model)
+    watches, modes = model.watches, model.contact_modes
     first = modes.mode.shape[0] - watches.a.shape[0]
     stops = False
     for k in range(watches.a.shape[0]):
@@ -68,7 +68,7 @@ def watch_transition(model, g):
 @jit
 def start_watches(model, work):
     """Choose the sides by the state in `work`; exactly at the value, the side that it comes from."""
-    watches, modes = watches_of(model), contact_modes_of(model)
+    watches, modes = model.watches, model.contact_modes
     first = modes.mode.shape[0] - watches.a.shape[0]
     for k in range(watches.a.shape[0]):
         above, speed, _ = _watched(watches, work, k)
@@ -78,7 +78,7 @@ def start_watches(model, work):
 @jit
 def rigid_root_count(model):
     """Return the number of event functions; 0 in the plain mode."""
-    return contact_modes_of(model).roots[0]
+    return model.contact_modes.roots[0]
 
 
 @jit
@@ -98,7 +98,7 @@ def rigid_transition(model, work, t, span, y, g, dy):
 
     dy is scratch of y's shape. y changes as in `contact_transition`.
     """
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     source = 0
     for k in range(modes.mode.shape[0]):
         if is_broken(g, k):
@@ -133,7 +133,7 @@ def _log(modes, t, g):
 @jit
 def rigid_start_modes(model, work, t, y, located):
     """Set every mode by the state; event functions are watched only where `located`."""
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     modes.logged[0] = 0
     modes.roots[0] = ROOTS_EACH * modes.mode.shape[0] if located else 0
     for k in range(modes.mode.shape[0]):
@@ -141,6 +141,6 @@ def rigid_start_modes(model, work, t, y, located):
         modes.burst[k] = 0
     core.load_state(model, work, y)
     start_springs(model, work, located)
-    if watches_of(model).a.shape[0] > 0:
+    if model.watches.a.shape[0] > 0:
         start_watches(model, work)
     start_contacts(model, work, t, y, located)

@@ -10,7 +10,6 @@ from mbs_ref.kernels.contact.laws import FRICTION_STICK_SLIP, GRIP_PROBE, GRIP_S
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.landing import contact_mass
-from mbs_ref.kernels.rigid.model import contact_laws_of, contact_modes_of, contact_pairs_of
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 DIFFERENCE = 1e-4  # of the sticking springs' time scale: step of the differences along the motion
@@ -28,7 +27,7 @@ def _size(u):
 @jit
 def grip_margin(model, work, k, touch):
     """Return how much more force sticking bears, or the speed along what is frozen, in units of their roundoff."""
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    laws, modes = model.contact_laws, model.contact_modes
     if modes.grip[k] != GRIP_STICK:
         return core.ahead(model, k, touch) / modes.noise[1]
     normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
@@ -39,11 +38,11 @@ def grip_margin(model, work, k, touch):
 @jit
 def take_grip(model, y, k, touch):
     """Slide where there is a slip velocity; stick, unloaded, where there is none."""
-    if contact_laws_of(model).friction[k] != FRICTION_STICK_SLIP:
+    if model.contact_laws.friction[k] != FRICTION_STICK_SLIP:
         return
     slip = core.slip_of(model, touch)
     if is_still(slip):
-        contact_modes_of(model).grip[k] = GRIP_STICK
+        model.contact_modes.grip[k] = GRIP_STICK
         core.stick(model, y, k, touch, slip)
     else:
         core.slide_along(model, k, touch, 1.0, slip)
@@ -52,7 +51,7 @@ def take_grip(model, y, k, touch):
 @jit
 def change_grip(model, work, k, touch):
     """End a mode of friction; return whether the contact has stopped and is to be probed."""
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    laws, modes = model.contact_laws, model.contact_modes
     if modes.grip[k] != GRIP_STICK:
         return core.has_stopped(model, k, touch)
     normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
@@ -80,7 +79,7 @@ def is_still(slip):
 @jit
 def rigid_slip_velocities(model, work, y, out):
     """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts under probe."""
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     core.load_state(model, work, y)
     for k in range(out.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
@@ -92,7 +91,7 @@ def rigid_slip_velocities(model, work, y, out):
 @jit
 def rigid_settle_grips(model, work, t, y, dy):
     """Let the stopped contacts stick where mu_s allows what holds them, else slide on against it."""
-    pairs, laws, modes = contact_pairs_of(model), contact_laws_of(model), contact_modes_of(model)
+    pairs, laws, modes = model.contact_pairs, model.contact_laws, model.contact_modes
     count = pairs.kind.shape[0]
     loads, force = np.zeros(count), np.zeros((count, modes.anchor.shape[1]))
     core.load_state(model, work, y)
@@ -117,7 +116,7 @@ def rigid_settle_grips(model, work, t, y, dy):
 @jit
 def _stick_time(model):
     """Return the least sqrt(m / k) (s) of the springs of the contacts under probe."""
-    laws, modes, least = contact_laws_of(model), contact_modes_of(model), np.inf
+    laws, modes, least = model.contact_laws, model.contact_modes, np.inf
     for k in range(laws.grip_stiffness.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
             least = min(least, np.sqrt(contact_mass(model, k) / laws.grip_stiffness[k]))
@@ -127,7 +126,7 @@ def _stick_time(model):
 @jit
 def _slip_rates(model, work, t, y, dy, force, step, rates):
     """Fill the rates (m/s^2) of the slip velocities under probe forces (N), by differences along the motion."""
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     for k in range(force.shape[0]):
         if modes.grip[k] == GRIP_PROBE:
             for c in range(force.shape[1]):

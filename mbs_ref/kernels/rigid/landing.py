@@ -16,16 +16,7 @@ from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_OPEN, ROOTS_EACH
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import gap_gamma, gap_response
-from mbs_ref.kernels.rigid.model import (
-    bodies_of,
-    contact_laws_of,
-    contact_modes_of,
-    contact_pairs_of,
-    near_pairs_of,
-    position_count,
-    rows_of,
-    tree_of,
-)
+from mbs_ref.kernels.rigid.model import position_count
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 ITERATIONS = 8  # of the projection of the positions
@@ -39,7 +30,7 @@ PATIENT, MOST = 2, 20  # pivots a touching contact: of the worst, and in all
 @jit
 def contact_push(work, laws, k):
     """Return the force (N), or impulse (N s) after a projection, with which a closed contact pushes."""
-    return -rows_of(work).multiplier[laws.slot[k], 0]
+    return -work.rows.multiplier[laws.slot[k], 0]
 
 
 @jit
@@ -51,7 +42,7 @@ def _drawn(model, work, k, touch):
 @jit
 def contact_mass(model, k):
     """Return the mass (kg) of the bodies of a contact: with the noise, what roundoff leaves of a force."""
-    pairs, bodies = contact_pairs_of(model), bodies_of(model)
+    pairs, bodies = model.contact_pairs, model.bodies
     total = 0.0
     for body in (pairs.a[k], pairs.b[k]):
         if body < bodies.mass.shape[0]:
@@ -65,7 +56,7 @@ def settle_held(model, work, t, y, g):
 
     The function in g of each that changes turns negative, as of all that change.
     """
-    modes = contact_modes_of(model)
+    modes = model.contact_modes
     touching = _touching(model, work, y)
     before = modes.mode[touching]
     _aim(model, work, t, y, touching)
@@ -88,7 +79,7 @@ def settle_held(model, work, t, y, g):
 @jit
 def _touching(model, work, y):
     """Return the constraint contacts that are closed, or open with no gap that counts, but for those that rebound."""
-    laws, modes, near = contact_laws_of(model), contact_modes_of(model), near_pairs_of(model)
+    laws, modes, near = model.contact_laws, model.contact_modes, model.near_pairs
     core.load_state(model, work, y)
     found, count = np.empty(near.count[0], dtype=np.int64), 0
     for place in range(near.count[0]):
@@ -109,7 +100,7 @@ def _touching(model, work, y):
 @jit
 def _aim(model, work, t, y, touching):
     """Set the gaps and rates with which the contacts that land rebound, as if each had done so where its gap was 0."""
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    laws, modes = model.contact_laws, model.contact_modes
     landing = np.zeros(touching.shape[0], dtype=np.bool_)
     for i in range(touching.shape[0]):
         k = touching[i]
@@ -132,7 +123,7 @@ def _aim(model, work, t, y, touching):
 @jit
 def _move(model, work, t, y):
     """Project onto joints and closed contacts in the mass norm: of the velocities, a plastic impact."""
-    project(model, work, t, y, FINER * contact_modes_of(model).noise[0], ITERATIONS)
+    project(model, work, t, y, FINER * model.contact_modes.noise[0], ITERATIONS)
     core.load_state(model, work, y)
 
 
@@ -154,7 +145,7 @@ def _put_back(y, first, before):
 @jit
 def _pivot(model, work, t, y, touching, level):
     """Open and close contacts until the complementarity of impulses or of forces holds."""
-    modes, first = contact_modes_of(model), position_count(model)
+    modes, first = model.contact_modes, position_count(model)
     before = y[first:].copy()
     for turn in range(MOST * touching.shape[0]):
         if level == IMPULSES:
@@ -176,7 +167,7 @@ def _pivot(model, work, t, y, touching, level):
 @jit
 def _rest_after(model, work, k):
     """Return the time (s) in which the bounces of a contact end, a geometric series, that leaves and is drawn back."""
-    touch, e = contact_geometry(model, work, k), contact_laws_of(model).restitution[k]
+    touch, e = contact_geometry(model, work, k), model.contact_laws.restitution[k]
     drawn, up = _drawn(model, work, k, touch), max(touch.closing, 0.0)
     down = np.sqrt(max(up * up + 2.0 * drawn * touch.gap, 0.0))
     return (up + down * (1.0 + e) / (1.0 - e)) / drawn
@@ -186,7 +177,7 @@ def _rest_after(model, work, k):
 def _worst(model, work, touching, level, in_order):
     """Return the contact farthest from complementarity, or the first that is off where asked `in_order`; else -1."""
     worst, most = -1, 0.0
-    slight = SLIGHT * _largest_acceleration(work, contact_modes_of(model).anchor.shape[1] + 1)
+    slight = SLIGHT * _largest_acceleration(work, model.contact_modes.anchor.shape[1] + 1)
     for k in touching:
         lack = _lack(model, work, k, level, slight)
         if lack > most:
@@ -198,7 +189,7 @@ def _worst(model, work, touching, level, in_order):
 
 @jit
 def _largest_acceleration(work, dimension):
-    acceleration = tree_of(work).acceleration
+    acceleration = work.tree.acceleration
     largest = 0.0
     for i in range(acceleration.shape[0]):
         for c in range(dimension):
@@ -213,7 +204,7 @@ def _lack(model, work, k, level, slight):
     A closed one leaves whose row depends on others: the solver drops it. An open one that leaves, but is drawn back
     before its gap would count, closes in.
     """
-    laws, modes = contact_laws_of(model), contact_modes_of(model)
+    laws, modes = model.contact_laws, model.contact_modes
     near, slow, slight_push = modes.noise
     touch = contact_geometry(model, work, k)
     if level == IMPULSES:

@@ -13,7 +13,6 @@ from typing import Annotated, Any, NamedTuple, get_type_hints
 import numpy as np
 
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
-from mbs_ref.kernels.border.handles import accessor
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.jit import jit
@@ -205,16 +204,6 @@ def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loop
     groups = {name: empty(kind, **own) for name, kind in get_type_hints(scratch).items() if name != "closures"}
     groups["solved"].time[0] = np.nan
     return scratch(closures=closure_scratch(loops, lengths["rates"]), **groups)
-
-
-bodies_of = accessor("bodies")
-contact_pairs_of = accessor("contact_pairs")
-contact_laws_of = accessor("contact_laws")
-contact_modes_of = accessor("contact_modes")
-near_pairs_of = accessor("near_pairs")
-watches_of = accessor("watches")
-rows_of = accessor("rows")
-tree_of = accessor("tree")
 
 
 # Return how many entries of the state are positions and orientations; rates follow.
