@@ -35,10 +35,10 @@ class PinocchioCpp(Pinocchio):
     package: ClassVar[str] = "pinocchio"
     method_table: ClassVar[tuple[Method, ...]] = METHODS
     takes_loads: ClassVar[bool] = False
-    closes_loops: ClassVar[bool] = False
+    every: ClassVar[bool] = False  # algorithm, from the headers alone; they close loops
 
     def version(self) -> str:
-        return described()
+        return described(self.every)
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         reasons = [Refusal(TREES, permanent=False)] if self.is_beyond(scene) else []
@@ -47,11 +47,11 @@ class PinocchioCpp(Pinocchio):
 
     def is_beyond(self, scene: Scene) -> bool:
         """Return whether the scene has loops that this engine does not close."""
-        return "closed-loop" in traits(scene) and not self.closes_loops
+        return "closed-loop" in traits(scene) and not self.every
 
     def build(self, scene: Scene, plan: Plan) -> Compiled:
         built = super().build(scene, plan)
-        tree = Tree(built.mechanism.model, FORMS.get(plan.method.name, "local"), built.mechanism.contacts)
+        tree = Tree(built.mechanism.model, self.every, FORMS.get(plan.method.name, "local"), built.mechanism.contacts)
         return Compiled(built.mechanism, built.contact_data, built.rhs, built.start, built.breakpoints, tree)
 
     def first_call(self, model: Any, plan: Plan) -> None:
@@ -70,7 +70,7 @@ class EveryAlgorithm(PinocchioCpp):
         Method("dop853_constrained", "adaptive", 8, "DOP853 in C++, constraintDynamics", RTOLS, embedded=7),
         Method("dop853_loop_aba", "adaptive", 8, "DOP853 in C++, loop-constrained ABA", RTOLS, embedded=7),
     )
-    closes_loops: ClassVar[bool] = True
+    every: ClassVar[bool] = True
 
 
 ENGINE = PinocchioCpp

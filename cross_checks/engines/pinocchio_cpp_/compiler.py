@@ -1,11 +1,13 @@
-"""The C++ program, compiled once against the headers of Pinocchio's own wheel, for this machine's processor.
+"""The C++ program, compiled once against Pinocchio's own wheel.
 
-It is kept in the cache folder under a digest of its source, the compiler, the flags, the processor and Pinocchio's
-version.
+The engine takes its algorithm from the library, compiled for any processor. Benchmarks compile all algorithms from
+the headers alone for this processor, which takes minutes. Programs are stored in the cache folder under a digest of
+source, compiler, flags, processor and Pinocchio's version.
 """
 
 import hashlib
 import os
+import platform
 import shutil
 import subprocess
 import tempfile
@@ -22,13 +24,14 @@ from mbs_ref.kernels.jit import cache_folder
 SOURCE = Path(__file__).with_name("driver.cpp")
 COMPILERS = ("g++", "clang++")  # tried in turn where the environment names none in CXX
 LIBRARY = "libpinocchio_default.so"
-# The definitions of the wheel's own CMake files (pinocchioTargets.cmake) without the one that takes its templates,
-# compiled for any processor, from the library.
+# The definitions with which the wheel's own CMake files compile against it (pinocchioTargets.cmake).
 FLAGS = (
-    "-std=c++17", "-O3", "-march=native", "-w", "-DNDEBUG", "-fPIC", "-shared", "-fvisibility=hidden",
-    "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
-    "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
+    "-std=c++17", "-O3", "-w", "-DNDEBUG", "-fPIC", "-shared", "-fvisibility=hidden",
+    "-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
+    "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 )  # fmt: skip
+LINKED = ("-DPINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION", "-lpinocchio_default")
+NATIVE = ("-march=native", "-DEVERY_ALGORITHM")
 
 
 @cache
@@ -45,30 +48,36 @@ def obstacle() -> str:
 
 
 @cache
-def described() -> str:
-    """Return Pinocchio's version, the compiler's, and a digest of the program's source."""
+def described(every: bool = False) -> str:
+    """Return Pinocchio's version, the compiler's, the build, and a digest of the program's source."""
     program = hashlib.sha256(SOURCE.read_bytes()).hexdigest()[:8]
-    return f"{pin.__version__}, {_compiler_version()} -march=native on {get_host_cpu_name()}, program {program}"
+    build = f"headers alone, -march=native on {get_host_cpu_name()}" if every else "the wheel's library"
+    return f"{pin.__version__}, {build}, {_compiler_version()}, program {program}"
 
 
-def library() -> Path:
-    """Return the compiled program, made where it is not kept; RuntimeError says what the compiler said."""
-    name = hashlib.sha256(repr((described(), FLAGS, str(_prefix()))).encode()).hexdigest()[:20]
+def library(every: bool = False) -> Path:
+    """Return the program, with every algorithm or one; compiled where it is not stored.
+
+    Raises RuntimeError with the compiler's message.
+    """
+    flags = NATIVE if every else LINKED
+    parts = described(every), FLAGS, flags, platform.machine(), str(_prefix())
+    name = hashlib.sha256(repr(parts).encode()).hexdigest()[:20]
     kept = cache_folder() / f"pinocchio_cpp-{name}.so"
     if not kept.is_file():
         with trigger_event("numba:compile"):  # who waits for a run sees that it compiles
-            _compile(kept)
+            _compile(kept, flags)
     return kept
 
 
-def _compile(kept: Path) -> None:
+def _compile(kept: Path, flags: tuple[str, ...]) -> None:
     """Compile beside the place and move there, so that nobody loads half a library."""
     kept.parent.mkdir(parents=True, exist_ok=True)
     handle, made = tempfile.mkstemp(suffix=".so", dir=kept.parent)
     os.close(handle)
     include, lib = _prefix() / "include", _prefix() / "lib"
     where = ["-isystem", include, "-isystem", include / "eigen3", f"-L{lib}", f"-Wl,-rpath,{lib}"]
-    command = [_compiler(), *FLAGS, *where, SOURCE, "-o", made, "-lboost_serialization"]
+    command = [_compiler(), *FLAGS, *where, SOURCE, *flags, "-o", made, "-lboost_serialization"]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     if done.returncode:
         os.unlink(made)

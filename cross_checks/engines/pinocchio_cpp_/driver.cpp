@@ -11,12 +11,15 @@
 
 #include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/aba.hpp>
+#ifdef EVERY_ALGORITHM
 #include <pinocchio/algorithm/constrained-dynamics.hpp>
 #include <pinocchio/algorithm/loop-constrained-aba.hpp>
+#endif
 
 namespace {
 
 using Vector = Eigen::VectorXd;
+using Read = Eigen::Ref<const Vector>;  // the arguments that the library has compiled its algorithms for
 using Eigen::Map;
 using Eigen::Vector3d;
 
@@ -33,21 +36,29 @@ struct Tree {
   std::vector<std::pair<int, int>> plain;  // coordinates whose rate is a velocity
   Vector tau, q, v;
   Form form;
+#ifdef EVERY_ALGORITHM
   std::vector<pinocchio::RigidConstraintModel, Eigen::aligned_allocator<pinocchio::RigidConstraintModel>> contacts;
   std::vector<pinocchio::RigidConstraintData, Eigen::aligned_allocator<pinocchio::RigidConstraintData>> contact_data;
   pinocchio::ProximalSettings proximal;
+#endif
 };
 
 const Vector& accelerations(Tree& tree) {
   using pinocchio::Convention;
-  switch (tree.form) {
-    case ABA_LOCAL: return pinocchio::aba(tree.model, tree.data, tree.q, tree.v, tree.tau, Convention::LOCAL);
-    case ABA_WORLD: return pinocchio::aba(tree.model, tree.data, tree.q, tree.v, tree.tau, Convention::WORLD);
-    case CONSTRAINED: return pinocchio::constraintDynamics(tree.model, tree.data, tree.q, tree.v, tree.tau,
-                                                           tree.contacts, tree.contact_data, tree.proximal);
-    default: return pinocchio::lcaba(tree.model, tree.data, tree.q, tree.v, tree.tau,
-                                     tree.contacts, tree.contact_data, tree.proximal);
+#ifdef EVERY_ALGORITHM
+  if (tree.form == ABA_WORLD) {
+    return pinocchio::aba(tree.model, tree.data, tree.q, tree.v, tree.tau, Convention::WORLD);
   }
+  if (tree.form == CONSTRAINED) {
+    return pinocchio::constraintDynamics(tree.model, tree.data, tree.q, tree.v, tree.tau, tree.contacts,
+                                         tree.contact_data, tree.proximal);
+  }
+  if (tree.form == LOOP_ABA) {
+    return pinocchio::lcaba(tree.model, tree.data, tree.q, tree.v, tree.tau, tree.contacts, tree.contact_data,
+                            tree.proximal);
+  }
+#endif
+  return pinocchio::aba(tree.model, tree.data, Read(tree.q), Read(tree.v), Read(tree.tau), Convention::LOCAL);
 }
 
 pinocchio::JointModel joint_model(int kind, const Vector3d& axis) {
@@ -215,6 +226,7 @@ EXPORTED Tree* make_tree(int form, int n, const int* kinds, const int* parents, 
   return tree;
 }
 
+#ifdef EVERY_ALGORITHM
 // joints: two for each contact of 3 or 6 rows; numbers: its placements in them (24); gains and settings: (5,).
 EXPORTED void close_loops(Tree* tree, int n, const int* rows, const int* joints, const double* numbers,
                           const double* settings) {
@@ -232,6 +244,7 @@ EXPORTED void close_loops(Tree* tree, int n, const int* rows, const int* joints,
   if (tree->form == LOOP_ABA) pinocchio::computeJointMinimalOrdering(tree->model, tree->data, tree->contacts);
   else pinocchio::initConstraintDynamics(tree->model, tree->data, tree->contacts, tree->contact_data);
 }
+#endif
 
 EXPORTED void free_tree(Tree* tree) { delete tree; }
 

@@ -39,12 +39,12 @@ class Report(ctypes.Structure):
 class Tree:
     """A tree of joints in the program, the contacts that close its loops, and its state there."""
 
-    def __init__(self, model: Any, form: str = "local", contacts: Sequence[Any] = ()) -> None:
+    def __init__(self, model: Any, every: bool = False, form: str = "local", contacts: Sequence[Any] = ()) -> None:
         joints = [(model.joints[k], model.jointPlacements[k], model.inertias[k]) for k in range(1, model.njoints)]
         kinds = np.array([KINDS.index(joint.shortname()) for joint, _, _ in joints], dtype=np.int32)
         parents = np.array(list(model.parents)[1:], dtype=np.int32)
         numbers = np.array([_numbers(*joint) for joint in joints])
-        self._program = _program()
+        self._program = _program(every)
         self._tree = self._program.make_tree(
             FORMS.index(form), len(joints), kinds, parents, numbers, np.array(model.gravity.linear)
         )
@@ -98,12 +98,13 @@ def _end(report: Report, plan: Plan) -> End:
 
 
 @cache
-def _program() -> ctypes.CDLL:
-    program = ctypes.CDLL(str(library()))
+def _program(every: bool) -> ctypes.CDLL:
+    program = ctypes.CDLL(str(library(every)))
     number, whole, tree = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
     program.make_tree.argtypes, program.make_tree.restype = [whole, whole, _WHOLE, _WHOLE, _REALS, _REALS], tree
-    program.close_loops.argtypes = [tree, whole, _WHOLE, _WHOLE, _REALS, _REALS]
-    program.close_loops.restype = None
+    if every:
+        program.close_loops.argtypes = [tree, whole, _WHOLE, _WHOLE, _REALS, _REALS]
+        program.close_loops.restype = None
     program.free_tree.argtypes, program.free_tree.restype = [tree], None
     program.derivative.argtypes, program.derivative.restype = [tree, _REALS, _REALS], None
     program.run_rk4.argtypes, program.run_rk4.restype = [tree, _REALS, whole, _WHOLE, number], Report
