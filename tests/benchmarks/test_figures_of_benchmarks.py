@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks import method_table
 from benchmarks.calibration import Trial, table
-from benchmarks.history import Entry, append, from_benchmarks, from_records, index, new_levels, series
+from benchmarks.history import Entry, append, from_benchmarks, from_records, new_levels, read, series
 from benchmarks.trees import slowed
 from benchmarks.trees.regression import CASES
 from cross_checks.prices.timing import Sample
@@ -27,8 +27,8 @@ def entries(values: list[float]) -> list[Entry]:
 def test_a_series_is_in_the_order_of_time(tmp_path):
     values = [3.0, 1.0, 2.0]
     append(tmp_path / "h.jsonl", entries(values)[::-1])
-    database, _ = index(tmp_path / "h.jsonl")
-    assert [entry.value for entry in series(database)["chain"]] == values
+    stored, _ = read(tmp_path / "h.jsonl")
+    assert [entry.value for entry in series(stored)["chain"]] == values
 
 
 @pytest.mark.parametrize(("factor", "is_new"), [(1.03, False), (1.12, True), (0.9, True)])

@@ -40,7 +40,7 @@ def command(
     scene: str | None, parameters: tuple[str, ...], shard: str, seed: int | None, radius: float, limit: float,
     write: bool, as_json: bool,
 ) -> None:  # fmt: skip
-    """Prove scenes at the times of judged runs and compare their truths. Without SCENE, all that proofs cover.
+    """Prove scenes and compare their truths. Without SCENE, all that proofs cover.
 
     The radius is for scenes up to 1 m; of larger ones it is multiplied by their length in m.
     Exit code 1 where a truth is outside its enclosure by more than its uncertainty.

@@ -29,7 +29,7 @@ def truth_at(name: str, *times: float, **parameters) -> Truth:
 def test_a01_position_at_ten_seconds():
     truth = truth_at("pendulum", 10.0)
     np.testing.assert_allclose(truth.position[0, 0], [-0.2750874625761, -0.9614192050991], atol=quoted_to)
-    assert truth.kind == "exact"
+    assert truth.kind == "proven"
     assert truth.uncertainty < 1e-15
 
 

@@ -108,7 +108,7 @@ def compare(hidden: Case, run: Trajectory, method: str) -> Comparison:
         one = [k for k, event in enumerate(exact.events) if event.name == watch.name]
         times = np.array([exact.events[k].time for k in one])
         allowed = LATEST * horizon + MARGIN * exact.moved[one]
-        logged = _logged(run, watch) / hidden.units.time
+        logged = _logged(hidden.scene, run, watch) / hidden.units.time
         reach = np.maximum(1e3 * resolution * horizon, 10.0 * exact.moved[one])
         near = np.minimum(REACH * _spacing(times, horizon), 1e-4 * horizon)
         missing, extra, pairs = _matched(times, logged, np.maximum(reach, near))
@@ -121,11 +121,12 @@ def compare(hidden: Case, run: Trajectory, method: str) -> Comparison:
     return Comparison(verdict, len(exact.events), max((error for error, _ in before), default=0.0) / horizon)
 
 
-def _logged(run: Trajectory, watch: Watch) -> np.ndarray:
-    """Return the times (s) of one event; a rigid contact logs the touch and then its release."""
+def _logged(scene: Scene, run: Trajectory, watch: Watch) -> np.ndarray:
+    """Return the times (s) of one event; a rigid contact that cannot rest logs the touch and then its release."""
     assert run.event_times is not None
     times = np.sort(run.event_times[run.event_times[:, 1] == run.event_names.index(watch.name), 0])
-    return times[::2] if watch.impulsive else times
+    rests = any(contact.holds for contact in scene.contacts if contact.name == watch.name)
+    return times[::2] if watch.impulsive and not rests else times
 
 
 def _spacing(times: np.ndarray, horizon: float) -> np.ndarray:

@@ -8,9 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, lu_factor, lu_solve, solve_ldl
 from mbs_ref.kernels.rigid.dynamics import refinements
-from mbs_ref.kernels.spatial.descriptor import _parameters_times
 from mbs_ref.kernels.spatial.loads import _product, _relative
-from mbs_ref.kernels.spatial.orientation import rotation, theta_rate, world_inertia
+from mbs_ref.kernels.spatial.orientation import composed, rotation, theta_rate, world_inertia
 from mbs_ref.kernels.spatial.vectors import symmetric_times, turn, turn_back
 
 THETA = (0.4, -1.1, 0.7, 1.3)  # Euler parameters of no norm
@@ -78,7 +77,7 @@ def test_rates_of_euler_parameters_turn_axes_by_the_worlds_angular_velocity():
 
 def test_a_product_of_quaternions_is_one_rotation_after_the_other():
     s, v = 0.3, (0.5, -0.2, 0.9)
-    found = Rotation.from_quat(_parameters_times.py_func(THETA, s, v), scalar_first=True)
+    found = Rotation.from_quat(composed.py_func(THETA, (s, *v)), scalar_first=True)
     one, other = (Rotation.from_quat(theta, scalar_first=True) for theta in (THETA, (s, *v)))
     np.testing.assert_allclose(found.as_matrix(), (one * other).as_matrix(), atol=1e-15)
 

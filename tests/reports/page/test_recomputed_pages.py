@@ -20,11 +20,12 @@ from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
 from reports.facts import cheapest, curves
-from reports.facts.report_data import ReportData
+from reports.facts.report_data import ReportData, Section
 from reports.facts.stored import Stored, adapter, keep, recall
 from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.page import advice, findings
-from reports.page.sections import matrix, method, overview, plots, prices, profiles, records
+from reports.page.render import RECORDS, templates
+from reports.page.sections import matrix, method, overview, plots, prices, profiles
 from tests.reports.page.test_shown_figures import LINKS, OFFERED, irregular
 
 SEEDS = range(3)
@@ -203,15 +204,28 @@ def test_verdicts(data):
         assert [float(x) for x in row["order"].split(" of ")] == [shown(cell.order or 0.0), cell.documented_order]
 
 
+def printed(section: Section, data: ReportData) -> list[list[str]]:
+    """Return the texts of a section's table, a list a row; a cell's small text is a text of its own."""
+    html = (
+        templates().get_template(f"{section.name}.html").render(section=section, page_title="", **section.context(data))
+    )
+    rows = re.findall(r"<tr><th scope=\"row\".*?</tr>", html, re.DOTALL)
+    return [[text for text in re.split(r"(?:<[^>]*>)+", row) if text] for row in rows]
+
+
 def test_records(data):
-    for scene, rows in records.context(data)["groups"].items():
-        runs = [r for r in data.records if f"pendulum_chain links={r.parameters['links']}" == scene]
-        for row, run in zip(rows, runs, strict=True):
-            assert (row["steps"], row["rhs_calls"]) == (run.steps, run.rhs_calls)
-            assert value(row["loop"]) == shown(run.times["loop_s"], 3)
-            assert value(row["compliance"]) == shown(run.measures["compliance_position"] or 0.0)
-            assert value(row["energy"]) == shown(run.measures["energy_drift"] or 0.0)
-            assert row["error"] == "–" if run.error is None else value(row["error"]) == shown(run.error.value)
+    rows = iter(printed(RECORDS, data))
+    for links in dict.fromkeys(scene.partition("links=")[2] for scene in data.scenes):
+        for run in (r for r in data.records if str(r.parameters["links"]) == links):
+            engine, _, _, status, *texts, steps, calls, loop, _ = [x for x in next(rows) if x != run.message]
+            assert (engine, status, int(steps), int(calls.split()[0])) == (
+                run.engine, run.status, run.steps, run.rhs_calls)  # fmt: skip
+            assert value(loop) == shown(run.times["loop_s"], 3)
+            error, compliance, energy = texts
+            assert value(compliance) == shown(run.measures["compliance_position"] or 0.0)
+            assert value(energy) == shown(run.measures["energy_drift"] or 0.0)
+            assert error == "–" if run.error is None else value(error) == shown(run.error.value)
+    assert next(rows, None) is None
 
 
 def test_decisions(data):
@@ -325,7 +339,6 @@ def test_truths():
     for _ in range(20):
         known, floor, two, length, off, confirmed = (10 ** chance.uniform(-15, 3) for _ in range(6))
         facts = TruthFacts("a", "", "exact", "", known, floor, two, length, "2026-01-01", "x", confirmed, off)
-        row = method.truth_row(facts)
-        texts = [row[name] for name in ("uncertainty", "floor", "difference", "length", "confirmed")]
-        for text, figure in zip((*texts, row["kept"][7:]), (known, floor, two, length, confirmed, off), strict=True):
-            assert value(text) == shown(figure)
+        (row,) = printed(method.TRUTHS, ReportData((), (), truths=(facts,)))
+        for text, figure in zip((*row[2:7], row[9][7:]), (known, floor, length, two, confirmed, off), strict=True):
+            assert value(text) == shown(figure), row
