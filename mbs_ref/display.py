@@ -11,7 +11,7 @@ LEFT = ' style="text-align:left"'
 def facts(title: str, rows: Iterable[tuple[str, Any]]) -> str:
     """Return a table of names and values; an empty value leaves its row out."""
     filled = [(name, value) for name, value in rows if value not in (None, "", ())]
-    return listing(title, (), [(name, value) for name, value in filled], most=len(filled))
+    return listing(title, (), filled, most=len(filled))
 
 
 def listing(title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], most: int = MOST_ROWS) -> str:

@@ -71,8 +71,7 @@ def _translate(models: dict[str, ContactModel], request: dict[str, float | None]
     from cross_checks.contact.experiments import measured
     from cross_checks.contact.request import Request
 
-    missing = [f"--{name}" for name, value in request.items() if value is None]
-    if missing:
+    if missing := [f"--{name}" for name, value in request.items() if value is None]:
         raise click.UsageError(f"{', '.join(missing)} must be given")
     try:
         requested = Request(**request)  # type: ignore[arg-type]

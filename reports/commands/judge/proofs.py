@@ -13,18 +13,8 @@ from reports import inputs
 from reports.commands.judge.prove import limit_option, need_flint, radius_option
 from reports.terminal.console import Failed, echo_json, number, progress, show_table
 
-COLUMNS = (
-    "t_end",
-    "reached",
-    "radius",
-    "steps",
-    "prover_s",
-    "checker_s",
-    "log_bytes",
-    "distance",
-    "turned",
-    "uncertainty",
-)
+NUMBERS = ("t_end", "reached", "radius", "steps", "prover_s", "checker_s", "log_bytes")
+COLUMNS = (*NUMBERS, "distance", "turned", "uncertainty")
 
 
 @click.command(name="proofs", epilog="Example: mbs-ref proofs double_pendulum")
@@ -62,12 +52,12 @@ def command(
     if as_json:
         echo_json(rows)
     else:
-        shown = [
-            (row["scene"], row["truth"], *(number(row.get(key)) for key in COLUMNS), row["reason"]) for row in rows
-        ]
-        show_table("", ("scene", "truth", *(key.replace("_", " ") for key in COLUMNS), "not proven because"), shown)
-    outside = [row["scene"] for row in rows if row["truth"] == "outside"]
-    if outside:
+        head = ("scene", "truth", *(key.replace("_", " ") for key in COLUMNS), "not proven because")
+        cells = (
+            [row["scene"], row["truth"], *(number(row.get(key)) for key in COLUMNS), row["reason"]] for row in rows
+        )
+        show_table("", head, cells)
+    if outside := [row["scene"] for row in rows if row["truth"] == "outside"]:
         raise Failed(f"truths outside their enclosures: {', '.join(outside)}")
 
 

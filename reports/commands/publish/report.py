@@ -52,8 +52,7 @@ def command(
     if render_only:
         data = last_report(folder)
         labels = [label for scene in scenes for label in chosen(data, scene)]
-        unknown = [name for name in engines if name not in data.engines]
-        if unknown:
+        if unknown := [name for name in engines if name not in data.engines]:
             raise click.UsageError(f"engine {unknown[0]!r} is not in the report; it holds {', '.join(data.engines)}")
         data = data.only(labels, engines, errors)
         page, incomplete = publish(data, folder, form), data.incomplete
