@@ -13,12 +13,11 @@ from cross_checks.truths import certificate, of, stored_poses
 from cross_checks.truths.made_by.agreement import LARGEST_UNCERTAINTY
 from cross_checks.truths.made_by.numerics import rates
 from cross_checks.truths.stored_poses import physics_of
-from cross_checks.truths.truth import NoConvergenceError, NoTruth, OutsideDomainError, Truth, time_limit
+from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, OutsideDomainError, Truth, time_limit
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
-EPS = float(np.finfo(float).eps)
 LIMIT_S = 60.0  # s of processor time for one truth; those that `certify` stores have no limit
 Solver = Callable[[Scene, np.ndarray], Truth | NoTruth]  # the scene and times (s)
 

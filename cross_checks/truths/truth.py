@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+EPS = float(np.finfo(float).eps)
 MARGIN = 30.0  # a truth this many times better known than an error judges it
 # Uncertainty over the gap of two runs whose errors are of one size: their standard deviation is gap / sqrt(2), and
 # Student's t for one degree of freedom covers 95 % (JCGM 100:2008, annex G.3). Where the other run is the coarser one,

@@ -7,14 +7,13 @@ import numpy as np
 from cross_checks.truths.made_by.mechanisms.one_freedom import agree_on
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
-from cross_checks.truths.truth import Truth
+from cross_checks.truths.truth import EPS, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.linkages import LINKAGES, SWING
 
 SIZES = {  # m: D, AB, BC, CD of four-bars; the rods of Peaucellier's cell
     "watt": (2 - 1j, 1, 1, 1), "chebyshev": (2 + 0j, 2.5, 1, 2.5), "peaucellier": (2.5, 1),
 }  # fmt: skip
-EPS = np.finfo(float).eps
 
 
 def straight_line_linkage(scene: Scene, times: np.ndarray) -> Truth:

@@ -28,7 +28,7 @@ from reports.studies.sky.measure import observed
 LADDERS: dict[str, Any] = tomllib.loads((files(__package__) / "ladders.toml").read_text(encoding="utf-8"))
 Model = tuple[str, Scene, Settings]
 # what is shown of a rung, and its accuracy: from its scene and path, and those of the last one
-Told = Callable[[Scene, Trajectory, Scene, Trajectory], tuple[dict[str, float], float | None]]
+Rule = Callable[[Scene, Trajectory, Scene, Trajectory], tuple[dict[str, float], float | None]]
 
 
 def measure() -> Measured:
@@ -114,11 +114,11 @@ def _digits(value: float, reference: float) -> float | None:
     return -np.log10(off) if off > 0.0 else None
 
 
-SHOWS: dict[str, Told] = {"bodies": _bodies, "orbit": _orbit, "error": _error, "crash": _crash, "drive": _drive}
+SHOWS: dict[str, Rule] = {"bodies": _bodies, "orbit": _orbit, "error": _error, "crash": _crash, "drive": _drive}
 
 
-def ladder(title: str, note: str, measured: str, models: Sequence[Model], text: Told, by_last: bool = False) -> Ladder:
-    """Run every model once for what it tells, and in randomly interleaved turns for its time.
+def ladder(title: str, note: str, measured: str, models: Sequence[Model], text: Rule, by_last: bool = False) -> Ladder:
+    """Run every model once for its figures, and in randomly interleaved turns for its time.
 
     `by_last`: the last model is what the others are held against.
     """
