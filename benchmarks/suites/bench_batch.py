@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from cross_checks.engine.plan import Plan, plan_run
+from cross_checks.engine import Plan, plan_run
 from cross_checks.engines.mujoco_ import Built, MuJoCo
 from cross_checks.engines.mujoco_.run import rolled_out
 from mbs_ref import scenes

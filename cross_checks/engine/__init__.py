@@ -8,14 +8,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cross_checks.engine.method import Method, Refusal, exponential
-from cross_checks.engine.outcome import Loop, end_of
+from cross_checks.engine.method import LOOPS, RTOLS, SINGLE, STEPS, Method, Refusal, adaptive, exponential, fixed
+from cross_checks.engine.outcome import End, Loop, end_of, stopped
 from cross_checks.engine.plan import Plan, output_times, plan_run
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Timing, Trajectory
 
-__all__ = ["Engine", "Method", "Poses", "Refusal", "exponential", "output_times"]
+__all__ = [
+    "LOOPS", "RTOLS", "SINGLE", "STEPS", "End", "Engine", "Loop", "Method", "Plan", "Poses", "Refusal",
+    "adaptive", "end_of", "exponential", "fixed", "output_times", "plan_run", "stopped",
+]  # fmt: skip
 
 type Poses = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # position, orientation, velocity, angular velocity
 DRIVEN = "driven from Python"

@@ -28,11 +28,8 @@ from Basilisk.simulation import (
 )
 from Basilisk.utilities import SimulationBaseClass
 
-from cross_checks.engine import Engine, Method, Poses, Refusal, exponential
+from cross_checks.engine import RTOLS, End, Engine, Loop, Method, Plan, Poses, Refusal, exponential
 from cross_checks.engine.celestial import no_satellites, normalized_zonals, of_particles, planet_of
-from cross_checks.engine.method import RTOLS
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness
 from mbs_ref.scene.units import attraction, is_celestial

@@ -11,10 +11,7 @@ from typing import Any, ClassVar
 import dartpy  # an optional extra
 import numpy as np
 
-from cross_checks.engine import Method, Refusal
-from cross_checks.engine.method import STEPS
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import STEPS, End, Loop, Method, Plan, Refusal
 from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
 from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED

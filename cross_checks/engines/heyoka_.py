@@ -9,10 +9,8 @@ from typing import Any, ClassVar
 import heyoka  # an optional extra
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engine.celestial import contradictions, of_particles
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.scene.units import attraction, is_celestial

@@ -5,9 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.engine import Engine, Method, Refusal, stopped
 from cross_checks.engine.celestial import contradictions
-from cross_checks.engine.outcome import stopped
 from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator

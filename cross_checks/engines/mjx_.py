@@ -17,9 +17,7 @@ import jax
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Method, Poses, Refusal
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import End, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engines.mujoco_ import MuJoCo
 from cross_checks.engines.mujoco_.build import compile_links
 from cross_checks.engines.mujoco_.forces import own_refusals

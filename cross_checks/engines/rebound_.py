@@ -9,11 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 import rebound
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
+from cross_checks.engine import RTOLS, End, Engine, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engine.celestial import contradictions, of_particles
-from cross_checks.engine.method import RTOLS
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness, Relativity
 from mbs_ref.scene.units import attraction, free_fall_time, is_celestial

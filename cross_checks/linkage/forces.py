@@ -8,8 +8,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, get_args
 
 import numpy as np
 
-from cross_checks.engine import Engine, Poses, Refusal
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Engine, Plan, Poses, Refusal
 from cross_checks.linkage.links import Linkage, closure_refusals
 from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, poses_of, project, rotated
 from mbs_ref.cores.choice import compile_scene

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cross_checks import engines
-from cross_checks.engine import Engine
-from cross_checks.engine.plan import Plan, plan_run
+from cross_checks.engine import Engine, Plan, plan_run
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory

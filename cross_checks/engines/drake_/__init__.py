@@ -6,9 +6,7 @@ from typing import ClassVar
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant  # an optional extra
 
-from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.engine.outcome import Loop, stopped
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Engine, Loop, Method, Plan, Refusal, stopped
 from cross_checks.engines.drake_.build import Reader, plant_of, tied_to_ground
 from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost

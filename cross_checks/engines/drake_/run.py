@@ -11,9 +11,7 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from cross_checks.engine.method import RTOLS, STEPS, Method, exponential, fixed
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import RTOLS, STEPS, End, Loop, Method, Plan, exponential, fixed
 from cross_checks.engines.drake_.build import Reader
 from mbs_ref.trajectory import Status
 

@@ -6,9 +6,7 @@ from typing import Any, ClassVar
 import exudyn as exu
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.engine.outcome import Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Engine, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engines.exudyn_ import run as solver
 from cross_checks.engines.exudyn_.build import ROTATION_VECTOR, build_redundant, takes_shared_forces
 from cross_checks.engines.exudyn_.contact import general_contact_refusals, pair_contact_refusals

@@ -2,7 +2,7 @@
 
 import exudyn as exu
 
-from cross_checks.engine.method import LOOPS, Method, adaptive, exponential, fixed
+from cross_checks.engine import LOOPS, Method, adaptive, exponential, fixed
 
 TREE = "tree_"
 CONTACT = "contact_rk44"

@@ -9,8 +9,7 @@ import exudyn as exu
 import numpy as np
 from exudyn.exudynCPP import SolverError
 
-from cross_checks.engine.outcome import End
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import End, Plan
 from cross_checks.engines.exudyn_.methods import SOLVERS
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of

@@ -6,9 +6,7 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Method, Poses, Refusal
-from cross_checks.engine.outcome import Loop, end_of
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Loop, Method, Plan, Poses, Refusal, end_of
 from cross_checks.engines.mujoco_.build import compile_links
 from cross_checks.engines.mujoco_.forces import Callback, force_refusals, passive, shared_forces, takes_shared_forces
 from cross_checks.engines.mujoco_.observe import Observer

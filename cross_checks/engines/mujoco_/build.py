@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Plan
 from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.loads import LOADS, add_tendon
 from cross_checks.engines.mujoco_.run import pin_options, solref_of

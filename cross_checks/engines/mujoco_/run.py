@@ -6,9 +6,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from cross_checks.engine.method import Method, exponential, fixed
-from cross_checks.engine.outcome import End
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import End, Method, Plan, exponential, fixed
 from cross_checks.linkage.links import Linkage
 from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Status

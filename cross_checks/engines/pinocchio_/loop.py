@@ -9,9 +9,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.integrate import DOP853
 
-from cross_checks.engine.method import LOOPS, adaptive, exponential, fixed
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import LOOPS, End, Loop, Plan, adaptive, exponential, fixed
 from cross_checks.engines.pinocchio_.build import Mechanism
 from mbs_ref.trajectory import Status
 

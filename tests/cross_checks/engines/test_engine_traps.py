@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.engine.outcome import End
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import End, Plan
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Prismatic, Revolute, Scene, SpringDamper
