@@ -9,13 +9,23 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cross_checks.contact.laws import linear_law, own_law
-from cross_checks.contact.request import CREEP, GRAVITY, SHARE, ContactModel, Refused, Request, Translation, snippet
+from cross_checks.contact.request import (
+    CREEP,
+    GRAVITY,
+    SHARE,
+    ContactModel,
+    Refused,
+    Request,
+    Translation,
+    linear_law,
+    own_law,
+    snippet,
+)
 from cross_checks.engine import Method, Plan, Refusal
 from cross_checks.engine.plan import DEFAULT_STEP
 from cross_checks.engines.exudyn_ import Built, Exudyn
 from cross_checks.engines.exudyn_.contact import FLAT, SLOW, surface_of
-from cross_checks.engines.exudyn_.methods import CONTACT, METHODS
+from cross_checks.engines.exudyn_.run import CONTACT, METHODS
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.contact import RegularisedCoulomb, StickSlip
 

@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from cross_checks.judge.vocabulary import OURS
-from cross_checks.records.cost import floor, known_error, loop_time, usable
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, floor, known_error, loop_time, usable
 from mbs_ref.display import facts
 
 RIVAL = 5.0  # of the cheapest loop time: one that is measured beside other runs is off by less than this factor

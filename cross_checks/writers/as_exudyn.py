@@ -11,8 +11,7 @@ import numpy as np
 from cross_checks.engines import get
 from cross_checks.linkage.forces import BY_SHARED_CODE
 from cross_checks.writers.exudyn_items import calls_python, changed, general_contact, lines
-from cross_checks.writers.form import Form, Job, job_of, refuse, refuse_shared
-from cross_checks.writers.script import script, turns_of
+from cross_checks.writers.script import Form, Job, job_of, refuse, refuse_shared, script, turns_of
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.settings import Settings
 
@@ -24,7 +23,7 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
     """
     get("exudyn")  # raises EngineMissing before the adapter's modules are imported
     from cross_checks.engines.exudyn_.contact import add_contacts
-    from cross_checks.engines.exudyn_.methods import CONTACT, SOLVERS
+    from cross_checks.engines.exudyn_.run import CONTACT, SOLVERS
 
     job = job_of(scene, settings, "exudyn")
     model, plan = job.built.model, job.plan

@@ -11,8 +11,17 @@ import numpy as np
 from markupsafe import escape
 
 from cross_checks.linkage.links import linkage_of
-from cross_checks.writers.form import Form, Job, NotWritable, job_of, refuse_shared
-from cross_checks.writers.script import indented, script, template, turns_of
+from cross_checks.writers.script import (
+    Form,
+    Job,
+    NotWritable,
+    indented,
+    job_of,
+    refuse_shared,
+    script,
+    template,
+    turns_of,
+)
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 

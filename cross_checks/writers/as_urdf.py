@@ -11,8 +11,7 @@ import numpy as np
 
 from cross_checks.linkage.links import Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
-from cross_checks.writers.form import Form, refuse
-from cross_checks.writers.script import indented, template
+from cross_checks.writers.script import Form, indented, refuse, template
 from mbs_ref.scene import Bushing, Drive, Scene, TorsionSpring
 from mbs_ref.settings import Settings
 

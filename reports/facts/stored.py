@@ -64,7 +64,7 @@ class Stored:
 
 def truth_key(scene: Scene) -> str:
     """Return the key of the facts of a scene's truth."""
-    code = code_of("reports.facts.truth_facts")
+    code = code_of("reports.facts.scene_facts")
     return digest_of(["truth facts", *_physics(scene), engine_keys(), _judge(), code])
 
 

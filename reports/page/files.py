@@ -8,9 +8,8 @@ from typing import Any
 
 from cross_checks import metrics
 from cross_checks.metrics.errors import COMPONENTS
-from cross_checks.records.cost import is_busy
 from cross_checks.records.numbers import ABSENT, setting
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, is_busy
 from reports.facts.report_data import ReportData
 from reports.facts.stored import adapter
 from reports.page.advice import advice

@@ -11,9 +11,8 @@ from cross_checks.engines.exudyn_ import run as solver
 from cross_checks.engines.exudyn_.build import ROTATION_VECTOR, build_redundant, takes_shared_forces
 from cross_checks.engines.exudyn_.contact import general_contact_refusals, pair_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
-from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE
 from cross_checks.engines.exudyn_.parts import JOINTS
-from cross_checks.engines.exudyn_.run import Left
+from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
 from cross_checks.linkage.forces import PARTS, contact_refusals
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.traits import traits

@@ -8,13 +8,18 @@ import numpy as np
 
 from cross_checks.engine import Loop, Method, Plan, Poses, Refusal, end_of
 from cross_checks.engines.mujoco_.build import compile_links
-from cross_checks.engines.mujoco_.forces import Callback, force_refusals, passive, shared_forces, takes_shared_forces
-from cross_checks.engines.mujoco_.observe import Observer
+from cross_checks.engines.mujoco_.forces import (
+    Callback,
+    Observer,
+    force_refusals,
+    passive,
+    shared_forces,
+    takes_shared_forces,
+)
 from cross_checks.engines.mujoco_.run import METHODS, TIGHT, Left, advance, at_start, clock_end
 from cross_checks.linkage.forces import SHARED, LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.motion import poses_of
-from cross_checks.linkage.reactions import tree_reactions
+from cross_checks.linkage.motion import poses_of, tree_reactions
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 

@@ -7,8 +7,7 @@ import pinocchio as pin
 
 from cross_checks.engines.pinocchio_.build import Mechanism
 from cross_checks.engines.pinocchio_.loop import RightHandSide
-from cross_checks.linkage.motion import Motion
-from cross_checks.linkage.reactions import about, tree_reactions
+from cross_checks.linkage.motion import Motion, about, tree_reactions
 
 
 def motions_of(mechanism: Mechanism, states: np.ndarray) -> Iterator[Motion]:

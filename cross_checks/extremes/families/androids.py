@@ -7,7 +7,7 @@ import numpy as np
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid, kinds
 from cross_checks.truths.made_by.agreement import Formulation
 from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
-from cross_checks.truths.made_by.numerics.scipy_solvers import runge_kutta
+from cross_checks.truths.made_by.numerics.solvers import runge_kutta
 from mbs_ref import scenes
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import PlanarBody, Scene

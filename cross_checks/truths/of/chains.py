@@ -1,12 +1,18 @@
-"""Truths of chains of rods and of bodies on spherical joints, converged in absolute coordinates."""
+"""Truths of trees, converged in absolute coordinates: rods, bodies on spherical joints, and the crash occupants."""
+
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from cross_checks.truths.made_by.agreement import agree
 from cross_checks.truths.made_by.mechanisms import rod_chain, spherical_tree
+from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
 from cross_checks.truths.made_by.mechanisms.rod_chain import Rods
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import scenes
+from mbs_ref.observables.signal_values import motion
+from mbs_ref.scene import CoordinateDrive, Scene
 
 # Links. The dense mass matrix, in absolute angles or orientations, takes too long beyond.
 LARGEST_PLANAR, LARGEST_SPATIAL = 200, 40
@@ -59,3 +65,35 @@ def spatial_chain(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
 
 
 TRUTHS = {"double_gyroscope": spatial_chain}
+
+
+RK_TOLERANCE = 1e-12  # DOP853 finds touch-down, lift-off and taut belts by its error control: tighter costs much
+
+
+def android_simplified(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+    """Hamilton's equations by extrapolation from event to event against Lagrange's by DOP853.
+
+    The occupant moves on a driven seat as on a fixed one under the forces m a: the seat's own motion is added.
+    """
+    if scene.parameters.get("body_contacts"):
+        return NoTruth("the truth's own forces know no contacts of moving bodies with one another")
+    fixed = scenes.make(scene.name, **(scene.parameters | {"seat": "fixed"}))
+    ways = "Lagrange's by DOP853", "Hamilton's equations in body angles by extrapolation from event to event"
+    seen: Any = agree(*formulations(fixed), times, ways, extended=False, rk_tolerance=RK_TOLERANCE)
+    way, speed = _seat_motion(scene, times)
+    return replace(seen, position=seen.position + way[:, None], velocity=seen.velocity + speed[:, None])
+
+
+def _seat_motion(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far a driven seat is from its place at t = 0 (n_t, 2), m, and its velocity; all its parts alike."""
+    drives = (joint for joint in scene.joints if isinstance(joint, CoordinateDrive) and joint.coordinate == "x")
+    drive = next(drives, None)
+    along = np.zeros((2, len(times))) if drive is None else motion(drive.motion, drive.level, np.asarray(times))
+    way, speed = (np.outer(part, (1.0, 0.0)) for part in along)
+    return way, speed
+
+
+def android_vertebral(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+    """Converge the vertebral android."""
+    truth = android_simplified(scene, times)
+    return truth if isinstance(truth, NoTruth) else replace(truth, is_costly=True)

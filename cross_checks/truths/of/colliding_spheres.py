@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from cross_checks.truths.made_by.numerics.quadrature import integral
+from cross_checks.truths.made_by.numerics.closed_forms import integral
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturned
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import RigidLaw, SpringDamperLaw

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cross_checks.truths.made_by.agreement import Formulation, agree
-from cross_checks.truths.made_by.numerics.scipy_solvers import radau
+from cross_checks.truths.made_by.numerics.solvers import radau
 from cross_checks.truths.truth import Truth
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product

@@ -3,8 +3,13 @@
 import numpy as np
 
 from cross_checks.truths.made_by.agreement import Formulation, agree
-from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, rounding_error
-from cross_checks.truths.made_by.numerics.quadrature import TOLERANCE, running_integral
+from cross_checks.truths.made_by.numerics.closed_forms import (
+    TOLERANCE,
+    amplitude,
+    quarter_period,
+    rounding_error,
+    running_integral,
+)
 from cross_checks.truths.truth import Truth, unturned
 from mbs_ref.scene import Scene
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths import seek_truth
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.made_by.sky.particles import converge
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes

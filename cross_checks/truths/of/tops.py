@@ -6,8 +6,13 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths.made_by.numerics import closed_forms
-from cross_checks.truths.made_by.numerics.closed_forms import DOUBLE_EPS, amplitude, quarter_period
-from cross_checks.truths.made_by.numerics.quadrature import periodic_integral, running_integral
+from cross_checks.truths.made_by.numerics.closed_forms import (
+    DOUBLE_EPS,
+    amplitude,
+    periodic_integral,
+    quarter_period,
+    running_integral,
+)
 from cross_checks.truths.truth import NoConvergenceError, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices

@@ -15,8 +15,7 @@ from cross_checks.prices import confirm, pick
 from cross_checks.prices.pick import Bounds, Choice
 from cross_checks.prices.timing import Comparison
 from cross_checks.records import lines as record_file
-from cross_checks.records.cost import BUSY_NOTE
-from cross_checks.records.record import Record
+from cross_checks.records.record import BUSY_NOTE, Record
 from mbs_ref.scene import Scene
 from reports import inputs
 from reports.page.slug import command as reproduce

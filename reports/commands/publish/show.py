@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from cross_checks.judge.vocabulary import Refused, refusals
-from cross_checks.records.cost import known_error, loop_time, usable
+from cross_checks.records.record import known_error, loop_time, usable
 from mbs_ref.scene.messages import suggest
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice

@@ -5,11 +5,10 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from cross_checks.records.cost import best_of_engines, known_error, usable
 from cross_checks.records.numbers import duration, setting, short
 from cross_checks.records.plots.of_runs import compliance, energy, error_history
 from cross_checks.records.plots.plot import Figure, add_series, lines, new_figure, styles, to_data
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, best_of_engines, known_error, usable
 from reports.facts.report_data import ReportData, Section
 
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.records import cost, naming, numbers
+from cross_checks.records import naming, numbers
+from cross_checks.records import record as cost
 from cross_checks.records.lines import key_of
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store

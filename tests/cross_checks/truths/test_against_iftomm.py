@@ -12,7 +12,7 @@ from scipy.special import ellipj, ellipk
 
 from cross_checks.truths import known, truth_for
 from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 

@@ -7,9 +7,8 @@ import pytest
 
 from cross_checks import truths
 from cross_checks.truths import seek_truth
-from cross_checks.truths.made_by.numerics import quadrature, rates
-from cross_checks.truths.made_by.numerics.closed_forms import DOUBLE_EPS, rounding_error
-from cross_checks.truths.made_by.numerics.quadrature import integral, running_integral
+from cross_checks.truths.made_by.numerics import closed_forms, rates
+from cross_checks.truths.made_by.numerics.closed_forms import DOUBLE_EPS, integral, rounding_error, running_integral
 from cross_checks.truths.of.bouncing import impact
 from cross_checks.truths.truth import NoConvergenceError, NoTruth, Truth
 from mbs_ref import scenes
@@ -64,7 +63,7 @@ def test_a_quadrature_finds_a_peak_that_its_first_pieces_miss_and_bounds_its_err
     exact = np.arctan((times - middle) / width) + np.arctan(middle / width)
     assert np.abs(found - exact).max() < 1e-15
     assert error < 1e-14
-    monkeypatch.setattr(quadrature, "MOST_PIECES", 500)
+    monkeypatch.setattr(closed_forms, "MOST_PIECES", 500)
     with pytest.raises(NoConvergenceError, match="t = "):
         running_integral(lambda t: np.sign(np.sin(1e6 * t)), times, 1.0, 0.0)
     with pytest.raises(NoConvergenceError, match="does not converge"):

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from cross_checks.truths import known, seek_truth, truth_for
 from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.rod_chain import solve
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.truth import NoConvergenceError, NoTruth, Truth
 from mbs_ref import observables as judge
 from mbs_ref import scenes

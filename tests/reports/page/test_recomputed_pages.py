@@ -21,8 +21,8 @@ from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
 from reports.facts import cheapest, curves
 from reports.facts.report_data import ReportData, Section
+from reports.facts.scene_facts import TruthFacts, truth_facts
 from reports.facts.stored import Stored, adapter, keep, recall
-from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.page import advice, findings
 from reports.page.render import RECORDS, templates
 from reports.page.sections import matrix, method, overview, plots, prices, profiles

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.made_by.numerics.collocation import collocate
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.made_by.numerics.solvers import collocate, extrapolate
 from cross_checks.truths.made_by.sky import gravity, satellites
 from cross_checks.truths.made_by.sky.numbers import Field, real
 from cross_checks.truths.made_by.sky.satellites import NoAirError

@@ -1,0 +1,235 @@
+"""Solvers of the truths: extrapolation, with and without branches, collocation, and those of SciPy."""
+
+from collections.abc import Callable
+from functools import lru_cache, partial
+from typing import Any
+
+import numpy as np
+
+from cross_checks.truths.truth import NoConvergenceError, check_time
+
+COLUMNS = 11  # order 22 at most
+EASY = 7  # converged this early, the next step may be longer
+SMALLEST_STEP = 1e-9  # s
+
+
+def extrapolate(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
+    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n), in start's precision.
+
+    Modified midpoint rule, substeps 2, 4, 6, ... (Hairer, Norsett & Wanner, Solving ODEs I, II.9).
+    `tolerance` is relative to max(1, |y|). Raises NoConvergenceError with the time it failed at.
+    """
+    return _stepped(lambda on: derivative, None, start, times, tolerance, 0.05)
+
+
+def attempt(derivative: Callable, t, y: np.ndarray, h, tolerance: float) -> tuple[np.ndarray | None, int]:
+    """Return the state after one step and the columns it took; None where they do not converge."""
+    row: list[np.ndarray] = []
+    slope = derivative(t, y)
+    scale = max(1.0, float(np.max(np.abs(y))))
+    for j in range(COLUMNS):
+        fresh = [_midpoint(derivative, t, y, slope, h, 2 * (j + 1))]
+        for k in range(1, j + 1):
+            ratio = (y.dtype.type(j + 1) / (j + 1 - k)) ** 2
+            fresh.append(fresh[k - 1] + (fresh[k - 1] - row[k - 1]) / (ratio - 1))
+        if j and np.max(np.abs(fresh[-1] - row[-1])) <= tolerance * scale:
+            return fresh[-1], j + 1
+        if not np.all(np.isfinite(fresh[-1])):
+            break
+        row = fresh
+    return None, COLUMNS
+
+
+def _midpoint(derivative: Callable, t, y: np.ndarray, slope: np.ndarray, h, substeps: int) -> np.ndarray:
+    """The modified midpoint rule with Gragg's last step; its error has even powers of h only.
+
+    The last step evaluates the derivative at the step's end (Hairer, Norsett & Wanner, II.9.13c): without it a force
+    that sets in between the last two substeps would be seen by none of the columns.
+    """
+    small = h / substeps
+    before, now = y, y + small * slope
+    for k in range(1, substeps):
+        before, now = now, before + 2 * small * derivative(t + k * small, now)
+    return (before + now + small * derivative(t + h, now)) / 2
+
+
+FIRST_STEP = 1e-3  # s
+RESOLUTION = 1e-15  # s, to which a change of branch is located
+MOST_CHANGES = 20_000
+BRANCH_TOLERANCE = 1e-12  # of max(1, |y|): stiff forces leave some 1e-13 of roundoff in a step's last columns
+
+
+def extrapolate_branches(
+    frozen: Callable, switches: Callable, start: np.ndarray, times: np.ndarray, tolerance: float = BRANCH_TOLERANCE
+) -> np.ndarray:
+    """Integrate y' = frozen(t, y, on), on = switches(t, y) > 0 held within a step; return y at `times`, (n_t, n).
+
+    A step in which a switch changes sign is cut just past the first change. NoConvergenceError where steps
+    or branches do not come to an end.
+    """
+    return _stepped(lambda on: partial(frozen, on=on), switches, start, times, tolerance, FIRST_STEP)
+
+
+def _stepped(
+    slope_in: Callable, switches: Callable | None, start: np.ndarray, times: np.ndarray, tolerance: float, step: Any
+) -> np.ndarray:
+    """Return y at `times`; slope_in(on) is the right-hand side (t, y) of a branch, the only one without switches."""
+    states = np.empty((len(times), len(start)), dtype=start.dtype)
+    states[0] = y = start
+    t, step, changes = start.dtype.type(times[0]), start.dtype.type(step), 0
+    on = None if switches is None else switches(t, y) > 0.0
+    for k, goal in enumerate(times[1:].astype(start.dtype), start=1):
+        while t < goal:
+            check_time(t)
+            whole = step >= goal - t
+            h = goal - t if whole else step
+            slope = slope_in(on)
+            ahead, columns = attempt(slope, t, y, h, tolerance)
+            if ahead is None:
+                step = h / 2
+                if step < SMALLEST_STEP:
+                    raise NoConvergenceError(f"extrapolation stalls at t = {float(t):.6g} s")
+                continue
+            if switches is not None and np.any((switches(t + h, ahead) > 0.0) != on):
+                h, ahead = _cut(slope, switches, on, t, y, h, ahead, tolerance)
+                changes += 1
+                if changes > MOST_CHANGES:
+                    raise NoConvergenceError(f"forces begin and end without limit at t = {t:.6g} s")
+                t, y = t + h, ahead
+                on = switches(t, y) > 0.0
+                continue
+            t, y = goal if whole else t + h, ahead
+            step = max(step, 2 * h) if columns <= EASY else step
+        states[k] = y
+    return states
+
+
+def _cut(slope, switches, on, t, y, h, ahead, tolerance) -> tuple[float, np.ndarray]:
+    """Bisect to the first step after which a switch has changed."""
+    low = 0.0
+    while h - low > RESOLUTION:
+        middle = 0.5 * (low + h)
+        there, _ = attempt(slope, t, y, middle, tolerance)
+        if there is None:
+            raise NoConvergenceError(f"extrapolation stalls at t = {t:.6g} s")
+        if np.any((switches(t + middle, there) > 0.0) != on):
+            h, ahead = middle, there
+        else:
+            low = middle
+    return h, ahead
+
+
+def runge_kutta(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
+    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n). Raises NoConvergenceError."""
+    from scipy.integrate import DOP853  # its import takes a third of a second: only who makes a truth pays
+
+    return step_through(DOP853, derivative, start, times, tolerance)
+
+
+def step_through(solver_type: Any, derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float):
+    """Step a SciPy solver onto every time: its dense output is of lower order."""
+    states = np.empty((len(times), len(start)))
+    states[0] = start
+    step = None
+    for k in range(1, len(times)):
+        first = None if step is None else min(step, times[k] - times[k - 1])
+        solver = solver_type(
+            derivative, times[k - 1], states[k - 1], times[k], rtol=tolerance, atol=tolerance, first_step=first
+        )
+        while solver.status == "running":
+            check_time(solver.t)
+            message = solver.step()
+            if solver.status == "failed":
+                raise NoConvergenceError(f"{solver_type.__name__} stops at t = {solver.t:.6g} s: {message}")
+        states[k], step = solver.y, float(solver.h_abs)
+    return states
+
+
+RADAU_TOLERANCE = 1e-12  # its steps are of order 5: tighter ones cost minutes
+
+
+def radau(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
+    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n). Raises NoConvergenceError."""
+    from scipy.integrate import Radau  # its import takes a third of a second: only who makes a truth pays
+
+    return step_through(Radau, derivative, start, times, max(tolerance, RADAU_TOLERANCE))
+
+
+STAGES = 14
+MOST_SWEEPS = 60
+ROUNDOFF = 4 * float(np.finfo(np.longdouble).eps)  # of a sweep
+
+
+def collocate(
+    acceleration: Callable, place: np.ndarray, rate: np.ndarray, times: np.ndarray, tolerance: float,
+    seen: Callable[[np.ndarray], None] = lambda x: None,
+) -> np.ndarray:  # fmt: skip
+    """Return y (n_t, ...) at `times`; `acceleration` takes m instants at once: t (m,), y and y' (m, ...).
+
+    The acceleration is a Legendre series over each step; a step holds where the last term of the series, times the
+    step, is below `tolerance` of max(1, |y|, |y'|). That is the error of the stages; the end's is of twice the
+    order where forces are smooth, and no worse where they are not. `seen` is given the stages (m, ...) of every
+    step that holds. Raises NoConvergenceError.
+    """
+    result = np.empty((len(times), *place.shape), dtype=np.longdouble)
+    result[0] = place
+    t, step = np.longdouble(times[0]), np.longdouble(0.05)
+    for k, goal in enumerate(times[1:].astype(np.longdouble), start=1):
+        while t < goal:
+            check_time(float(t))
+            h = min(step, goal - t)
+            stages, force, last = _attempt(acceleration, t, place, rate, h, tolerance)
+            factor = min(2.0, 0.9 * (tolerance / max(last, 1e-30)) ** (1 / STAGES))
+            if last > tolerance:
+                step = h * max(0.1, factor)
+                if step < SMALLEST_STEP:
+                    raise NoConvergenceError(f"collocation stalls at t = {float(t):.6g} s")
+                continue
+            seen(stages)
+            _, weights, double = coefficients()[:3]
+            place = place + h * rate + h**2 * np.tensordot(double, force, axes=1)
+            rate = rate + h * np.tensordot(weights, force, axes=1)
+            step = max(step, h * factor) if h < step else h * factor
+            t = goal if h == goal - t else t + h
+        result[k] = place
+    return result
+
+
+def _attempt(acceleration, t, place, rate, h, tolerance) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return stages, their accelerations, and the size of the series' last term; infinite where sweeps do not end."""
+    nodes, _, _, once, twice, highest = coefficients()
+    shape = (-1, *(1,) * place.ndim)
+    at = t + h * nodes
+    moved = place + (h * nodes).reshape(shape) * rate
+    scale = max(1.0, float(np.abs(place).max()), float(np.abs(rate).max()))
+    force = np.zeros_like(moved)
+    before = np.inf
+    for _ in range(MOST_SWEEPS):
+        stages = moved + h**2 * np.tensordot(twice, force, axes=1)
+        new = acceleration(at, stages, rate + h * np.tensordot(once, force, axes=1))
+        change, force = float(h * np.abs(new - force).max()), new
+        if not change < 1e6 * scale:
+            break
+        if change <= ROUNDOFF * scale or (change >= before and change <= 1e3 * ROUNDOFF * scale):
+            last = float(h * np.abs(np.tensordot(highest, force, axes=1)).max())
+            return stages, force, last / scale
+        before = change
+    return stages, force, np.inf
+
+
+@lru_cache(maxsize=1)
+def coefficients() -> tuple[np.ndarray, ...]:
+    """Return nodes c, weights b, b (1 - c), matrices A and A A, and what takes stages to the last Legendre term."""
+    polynomial = np.polynomial.legendre
+    s, top = STAGES, [0] * STAGES + [1]
+    x = polynomial.leggauss(s)[0].astype(np.longdouble)
+    for _ in range(3):  # Newton: from double to extended precision
+        x = x - polynomial.legval(x, top) / polynomial.legval(x, polynomial.legder(top))
+    weights = 1 / ((1 - x**2) * polynomial.legval(x, polynomial.legder(top)) ** 2)  # of [0, 1]
+    values = np.array([polynomial.legval(x, [0] * n + [1]) for n in range(s + 1)], dtype=np.longdouble)
+    # of a series sum a_n P_n: a_n = (2n + 1) sum_i b_i P_n(x_i) f_i; and int P_n = (P_(n+1) - P_(n-1)) / (2n + 1)
+    analysis = (2 * np.arange(s, dtype=np.longdouble) + 1)[:, None] * values[:s] * weights
+    integral = np.array([1 + x, *((values[n + 1] - values[n - 1]) / (2 * n + 1) for n in range(1, s))]) / 2
+    once = integral.T @ analysis
+    c = (1 + x) / 2
+    return c, weights, weights * (1 - c), once, once @ once, analysis[-1]
