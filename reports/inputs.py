@@ -76,11 +76,7 @@ def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
 
 def rebuilder(name_or_file: str, scene: Scene) -> Callable[..., Scene] | None:
     """Return what makes the scene with other parameters; None where it was read from a file."""
-    return partial(_with_parameters, name_or_file, scene.parameters) if name_or_file in scenes.names() else None
-
-
-def _with_parameters(name: str, parameters: dict[str, Any], **changed: Any) -> Scene:
-    return scenes.make(name, **{**parameters, **changed})
+    return partial(scenes.make, name_or_file, **scene.parameters) if name_or_file in scenes.names() else None
 
 
 def _keeping(built: Scene, keep_rates: Sequence[str]) -> Scene:

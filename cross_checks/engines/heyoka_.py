@@ -47,7 +47,8 @@ class Heyoka(Engine):
         return [Refusal(reason, False) for reason in _untaught(scene)]
 
     def build(self, scene: Scene, plan: Plan) -> Built:
-        return Built(_equations(scene), _start(scene))
+        start = [[*body.position, *body.velocity] for body in scene.bodies]  # m, m/s
+        return Built(_equations(scene), np.array(start, dtype=float).ravel())
 
     def first_call(self, model: Built, plan: Plan) -> None:
         """Compile machine code, which the construction of the integrator does."""
@@ -87,11 +88,6 @@ def _untaught(scene: Scene) -> list[str]:
     if any(scene.gravity):
         reasons.append(f"gravity = {scene.gravity}: heyoka is taught no uniform field")
     return reasons + contradictions(scene)
-
-
-def _start(scene: Scene) -> np.ndarray:
-    """Return x, y, z, vx, vy, vz (6 n_bodies,), body after body: m, m/s."""
-    return np.array([[*body.position, *body.velocity] for body in scene.bodies], dtype=float).ravel()
 
 
 def _equations(scene: Scene) -> list[tuple[Any, Any]]:

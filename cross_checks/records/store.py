@@ -97,7 +97,8 @@ class Store:
     def keep_run(self, key: str, run: Run) -> None:
         """Keep a run whole or not at all; the first one kept stays. ValueError where its record holds NaN."""
         text = json.dumps(run.record.to_dict(), allow_nan=False)
-        self._write("INSERT OR IGNORE INTO runs VALUES (?, ?, ?)", key, text, _packed(run.path))
+        samples = None if run.path is None else _blob({name: getattr(run.path, name) for name in SAMPLES})
+        self._write("INSERT OR IGNORE INTO runs VALUES (?, ?, ?)", key, text, samples)
 
     def timings(self, key: str, host: str) -> list[float]:
         """Return the loop times (s) of a run on a machine."""
@@ -150,10 +151,6 @@ class Store:
 
 def _stored_run(row: tuple[str, bytes | None]) -> Run:
     return Run(from_dict(json.loads(row[0])), _unpacked(row[1]))
-
-
-def _packed(path: Trajectory | None) -> bytes | None:
-    return None if path is None else _blob({name: getattr(path, name) for name in SAMPLES})
 
 
 def _unpacked(blob: bytes | None) -> Trajectory | None:

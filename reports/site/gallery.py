@@ -11,7 +11,7 @@ from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
 from cross_checks.records.figures import work_precision
 from cross_checks.records.record import Record, usable
-from cross_checks.truths.certificate import Certificate, every, stored
+from cross_checks.truths.certificate import every, stored
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -56,21 +56,17 @@ def who_can(scene: str, result: Iterable[Capability]) -> str:
 
 def truth_page() -> str:
     """Return every kept certificate: how well a truth is known, and how that was found."""
-    rows = ([_label(one), one.kind, f"{one.uncertainty:.1e}", _confirmed(one), one.how] for one in every())
+    rows = []
+    for one in every():
+        name = " ".join([f"`{one.scene}`", *(f"{key}={value}" for key, value in one.parameters.items())])
+        within = ABSENT if one.confirmed_to is None else f"{one.confirmed_to:.1e}"
+        rows.append([name, one.kind, f"{one.uncertainty:.1e}", within, one.how])
     head = ["scene", "kind", "known to, m", "our solver within, m", "how"]
     return (
         "# Truths and how well they are known\n\nCertificates of the tree; `mbs-ref certify SCENE` computes one "
         "again and exits with 1 where it differs. Scenes without one get their truth at its first use.\n\n"
         + table(head, rows)
     )
-
-
-def _label(one: Certificate) -> str:
-    return " ".join([f"`{one.scene}`", *(f"{key}={value}" for key, value in one.parameters.items())])
-
-
-def _confirmed(one: Certificate) -> str:
-    return ABSENT if one.confirmed_to is None else f"{one.confirmed_to:.1e}"
 
 
 TARGETS = (1e-3, 1e-6)  # over the scene's scales

@@ -41,16 +41,13 @@ def context(data: ReportData) -> dict[str, Any]:
 
 
 def _extreme(extreme: Extreme, cells: list[Cell]) -> dict[str, Any]:
+    shown = [cell for cell in cells if cell.points]
     return {
         "name": extreme.name,
         "title": extreme.title,
         "chart": chart(cells, extreme.axis),
-        "advice": [_advice(extreme, engine, list(own)) for engine, own in _by_engine(cells)],
+        "advice": [_advice(extreme, engine, list(own)) for engine, own in groupby(shown, lambda c: c.engine)],
     }
-
-
-def _by_engine(cells: list[Cell]):
-    return groupby([cell for cell in cells if cell.points], key=lambda c: c.engine)
 
 
 def _advice(extreme: Extreme, engine: str, cells: list[Cell]) -> dict[str, str]:
