@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks import metrics
-from cross_checks.ephemerides.observed import Observed, Unobserved, observe
+from cross_checks.ephemerides import Observed, Unobserved, observe
 from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.metrics.drifts import worst_joint
 from cross_checks.metrics.errors import COMPONENTS, significant_figures

@@ -140,16 +140,8 @@ class Applied:
         places = np.full((2, len(linkage.links) + 1), len(start))
         places[:, bodies.scene_index] = bodies.q, bodies.v
         gyroscopic = getattr(kinematics, "inertia", np.zeros((0, 6))), getattr(kinematics, "omega", np.zeros((0, 3)))
-        self.core = Core(
-            linkage.angle,
-            linkage.theta,
-            linkage.rigid,
-            bodies.scene_index,
-            kinematics.force,
-            places[0],
-            places[1],
-            *gyroscopic,
-        )
+        start = linkage.angle, linkage.theta, linkage.rigid
+        self.core = Core(*start, bodies.scene_index, kinematics.force, *places, *gyroscopic)
 
     def wrenches(self, t: float, motion: Motion) -> np.ndarray:
         """Return force (N) and torque about the centre of mass (N m), (n_bodies, 6), world axes."""

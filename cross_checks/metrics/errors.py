@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cross_checks.ephemerides.observed import Observed
+from cross_checks.ephemerides import Observed
 from cross_checks.metrics.metric import Absent, Judged, Metric
 from mbs_ref.observables.distance import NAMES, UNITS, largest
 from mbs_ref.scene import Scene

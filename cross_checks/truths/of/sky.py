@@ -98,10 +98,7 @@ def _turned(scene: Scene, times: np.ndarray) -> np.ndarray:
         assert isinstance(body, SpatialBody)
         rate = np.linalg.norm(body.angular_velocity)
         if rate > 0.0:
-            half = 0.5 * rate * times
-            result[:, k] = np.column_stack(
-                (np.cos(half), np.outer(np.sin(half), np.array(body.angular_velocity) / rate))
-            )
+            result[:, k] = from_axis_angle(body.angular_velocity, rate * times)
     return result
 
 

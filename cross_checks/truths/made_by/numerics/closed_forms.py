@@ -1,6 +1,7 @@
 """Closed forms in extended precision: Jacobi's amplitude, their rounding error, and integrals with an error bound."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from scipy.integrate import quad
@@ -109,7 +110,7 @@ def running_integral(
 
 def _gauss(rate: Callable[[np.ndarray], np.ndarray], lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Return the Gauss-Legendre sum of each piece; the double-precision nodes are polished in extended precision."""
-    x, w = _legendre()
+    x, w = legendre(NODES)
     nodes = (lower + upper)[:, None] / 2 + (upper - lower)[:, None] / 2 * x
     return (rate(nodes.ravel()).reshape(nodes.shape) @ w) * (upper - lower) / 2
 
@@ -137,18 +138,11 @@ def integral(density: Callable[[float], float], start: float, end: float) -> tup
     return value, doubt
 
 
-def _legendre() -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and weights on [-1, 1] in extended precision: Newton's step on the double-precision nodes."""
-    x = np.polynomial.legendre.leggauss(NODES)[0].astype(np.longdouble)
-    for _ in range(2):
-        value, slope = _polynomial(x)
-        x = x - value / slope
-    return x, 2 / ((1 - x**2) * _polynomial(x)[1] ** 2)
-
-
-def _polynomial(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the Legendre polynomial of degree NODES and its derivative."""
-    before, now = np.ones_like(x), x
-    for n in range(1, NODES):
-        before, now = now, ((2 * n + 1) * x * now - n * before) / (n + 1)
-    return now, NODES * (x * now - before) / (x**2 - 1)
+@cache
+def legendre(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the n Gauss-Legendre nodes and weights of [-1, 1] in extended precision, by Newton's method."""
+    legendre, top = np.polynomial.legendre, [0] * n + [1]
+    x = legendre.leggauss(n)[0].astype(np.longdouble)
+    for _ in range(3):
+        x = x - legendre.legval(x, top) / legendre.legval(x, legendre.legder(top))
+    return x, 2 / ((1 - x**2) * legendre.legval(x, legendre.legder(top)) ** 2)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from cross_checks.truths.made_by.numerics.closed_forms import legendre
 from cross_checks.truths.truth import NoConvergenceError, check_time
 
 COLUMNS = 11  # order 22 at most
@@ -220,13 +221,9 @@ def _attempt(acceleration, t, place, rate, h, tolerance) -> tuple[np.ndarray, np
 @lru_cache(maxsize=1)
 def coefficients() -> tuple[np.ndarray, ...]:
     """Return nodes c, weights b, b (1 - c), matrices A and A A, and what takes stages to the last Legendre term."""
-    polynomial = np.polynomial.legendre
-    s, top = STAGES, [0] * STAGES + [1]
-    x = polynomial.leggauss(s)[0].astype(np.longdouble)
-    for _ in range(3):  # Newton: from double to extended precision
-        x = x - polynomial.legval(x, top) / polynomial.legval(x, polynomial.legder(top))
-    weights = 1 / ((1 - x**2) * polynomial.legval(x, polynomial.legder(top)) ** 2)  # of [0, 1]
-    values = np.array([polynomial.legval(x, [0] * n + [1]) for n in range(s + 1)], dtype=np.longdouble)
+    s, (x, weights) = STAGES, legendre(STAGES)
+    weights = weights / 2  # of [0, 1]
+    values = np.array([np.polynomial.legendre.legval(x, [0] * n + [1]) for n in range(s + 1)], dtype=np.longdouble)
     # of a series sum a_n P_n: a_n = (2n + 1) sum_i b_i P_n(x_i) f_i; and int P_n = (P_(n+1) - P_(n-1)) / (2n + 1)
     analysis = (2 * np.arange(s, dtype=np.longdouble) + 1)[:, None] * values[:s] * weights
     integral = np.array([1 + x, *((values[n + 1] - values[n - 1]) / (2 * n + 1) for n in range(1, s))]) / 2
