@@ -16,7 +16,7 @@ import numpy as np
 
 from cross_checks import robots
 from cross_checks.engine.initial_state import initial_sample
-from cross_checks.robots.robot import RobotError
+from cross_checks.robots.robot import RobotError, root_of
 from mbs_ref.observables import kinetic_energy, potential_energy
 
 Values = dict[str, float]  # rad or m, or their rates, by joint name
@@ -77,14 +77,9 @@ def _reader(name: str) -> Reader | str:
 
 def joints_of(path: Path) -> list[str]:
     """Return the names of the hinges and slides of a URDF or MJCF file. RobotError where it is neither, or has none."""
-    try:
-        root = ElementTree.parse(path).getroot()
-    except (OSError, ElementTree.ParseError) as error:
-        raise RobotError(f"{path}: cannot be read as XML: {error}") from error
-    found = {"robot": _of_urdf, "mujoco": _of_mjcf}.get(root.tag)
-    if found is None:
-        raise RobotError(f"{path}: its root is <{root.tag}>; expected: <robot> or <mujoco>")
-    names = found(root)
+    readers = {"robot": _of_urdf, "mujoco": _of_mjcf}
+    root = root_of(path, *readers)
+    names = readers[root.tag](root)
     if not names:
         raise RobotError(f"{path}: no hinge or slide has a name, by which readers could be compared")
     return names

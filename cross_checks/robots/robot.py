@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
+from xml.etree import ElementTree
 
 import numpy as np
 from pydantic import ValidationError
@@ -80,6 +81,24 @@ def _drive(hinge: Revolute, motion: Mapping[str, Any]) -> dict[str, Any]:
     level = {"level": motion["level"]} if "level" in motion else {}
     signal = {key: value for key, value in motion.items() if key != "level"}
     return {"name": f"{hinge.name}_drive", **ends, "motion": signal, **level}
+
+
+def root_of(path: Path, *formats: str) -> ElementTree.Element:
+    """Return the root element of a file; RobotError where it is no XML, or the root has none of the names."""
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (OSError, ElementTree.ParseError) as error:
+        raise RobotError(f"{path}: cannot be read as XML: {error}") from error
+    if root.tag not in formats:
+        raise RobotError(f"{path}: its root is <{root.tag}>; expected: {' or '.join(f'<{name}>' for name in formats)}")
+    return root
+
+
+def base_of(path: Path) -> str:
+    """Return the link of a URDF file that no joint carries."""
+    robot = ElementTree.parse(path).getroot()
+    carried = {child.get("link") for child in robot.iter("child")}
+    return next(str(link.get("name")) for link in robot.findall("link") if link.get("name") not in carried)
 
 
 def refuse(path: Path, reasons: Iterable[str]) -> None:

@@ -3,13 +3,12 @@
 import enum
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Plan, plan_run
@@ -114,21 +113,15 @@ def counts_text(counts: tuple[int, ...]) -> str:
     return literal(list(counts))
 
 
-@cache
-def _templates() -> Environment:
-    return Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+TEMPLATES = Environment(
+    loader=FileSystemLoader(Path(__file__).parent / "templates"),
+    undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True,
+)  # fmt: skip
 
 
-def template(name: str) -> Template:
-    """Return the text that an engine's script is made from, or a part of it."""
-    return _templates().get_template(name)
-
-
-def indented(text: str) -> str:
-    """Return XML with a line for each element, without elements that are empty at its top."""
+def xml(template: str, **values: Any) -> str:
+    """Return a template as XML with a line for each element, without elements that are empty at its top."""
+    text = TEMPLATES.get_template(template).render(values)
     root = ElementTree.fromstring(text, ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True)))
     for empty in [part for part in root if not len(part) and not part.attrib and not (part.text or "").strip()]:
         root.remove(empty)
@@ -139,24 +132,16 @@ def indented(text: str) -> str:
 def script(job: Job, needs: str, **tables: Any) -> str:
     """Return the script of the engine's template; `needs` names the packages it runs with."""
     scene, plan = job.scene, job.plan
-    return (
-        template(f"{job.engine.name}.py.j2")
-        .render(
-            job=job, plan=plan, needs=needs, planar=is_planar(scene), columns=list(COLUMNS[scene.dimension]),
-            bodies=scene.body_names, times=times_text(plan.times),
-            counts=counts_text(plan.counts) if plan.counts else "",
-            literal=literal, rows=rows, **tables,
-        )
+    return TEMPLATES.get_template(f"{job.engine.name}.py.j2").render(
+        job=job, plan=plan, needs=needs, planar=scene.dimension == 2, columns=list(COLUMNS[scene.dimension]),
+        bodies=scene.body_names, times=times_text(plan.times), literal=literal, rows=rows,
+        counts=counts_text(plan.counts) if plan.counts else "", **tables,
     )  # fmt: skip
-
-
-def is_planar(scene: Scene) -> bool:
-    return scene.dimension == 2
 
 
 def turns_of(scene: Scene) -> list[tuple[float, list[int]]] | None:
     """Return each planar body's angle at t = 0 (rad), and the linkage's coordinates that turn it; None in space."""
-    if not is_planar(scene):
+    if scene.dimension == 3:
         return None
     linkage = linkage_of(scene)
     each = zip(linkage.angle, linkage.turns, strict=True)

@@ -6,14 +6,8 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths.made_by.numerics import closed_forms
-from cross_checks.truths.made_by.numerics.closed_forms import (
-    DOUBLE_EPS,
-    amplitude,
-    periodic_integral,
-    quarter_period,
-    running_integral,
-)
-from cross_checks.truths.truth import NoConvergenceError, Truth
+from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, running_integral
+from cross_checks.truths.truth import EPS, NoConvergenceError, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, product, rotation_matrices
 from mbs_ref.scenes.tops import ARM, ARM_MASS, steady_precession
@@ -38,7 +32,7 @@ def heavy_top(scene: Scene, times: np.ndarray) -> Truth:
         rate = np.longdouble(steady_precession(spin, tilt, gravity))
         theta, phi = np.full(len(times), np.longdouble(tilt)), rate * grid
         psi = (spin - rate * np.cos(theta)) * grid
-        error = DOUBLE_EPS * (abs(float(rate)) + abs(spin)) * float(times[-1])
+        error = EPS * (abs(float(rate)) + abs(spin)) * float(times[-1])
     else:
         *angles, error = _nutation(data, grid)
         theta, phi, psi = angles
@@ -158,7 +152,7 @@ def _orientations(
     size = np.sqrt(np.sum((moments * omega) ** 2))
     period = 4 * quarter_period(rates.m) / rates.speed
     piece = min(float(period), 2 * np.pi / float(size / moments.min())) / 8
-    turned, error = periodic_integral(precession, times.astype(np.longdouble), piece, period)
+    turned, error = closed_forms.periodic_integral(precession, times.astype(np.longdouble), piece, period)
     up = start @ (moments * omega) / size  # the momentum in the world
     e = np.zeros(3, dtype=np.longdouble)
     e[axis] = 1

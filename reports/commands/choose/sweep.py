@@ -51,9 +51,10 @@ def command(
     if not records:
         raise NothingSelected("no engine and method to sweep")
     if columns is not None:
-        from reports.page.files import parquet
+        from reports.page.files import record_columns
+        from reports.poses_file import parquet_table
 
-        write_atomic(columns, parquet(records))
+        write_atomic(columns, parquet_table(record_columns(records)))
     if drawn is not None:
         _draw(records, drawn)
     for record in records if as_json else ():

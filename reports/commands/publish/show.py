@@ -1,8 +1,5 @@
 """mbs-ref show: a scene of the last report in the terminal."""
 
-import csv
-import io
-import sys
 from pathlib import Path
 
 import click
@@ -16,6 +13,7 @@ from reports.page.build import read_data
 from reports.page.files import PRICES, VERDICTS, price_rows
 from reports.page.sections.matrix import view
 from reports.page.sections.overview import counted
+from reports.poses_file import csv_table
 from reports.terminal.console import NothingSelected, echo_json, show_table
 from reports.terminal.text_plot import text_plot
 
@@ -62,9 +60,8 @@ def _print(data: ReportData, label: str, as_csv: bool, as_json: bool) -> None:
         rows = [dict(zip(PRICES, row, strict=True)) for row in prices]
         echo_json({"scene": label, "cells": [cell.to_dict() for cell in data.cells], "prices": rows})
     elif as_csv:
-        out = io.StringIO()
-        csv.writer(out, lineterminator="\n").writerows([["scene", *PRICES], *([label, *row] for row in prices)])
-        sys.stdout.write(out.getvalue())
+        columns = zip(*prices, strict=True) if prices else [[] for _ in PRICES]
+        click.echo(csv_table({"scene": [label] * len(prices), **dict(zip(PRICES, columns, strict=True))}), nl=False)
     else:
         _tables(data, label, prices)
 

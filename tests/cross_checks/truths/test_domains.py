@@ -8,9 +8,9 @@ import pytest
 from cross_checks import truths
 from cross_checks.truths import seek_truth
 from cross_checks.truths.made_by.numerics import closed_forms, rates
-from cross_checks.truths.made_by.numerics.closed_forms import DOUBLE_EPS, integral, rounding_error, running_integral
+from cross_checks.truths.made_by.numerics.closed_forms import integral, rounding_error, running_integral
 from cross_checks.truths.of.bouncing import impact
-from cross_checks.truths.truth import NoConvergenceError, NoTruth, Truth
+from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.scales import Scales
@@ -74,7 +74,7 @@ def test_the_rounding_of_every_datum_counts():
     error = rounding_error(
         lambda data, t: data[0] * np.exp(data[1] * t), np.longdouble([1.0, 20.0]), np.array([0.0, 1.0])
     )
-    assert error == pytest.approx(DOUBLE_EPS * 21.0 * np.exp(20.0), rel=1e-6)
+    assert error == pytest.approx(EPS * 21.0 * np.exp(20.0), rel=1e-6)
 
 
 @pytest.mark.parametrize("parameters", [{"angle": 3.09}, {"speed": 0.05}])
@@ -142,4 +142,4 @@ def test_the_restitution_of_a_strong_damping_is_known():
 
 def test_no_truth_is_better_known_than_its_coordinates_are_rounded():
     found = truth_of("incline", [0.0, 3e3], angle=0.5)
-    assert found.uncertainty >= DOUBLE_EPS * np.abs(found.position).max() > 1e-13
+    assert found.uncertainty >= EPS * np.abs(found.position).max() > 1e-13

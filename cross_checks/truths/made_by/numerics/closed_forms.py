@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 from scipy.integrate import quad
 
+from cross_checks.truths.truth import EPS as EPS_DOUBLE
 from cross_checks.truths.truth import NoConvergenceError, check_time
 
 LEVELS = 8  # at most: the arithmetic-geometric mean doubles its digits at each
@@ -50,7 +51,6 @@ def argument(phi, m) -> np.longdouble:
 
 NUDGE = 1e-10  # of each datum: the square of it is below the roundoff of extended precision
 SAMPLED = 40  # times, of thousands
-DOUBLE_EPS = float(np.finfo(float).eps)
 
 
 def rounding_error(
@@ -66,7 +66,7 @@ def rounding_error(
     value = motion(data, few)
     with np.errstate(invalid="ignore", divide="ignore"):
         changes = [np.max(np.abs(motion(data * (1 + step), few) - value)) for step in steps]
-    return DOUBLE_EPS * float(np.sum(changes)) / NUDGE
+    return EPS_DOUBLE * float(np.sum(changes)) / NUDGE
 
 
 NODES = 24  # a piece; a sixteenth of a period needs fewer
