@@ -113,6 +113,7 @@ class Engine:
             warnings.simplefilter("always")
             left = self.advance(model, plan)
         looped = perf_counter()
+        warned = dict.fromkeys(f"{self.name} warned: {str(one.message).strip()}" for one in said)
         loop = self.collect(model, plan, left)
         end = end_of(loop.states.reshape(len(loop.states), -1), plan.times, loop.end)
         states = loop.states[: end.samples]
@@ -127,8 +128,7 @@ class Engine:
             rhs_calls=loop.rhs_calls,
             timing=Timing(built - start, called - built, looped - called),
             reactions=self.reactions(model, plan, states, poses) if settings.reactions else {},
-            notes=((DRIVEN,) if plan.method.driven_from_python else ())
-            + (*self.notes(model, plan), *_warned(self.name, said)),
+            notes=((DRIVEN,) if plan.method.driven_from_python else ()) + (*self.notes(model, plan), *warned),
             used=plan.used,
             unreported=end.unreported,
         )
@@ -162,8 +162,3 @@ class Engine:
         reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - present)]
         reasons += [f"{method.name} cannot model a scene that is {t}" for t in sorted(method.excludes & present)]
         return [Refusal(reason, permanent=True) for reason in reasons]
-
-
-def _warned(name: str, said: Sequence[warnings.WarningMessage]) -> list[str]:
-    """Return what was warned of in the engine's loop, each sentence once."""
-    return [f"{name} warned: {text}" for text in dict.fromkeys(str(warning.message).strip() for warning in said)]

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import count
 from typing import Any, Self
 
@@ -181,9 +180,5 @@ def each[Task, Result](
     """
     with Pool[Task, Result](call or Isolated(timeout, memory), workers) as pool:
         for task in tasks:
-            pool.add(task, partial(_on, work, task))
+            pool.add(task, lambda call, task=task: work(call, task))
         yield from pool  # type: ignore[misc]
-
-
-def _on[Task, Result](work: Callable[[Caller, Task], Result], task: Task, call: Caller) -> Result:
-    return work(call, task)
