@@ -1,7 +1,6 @@
 """The Engine contract: what a solver must offer to be compared, ours included."""
 
 import warnings
-from collections.abc import Sequence
 from importlib.metadata import version
 from time import perf_counter
 from typing import Any, ClassVar

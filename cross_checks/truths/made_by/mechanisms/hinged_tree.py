@@ -4,6 +4,7 @@ The bodies that are welded to ground are ground. y holds the root's place x, y (
 angle (rad), then as many rates or momenta.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +32,14 @@ def formulations(scene: Scene) -> tuple[Formulation, Formulation]:
     fixed = {GROUND, *(j.body_b for j in scene.joints if isinstance(j, Weld) and j.body_a == GROUND)}
     free = [body.name for body in scene.bodies if body.name not in fixed]
     tree, loads = _tree(scene, free, _hinges(scene, free)), loads_of(scene, free)
-    return _lagrange(scene, free, tree, loads), _hamilton(scene, free, tree, loads)
+    rates = _start(scene, free)
+    momenta, n = rates.copy(), len(rates) // 2
+    momenta[n:] = _mass_matrix(tree, _turned_arms(tree, rates), rates) @ rates[n:]
+    known = scene, free, tree, loads
+    lagrange = _formulation(*known, _lagrange_slope, lambda y: y, rates)
+    return lagrange, _formulation(
+        *known, _hamilton_slope, lambda y: _with_rates(tree, _turned_arms(tree, y), y), momenta
+    )
 
 
 def _hinges(scene: Scene, free: list[str]) -> dict[str, Revolute]:
@@ -71,35 +79,17 @@ def _tree(scene: Scene, free: list[str], hinge: dict[str, Revolute]) -> Tree:
 # --- the equations -------------------------------------------------------------------------------------
 
 
-def _lagrange(scene: Scene, free: list[str], tree: Tree, loads: Loads) -> Formulation:
-    """M q'' = J^T (F + m h) with r'' = J q'' - h."""
+def _formulation(
+    scene: Scene, free: list[str], tree: Tree, loads: Loads, slope: Callable, rates_of: Callable, start: np.ndarray
+) -> Formulation:
+    """Return the equations y' = slope(...) of a state whose rates are those of rates_of(y)."""
 
     def frozen(t, y, on):
-        return _lagrange_slope(tree, loads.arrays, loads.factors(t), y, on)
+        return slope(tree, loads.arrays, loads.factors(t), y, on)
 
     def switches(t, y):
-        return _switches(tree, loads.arrays, y)
+        return _switches(tree, loads.arrays, rates_of(y))
 
-    start = _start(scene, free)
-    return _formulation(scene, free, tree, loads, frozen, switches, start)
-
-
-def _hamilton(scene: Scene, free: list[str], tree: Tree, loads: Loads) -> Formulation:
-    """p = M q', p' = J^T F + J'^T m v."""
-
-    def frozen(t, y, on):
-        return _hamilton_slope(tree, loads.arrays, loads.factors(t), y, on)
-
-    def switches(t, y):
-        return _switches(tree, loads.arrays, _with_rates(tree, _turned_arms(tree, y), y))
-
-    start = _start(scene, free)
-    n = len(start) // 2
-    start[n:] = _mass_matrix(tree, _turned_arms(tree, start), start) @ start[n:]
-    return _formulation(scene, free, tree, loads, frozen, switches, start)
-
-
-def _formulation(scene, free, tree, loads, frozen, switches, start) -> Formulation:
     def poses(t, y):
         return _all_poses(scene, free, _motion(tree, _turned_arms(tree, y), y)[0][:-1])
 
@@ -197,6 +187,7 @@ def _switches(tree, arrays, y):
 
 @strict_jit
 def _lagrange_slope(tree, arrays, factors, y, on):
+    """M q'' = J^T (F + m h) with r'' = J q'' - h."""
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)
     pose, rate, bend = _motion(tree, turned, y)
@@ -221,6 +212,7 @@ def _with_rates(tree, turned, y):
 
 @strict_jit
 def _hamilton_slope(tree, arrays, factors, y, on):
+    """p = M q', p' = J^T F + J'^T m v."""
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)
     moving = _with_rates(tree, turned, y)

@@ -78,11 +78,11 @@ def hamilton(given: OneFreedom) -> Formulation:
 
 def agree_on(
     scene: Scene, poses: Callable[[Jet], tuple[Jet, Jet]], start: Any, rate: Any, times: np.ndarray,
-    ways: tuple[str, str], *, is_costly: bool = False,
+    ways: tuple[str, str], *, stored: Callable[[Jet], Jet] = OneFreedom.stored, is_costly: bool = False,
 ) -> Truth:  # fmt: skip
     """Return the truth, solved both ways, of a scene whose bodies, in its order, are where `poses` says."""
     mass = np.array([body.mass for body in scene.bodies])
     rigid = (body for body in scene.bodies if isinstance(body, PlanarBody | SpatialBody))
     inertia = np.array([body.inertia if isinstance(body, PlanarBody) else symmetric(body.inertia) for body in rigid])
-    given = OneFreedom(poses, mass, inertia, np.array(scene.gravity), start, rate)
+    given = OneFreedom(poses, mass, inertia, np.array(scene.gravity), start, rate, stored)
     return agree(lagrange(given), hamilton(given), times, ways, extended=True, is_costly=is_costly)
