@@ -141,7 +141,7 @@ class Applied:
         places[:, bodies.scene_index] = bodies.q, bodies.v
         gyroscopic = getattr(kinematics, "inertia", np.zeros((0, 6))), getattr(kinematics, "omega", np.zeros((0, 3)))
         start = linkage.angle, linkage.theta, linkage.rigid
-        self.core = Core(*start, bodies.scene_index, kinematics.force, *places, *gyroscopic)
+        self.core = Core(*start, bodies.scene_index, kinematics.force, places[0], places[1], *gyroscopic)
 
     def wrenches(self, t: float, motion: Motion) -> np.ndarray:
         """Return force (N) and torque about the centre of mass (N m), (n_bodies, 6), world axes."""

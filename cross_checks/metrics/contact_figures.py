@@ -36,8 +36,8 @@ def contact_figures(scene: Scene, path: Trajectory) -> dict[str, float]:
 
 def _of_contact(motion: Motion, contact) -> dict[str, float]:
     (gap, rate, slip), path = gap_of(motion, contact), motion.trajectory
-    logged = path.event_times is not None  # whether the engine locates events
-    if gap[0] > 0.0 and logged and not np.any(path.event_times[:, 1] == path.event_names.index(contact.name)):
+    events = path.event_times  # None where the engine locates no events
+    if gap[0] > 0.0 and events is not None and contact.name not in [path.event_names[int(k)] for k in events[:, 1]]:
         return {}
     touching = gap < 0.0
     figures = {"penetration, m": _deepest(motion.times, gap, rate)} if touching.any() else {}

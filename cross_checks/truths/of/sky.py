@@ -37,9 +37,10 @@ def _eccentric_anomaly(mean: np.ndarray, e) -> np.ndarray:
     turns = np.rint(mean / (2 * np.pi))
     whole = turns * (2 * np.longdouble("3.14159265358979323846264338327950288"))
     rest = mean - whole
-    anomaly = rest + e * np.sign(rest)
+    new = rest + e * np.sign(rest)
     low, high = rest - e, rest + e  # E - M = e sin E lies between
     for _ in range(200):
+        anomaly = new
         residual = anomaly - e * np.sin(anomaly) - rest
         high, low = np.where(residual > 0, anomaly, high), np.where(residual > 0, low, anomaly)
         newton = anomaly - residual / (1 - e * np.cos(anomaly))
@@ -47,7 +48,6 @@ def _eccentric_anomaly(mean: np.ndarray, e) -> np.ndarray:
         new = np.where(inside, newton, (low + high) / 2)
         if np.all(np.abs(new - anomaly) <= 1e-19 * (1 + np.abs(new))):
             break
-        anomaly = new
     return new + whole
 
 

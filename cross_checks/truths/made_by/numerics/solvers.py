@@ -203,8 +203,7 @@ def _attempt(acceleration, t, place, rate, h, tolerance) -> tuple[np.ndarray, np
     at = t + h * nodes
     moved = place + (h * nodes).reshape(shape) * rate
     scale = max(1.0, float(np.abs(place).max()), float(np.abs(rate).max()))
-    force = np.zeros_like(moved)
-    before = np.inf
+    stages, force, before = moved, np.zeros_like(moved), np.inf
     for _ in range(MOST_SWEEPS):
         stages = moved + h**2 * np.tensordot(twice, force, axes=1)
         new = acceleration(at, stages, rate + h * np.tensordot(once, force, axes=1))
