@@ -19,10 +19,9 @@ import numpy as np
 
 from cross_checks.engine import End, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engines.mujoco_ import MuJoCo
-from cross_checks.engines.mujoco_.build import compile_links
+from cross_checks.engines.mujoco_.build import METHODS as OF_MUJOCO
+from cross_checks.engines.mujoco_.build import TIGHT, at_start, compile_links
 from cross_checks.engines.mujoco_.forces import Observer, own_refusals
-from cross_checks.engines.mujoco_.run import METHODS as OF_MUJOCO
-from cross_checks.engines.mujoco_.run import TIGHT, at_start
 from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of

@@ -8,9 +8,8 @@ import numpy as np
 
 from cross_checks.engine import Loop, Method, Plan, Poses, Refusal, end_of
 from cross_checks.engines.mujoco_ import forces
-from cross_checks.engines.mujoco_.build import compile_links
+from cross_checks.engines.mujoco_.build import METHODS, TIGHT, Left, advance, at_start, clock_end, compile_links
 from cross_checks.engines.mujoco_.forces import Callback, Observer, passive
-from cross_checks.engines.mujoco_.run import METHODS, TIGHT, Left, advance, at_start, clock_end
 from cross_checks.linkage.forces import SHARED, LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of, tree_reactions

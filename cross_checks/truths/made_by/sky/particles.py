@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths.made_by.numerics.solvers import collocate, extrapolate
-from cross_checks.truths.made_by.sky import gravity, satellites
-from cross_checks.truths.made_by.sky.numbers import Field, real
+from cross_checks.truths.made_by.sky import Field, gravity, real, satellites
 from cross_checks.truths.made_by.sky.satellites import NoAirError
 from cross_checks.truths.truth import ALIKE, NoTruth, Truth, unturned
 from mbs_ref.scene import Scene, celestial
