@@ -84,16 +84,13 @@ class Planned(Protocol):
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]: ...
 
 
-def plan_run(
-    engine: Planned, scene: Scene, settings: Settings, times: np.ndarray | None, supported: frozenset[str] = frozenset()
-) -> Plan | Trajectory:
+def plan_run(engine: Planned, scene: Scene, settings: Settings, times: np.ndarray | None) -> Plan | Trajectory:
     """Return the plan, or a trajectory without samples that says why the scene is not run.
 
-    `supported` names the settings beyond method, step, tolerances and times that the engine honours; any
-    other that differs from its default is a ValueError.
+    ValueError where a setting other than method, step, tolerances and times differs from its default.
     """
     method = engine.method(settings.method)
-    _check_settings(engine.name, method, settings, supported)
+    _check_settings(engine.name, method, settings)
     grid = step_grid(scene, settings) if times is None and settings.step else output_times(scene, settings, times)
     if grid.ndim != 1 or len(grid) < 2 or grid[0] != 0.0 or not np.all(np.diff(grid) > 0.0):
         raise ValueError("times must be at least two increasing numbers, the first 0")
@@ -113,7 +110,7 @@ def plan_run(
     return Plan(method, grid, step, counts, max_steps=settings.max_steps)
 
 
-def _check_settings(engine: str, method: Method, settings: Settings, supported: frozenset[str]) -> None:
+def _check_settings(engine: str, method: Method, settings: Settings) -> None:
     if method.kind == "fixed" and (settings.rtol is not None or settings.atol is not None):
         raise ValueError(f"rtol, atol = {settings.rtol}, {settings.atol}: {method.name} takes a step instead")
     if method.kind == "adaptive" and settings.step is not None:
@@ -121,7 +118,7 @@ def _check_settings(engine: str, method: Method, settings: Settings, supported: 
     defaults = Settings()
     for name in ("coordinates", "stabilization", "baumgarte_gain", "stop_on_compliance", "project_initial", "outputs"):
         value, default = getattr(settings, name), getattr(defaults, name)
-        if name not in supported and value != default:
+        if value != default:
             raise ValueError(f"{name} = {value!r} is not offered by {engine}; allowed: {default!r}")
     if settings.events == "located" and not method.locates_events:
         raise ValueError(f"events = 'located': {method.name} of {engine} locates no events; allowed: 'none'")

@@ -60,15 +60,13 @@ MOST_CHANGES = 20_000
 BRANCH_TOLERANCE = 1e-12  # of max(1, |y|): stiff forces leave some 1e-13 of roundoff in a step's last columns
 
 
-def extrapolate_branches(
-    frozen: Callable, switches: Callable, start: np.ndarray, times: np.ndarray, tolerance: float = BRANCH_TOLERANCE
-) -> np.ndarray:
+def extrapolate_branches(frozen: Callable, switches: Callable, start: np.ndarray, times: np.ndarray) -> np.ndarray:
     """Integrate y' = frozen(t, y, on), on = switches(t, y) > 0 held within a step; return y at `times`, (n_t, n).
 
     A step in which a switch changes sign is cut just past the first change. NoConvergenceError where steps
     or branches do not come to an end.
     """
-    return _stepped(lambda on: partial(frozen, on=on), switches, start, times, tolerance, FIRST_STEP)
+    return _stepped(lambda on: partial(frozen, on=on), switches, start, times, BRANCH_TOLERANCE, FIRST_STEP)
 
 
 def _stepped(
