@@ -23,17 +23,16 @@ from reports.query import STORE, Interrupted, isolated, open_runs, sweep_records
 from reports.terminal.console import Failed, Incomplete, NothingSelected, complain, echo_json
 
 PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.command(name="pick", epilog="Example: mbs-ref pick slider_crank --error 1mm --engine exudyn --engine mujoco")
 @inputs.scene_options
 @inputs.ENGINES
 @click.option("--error", metavar="E|1mm", required=True, help="Largest error, of the scene's scales or as 1mm.")
-@click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
+@click.option("--compliance", type=inputs.POSITIVE, help="Largest constraint violation, m or rad.")
 @click.option("--budget", metavar="50ms", help="Longest loop time.")
 @click.option("--real-time", is_flag=True, help="The loop must take no longer than the motion lasts.")
-@click.option("--records", type=FILE, help="Choose among the records of a sweep's JSON lines instead of sweeping.")
+@click.option("--records", type=inputs.FILE, help="Choose among the records of a sweep's JSON lines: no sweep.")
 @click.option(
     "--confirm/--no-confirm", "confirming", default=None,
     help=f"Time the winner against the runner-up in interleaved runs.  [default: where it leads by less than "

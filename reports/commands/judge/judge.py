@@ -29,7 +29,7 @@ MAP = click.Path(path_type=Path)
     "--error", "wanted", default="1e-6", show_default=True, metavar="E",
     help="What counts as agreement: a share of the scene, or a length as 1mm.",
 )  # fmt: skip
-@click.option("--t-end", type=float, metavar="T", callback=inputs.positive, help="Duration, s; the scene's own.")
+@click.option("--t-end", type=inputs.POSITIVE, metavar="T", help="Duration, s; the scene's own.")
 @click.option("--plot", metavar="FILE.html", help="Write the error over time, component by component.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @STORE

@@ -17,17 +17,13 @@ from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo
 def radius_option(default: float) -> Any:
     """Return the option of the largest radius."""
     words = "Largest radius of an enclosure: m, rad, m/s, rad/s."
-    return click.option(
-        "--radius", type=float, default=default, show_default=True, metavar="R", callback=inputs.positive, help=words
-    )
+    return click.option("--radius", type=inputs.POSITIVE, default=default, show_default=True, metavar="R", help=words)
 
 
 def limit_option(default: float) -> Any:
     """Return the option of the prover's processor time."""
     words = "Limit of the prover's processor time for a scene, s."
-    return click.option(
-        "--limit", type=float, default=default, show_default=True, metavar="S", callback=inputs.positive, help=words
-    )
+    return click.option("--limit", type=inputs.POSITIVE, default=default, show_default=True, metavar="S", help=words)
 
 
 @click.command(name="prove", epilog="Example: mbs-ref prove double_pendulum --t-end 10 --radius 1e-25 -o double.log.gz")

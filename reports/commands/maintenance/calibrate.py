@@ -17,12 +17,7 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
 @inputs.SHARD
-@click.option(
-    "--keep",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="File of JSON lines: runs that it holds are not repeated, new ones are added.",
-)
+@click.option("--keep", type=inputs.NEW_FILE, help="JSON lines: runs that it holds are not repeated, others are added.")
 @console.table_file("calibration")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
 def command(count: int, first: int, shard: str, keep: Path | None, target: Path | None, as_json: bool) -> None:

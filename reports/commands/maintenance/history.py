@@ -12,11 +12,9 @@ from mbs_ref.atomic_file import write_atomic
 from reports import inputs
 from reports.terminal.console import NothingSelected, complain, echo_json, number, show_table
 
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-
 
 @click.command(name="history", epilog="Example: mbs-ref history -o trends.html")
-@click.option("--file", "file", type=FILE, default="reports/out/history.jsonl", show_default=True, help="The lines.")
+@click.option("--file", type=inputs.FILE, default="reports/out/history.jsonl", show_default=True, help="The lines.")
 @click.option("--series", "text", default="", metavar="TEXT", help="Only series whose name holds this.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("-o", "output", metavar="FILE.html", help="Draw the trends.")

@@ -7,6 +7,7 @@ import click
 from cross_checks.judge.vocabulary import Refused, refusals
 from cross_checks.records.record import known_error, loop_time, usable
 from mbs_ref.scene.messages import suggest
+from reports import inputs
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
 from reports.page.build import read_data
@@ -17,14 +18,12 @@ from reports.poses_file import csv_table
 from reports.terminal.console import NothingSelected, echo_json, show_table
 from reports.terminal.text_plot import text_plot
 
-FOLDER = click.Path(file_okay=False, path_type=Path)
-
 
 @click.command(name="show", epilog="Example: mbs-ref show pendulum_chain links=10")
 @click.argument("scene", nargs=-1)
 @click.option("--csv", "as_csv", is_flag=True, help="Print the prices as CSV.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: cells and prices.")
-@click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER, help="Where the report is.")
+@click.option("-o", "folder", default="reports/out", show_default=True, type=inputs.FOLDER, help="Where the report is.")
 def command(scene: tuple[str, ...], as_csv: bool, as_json: bool, folder: Path) -> None:
     """Print the last report's results on SCENE. That is cost at equal error, and every verdict.
 
