@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from mbs_ref.scene import GROUND, Bushing, Revolute, RotationDrive, Scene, TorsionSpring
+from mbs_ref.scene.base.directions import normals
 from mbs_ref.scene.messages import suggest
 
 RATE = ".rate"  # a start rate is asked for as joint.rate
@@ -139,15 +140,9 @@ def own_forces(axis: Axis, stiffness: float, damping: float, rest: float = 0.0) 
                             rest_angle=zero)  # fmt: skip
         return
     yield Bushing(
-        name=name, body_a=a, body_b=b, point=axis.point, x_axis=axis.along, y_axis=square_to(axis.along),
+        name=name, body_a=a, body_b=b, point=axis.point, x_axis=axis.along, y_axis=three(normals(axis.along)[0]),
         stiffness=(stiffness, 0.0, 0.0, 0.0, 0.0, 0.0), damping=(damping, 0.0, 0.0, 0.0, 0.0, 0.0),
     )  # fmt: skip
-
-
-def square_to(axis: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return a unit vector square to another."""
-    other = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    return three(other / np.linalg.norm(other))
 
 
 def three(vector: Any) -> tuple[float, float, float]:
