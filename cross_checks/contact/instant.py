@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from scipy.sparse import csc_array
 
-from cross_checks.contact.experiments import run
+from cross_checks.contact.by_figure import run
 from cross_checks.contact.request import ContactModel
 from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, augmented, unit_rates
 from mbs_ref.observables.contact_gap import relative_motion, shapes_known

@@ -66,7 +66,7 @@ def command(
 
 
 def _translate(models: dict[str, ContactModel], request: dict[str, float | None], as_json: bool) -> None:
-    from cross_checks.contact.experiments import measured
+    from cross_checks.contact.by_figure import measured
     from cross_checks.contact.request import Request
 
     if missing := [f"--{name}" for name, value in request.items() if value is None]:
