@@ -125,16 +125,16 @@ class Pool[Name, Result]:
         while self._open:
             self._tick(self.running())
             with suppress(queue.Empty):
-                task, result = self._done.get(timeout=TICK) if self._threads else self._made_here()
+                if self._threads:
+                    task, result = self._done.get(timeout=TICK)
+                else:
+                    task = heapq.heappop(self._waiting)
+                    result = task.work(self._call)
                 if self._open.pop(task.place[-1], None) is None:
                     continue
                 if isinstance(result, BaseException) and not isinstance(result, Late):
                     raise result
                 yield task.name, result
-
-    def _made_here(self) -> tuple[_Task, Any]:
-        task = heapq.heappop(self._waiting)
-        return task, task.work(self._call)
 
     def _serve(self) -> None:
         """Make tasks until the pool is closed; a process whose task was dropped is replaced."""

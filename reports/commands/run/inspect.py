@@ -30,6 +30,7 @@ def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...]
     chosen = inputs.scene(scene, parameters, keep_rates)
     speed = scales_of(chosen).speed
     results, steady = stiffness_at_start(chosen, speed), steady_motion_at_start(chosen)
+    dominant = results.modes[np.argsort(-np.abs(results.modes))][:SHOWN]
     result: dict[str, Any] = {
         "scene": chosen.name,
         "summary": summary(chosen).sentence(),
@@ -38,7 +39,7 @@ def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...]
         "contacts": len(chosen.contacts),
         "fastest_1_s": results.fastest,
         "fastest_decay_1_s": results.fastest_decay,
-        "eigenvalues_1_s": [[value.real, value.imag] for value in _dominant(results)],
+        "eigenvalues_1_s": [[value.real, value.imag] for value in dominant.tolist()],
         "rule_1_over_omega_s": _finite(results.oscillation_rule),
         "rule_m_over_c_s": _finite(results.damping_rule),
         "largest_step_s": _steps(results, chosen.duration),
@@ -71,11 +72,6 @@ def _closed(contact: dict[str, Any], speed: float) -> str:
         return "impulses or a constraint act, and stability limits no step"
     at = f"at {number(contact['stiffness_N_m'])} N/m (impact at {number(speed)} m/s)"
     return f"{at} the step after contact is at most {_cell(contact['largest_step_s'])}"
-
-
-def _dominant(results: Stiffness) -> list[complex]:
-    modes = results.modes
-    return [complex(value) for value in modes[np.argsort(-np.abs(modes))][:SHOWN]]
 
 
 def _finite(value: float) -> float | None:
