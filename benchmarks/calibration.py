@@ -97,7 +97,7 @@ def _code() -> str:
 
 
 def trial(seed: int) -> Trial:
-    """Make the run of a seed, always the same, and its truth."""
+    """Return the trial of a seed, always the same: its run and its truth."""
     return replace(_made(seed), code=_code())
 
 

@@ -16,7 +16,7 @@ from reports.terminal.faults import FAULTS, fault
 
 
 class Commands(click.Group):
-    """Find each command by listing its folder; import it only when it is asked for."""
+    """List the commands in their folder; a command is imported when it is requested."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted(_modules())

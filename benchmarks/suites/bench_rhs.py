@@ -39,7 +39,7 @@ def chain(links: int) -> Scene:
 
 
 def planar_residual(scene: Scene) -> float:
-    """Put the accelerations into M a + C_q^T lambda = Q and C_q a = gamma; the largest acceleration left over."""
+    """Return the largest residual of M a + C_q^T lambda = Q and C_q a = gamma, as an acceleration."""
     system = PlanarSystem(scene)
     system.set_mode_time(0.0)
     y = system.initial_state()
@@ -52,7 +52,7 @@ def planar_residual(scene: Scene) -> float:
 
 
 def spatial_residual(scene: Scene) -> float:
-    """Put the accelerations into C_q a = gamma; the largest acceleration left over."""
+    """Return the largest residual of C_q a = gamma."""
     system = SpatialSystem(scene)
     system.set_mode_time(0.0)
     y = system.initial_state()

@@ -40,7 +40,7 @@ def copy_tree(target: Path) -> Path:
 
 
 def slow_down(folder: Path, turns: int) -> None:
-    """Let every right-hand side of the planar core turn in a loop for `turns` square roots."""
+    """Add `turns` square roots to every right-hand side of the planar core."""
     kernel = (HERE / KERNEL).read_text()
     function = next(n for n in ast.parse(kernel).body if isinstance(n, ast.FunctionDef) and n.name == FUNCTION)
     lines = kernel.splitlines(keepends=True)

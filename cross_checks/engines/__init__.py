@@ -103,7 +103,7 @@ def _create_from_file(path: Path, name: str) -> Engine:
 
 
 def _load(path: Path) -> str:
-    """Make an adapter file importable under a name of its own, and return that name."""
+    """Import an adapter file under a module name of its own, and return that name."""
     name = f"mbs_ref_adapter_{path.stem}"
     if name not in sys.modules:
         spec = spec_from_file_location(name, path)

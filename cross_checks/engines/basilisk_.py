@@ -176,7 +176,7 @@ def _integrator(craft: Any, plan: Plan) -> Any:
 
 
 def _add_air(model: Built, body: int, schedule: _Schedule | None) -> None:
-    """Give a spacecraft its drag: density and wind are computed where the step begins, and held."""
+    """Add drag to a spacecraft; density and wind are computed at the start of a step and constant through it."""
     scene, craft = model.scene, model.spacecraft[body]
     for load in scene.loads:
         if not isinstance(load, Drag) or load.body != scene.bodies[body].name or schedule is None:

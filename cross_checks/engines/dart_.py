@@ -92,7 +92,7 @@ ENGINE = Dart
 
 
 def _pin_options(world: Any, plan: Plan) -> None:
-    """Leave no option to a default; bodies that rest are put to sleep unless this is switched off."""
+    """Set every option; bodies at rest are deactivated unless that is switched off."""
     world.setTimeStep(plan.step)
     world.setNumSimulationThreads(1)
     sleep = world.getDeactivationOptions()

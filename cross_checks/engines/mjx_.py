@@ -36,7 +36,7 @@ GUESSED = "mjx guesses the effective mass of a contact, rightly for bodies that 
 
 @jax.jit
 def _steps(model: Any, data: Any, count: int) -> Any:
-    """Make `count` steps in one call, compiled once for a model."""
+    """Take `count` steps in one call, compiled once for a model."""
 
     def step(_: int, state: Any) -> Any:
         # in double precision some of its integers grow to 64 bits, which a loop does not bear

@@ -137,7 +137,7 @@ class Pool[Name, Result]:
                 yield task.name, result
 
     def _serve(self) -> None:
-        """Make tasks until the pool is closed; a process whose task was dropped is replaced."""
+        """Execute tasks until the pool is closed; a process whose task was dropped is replaced."""
         while not self._closed:
             with self._call.alike() as call, suppress(Cancelled):  # type: ignore[attr-defined] - an Isolated has threads
                 worker = _Worker(call)

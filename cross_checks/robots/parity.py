@@ -103,19 +103,19 @@ def parity(path: Path, poses: int = 5, seed: int = 1, asked: dict[str, Reader | 
     dice = np.random.default_rng(seed)
     drawn = [_drawn(dice, names) for _ in range(poses)]
     refused: dict[str, str] = {}
-    told: dict[str, list[Dynamics]] = {}
+    dynamics: dict[str, list[Dynamics]] = {}
     for name, reader in (readers() if asked is None else asked).items():
         try:
             if isinstance(reader, str):
                 raise Unreadable(reader)
-            told[name] = [reader(path, q, v) for q, v in drawn]
+            dynamics[name] = [reader(path, q, v) for q, v in drawn]
         except (Unreadable, RobotError) as error:
             refused[name] = str(error)
-    first = next(iter(told), "")
-    apart = {name: _apart(told[first], seen) for name, seen in told.items() if name != first}
-    found = [_worst(name, first, quantity, told, names) for name, each in apart.items() for quantity in each]
+    first = next(iter(dynamics), "")
+    apart = {name: _apart(dynamics[first], seen) for name, seen in dynamics.items() if name != first}
+    found = [_worst(name, first, quantity, dynamics, names) for name, each in apart.items() for quantity in each]
     beyond = tuple(sorted((one for one in found if one.relative > SAME), key=lambda one: -one.relative))
-    return Parity(tuple(names), tuple(told), refused, apart, beyond)
+    return Parity(tuple(names), tuple(dynamics), refused, apart, beyond)
 
 
 def _drawn(dice: np.random.Generator, names: list[str]) -> tuple[Values, Values]:
@@ -143,8 +143,8 @@ def _apart(mine: list[Dynamics], theirs: list[Dynamics]) -> dict[str, float]:
     return {name: max(one[name] for one in every) for name in every[0]}
 
 
-def _worst(name: str, first: str, quantity: str, told: dict[str, list[Dynamics]], names: list[str]) -> Difference:
-    every = zip(told[first], told[name], strict=True)
+def _worst(name: str, first: str, quantity: str, dynamics: dict[str, list[Dynamics]], names: list[str]) -> Difference:
+    every = zip(dynamics[first], dynamics[name], strict=True)
     a, b = max((_pairs(*pair)[quantity] for pair in every), key=_relative)
     where = np.unravel_index(np.argmax(np.abs(a - b)), a.shape)
     joints = tuple(dict.fromkeys(names[k] for k in where))
@@ -172,7 +172,7 @@ def by_us(path: Path, q: Values, v: Values) -> Dynamics:
 
 
 def _read_of(path: Path) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """Return our reader of the format, and what it can be told to leave out: none of it is part of these figures."""
+    """Return our reader of the format, and what it may ignore: none of it is part of these figures."""
     urdf = ElementTree.parse(path).getroot().tag == "robot"
     module, name = ("pinocchio_", "read_urdf") if urdf else ("mujoco_", "read_mjcf")
     try:

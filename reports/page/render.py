@@ -38,7 +38,7 @@ class Images:
     files: dict[str, bytes] = field(default_factory=dict)
 
     def add(self, name: str, content: str) -> str:
-        """Keep a picture given in base64; return where the page finds it."""
+        """Store a picture given in base64; return the page's address of it."""
         if self.inside:
             return f"data:image/{name.rpartition('.')[2]};base64,{content}"
         self.files[name] = base64.b64decode(content)

@@ -108,7 +108,7 @@ def interruptible(done: Callable[[], str]) -> Iterator[None]:
 
 @contextmanager
 def awaited(what: str) -> Iterator[None]:
-    """Say on stderr what is awaited, once it has taken longer than PAUSE."""
+    """Print on stderr what is awaited, once it has taken longer than PAUSE."""
     clock = threading.Timer(PAUSE, click.echo, [f"{what} ..."], {"err": True})
     clock.start()
     try:
@@ -119,7 +119,7 @@ def awaited(what: str) -> Iterator[None]:
 
 @contextmanager
 def compiling() -> Iterator[None]:
-    """Say on stderr, once, that the solver is being compiled: it would look as if it hung."""
+    """Print on stderr, once, that the solver is being compiled, which takes minutes."""
     from cross_checks.isolation.messages import compiling_reported
 
     stated: list[bool] = []

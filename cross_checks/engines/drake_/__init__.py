@@ -51,7 +51,7 @@ class Drake(LinkageEngine):
         return reasons
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        """Make the runs that are known to end the process in a process of their own."""
+        """Execute the runs that are known to end the process in a process of their own."""
         if self.method(settings.method).name != WORLD:
             return super().run(scene, settings, times)
         with Isolated() as apart:

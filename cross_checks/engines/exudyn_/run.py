@@ -95,7 +95,7 @@ def force_scale(scene: Scene) -> float:
 
 
 def options_of(plan: Plan, scene: Scene, *, dense: bool):
-    """Leave nothing to defaults that surprise: halving of the step, output files."""
+    """Return the solver's settings; adaptive halving of the step and output files are off."""
     options = exu.SimulationSettings()
     options.solution.file.write = False
     eliminate(options, dense=dense)

@@ -48,7 +48,7 @@ METHODS = _methods()
 
 
 def pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:
-    """Leave no option to a default that a release may change."""
+    """Set every option whose default a release may change."""
     spec.compiler.degree = False  # else a spring's rest angle is read as degrees
     option = spec.option
     option.timestep = plan.step

@@ -88,7 +88,7 @@ def force_refusals(linkage: Linkage) -> list[Refusal]:
 
 @contextmanager
 def passive(act: Callback | None) -> Iterator[None]:
-    """Let MuJoCo call `act` whenever it asks for passive forces: at every stage of every step."""
+    """Let MuJoCo call `act` whenever it computes passive forces: at every stage of every step."""
     mujoco.set_mjcb_passive(act)
     try:
         yield

@@ -144,7 +144,7 @@ def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]
 
 
 def _warn(records: list[Record]) -> None:
-    """Say on stderr how many of the records were timed while others used the processor."""
+    """Print on stderr how many of the records were timed while others used the processor."""
     busy = sum(any(note.startswith(BUSY_NOTE) for note in record.notes) for record in records)
     if busy:
         click.echo(f"{busy} of {len(records)} runs were timed on a busy machine: take care with the margin", err=True)
@@ -180,7 +180,7 @@ def _afresh(scene: Scene, choice: Choice, store: str | None) -> Record | None:
 
 
 def _check(again: Record, bounds: Bounds) -> None:
-    """Say what the setting did when it was run afresh."""
+    """Print what the setting reaches when it is run afresh."""
     reached = "no error" if again.error is None else f"{again.error.bound:.2e}"
     gap = again.measure("compliance_position")
     text = f"run afresh: {again.status}, {reached}, joints open by {'nothing known' if gap is None else f'{gap:.2e}'}"

@@ -42,11 +42,11 @@ def _show(facts: dict[str, Any]) -> None:
     ways = [each["way"] for each in rows[0]["ways"]]
     head, shown = ("engine", "method", "runs"), []
     for row in rows:
-        shown.append([*(row[name] for name in head), *map(_told, row["ways"])])
+        shown.append([*(row[name] for name in head), *map(_difference, row["ways"])])
     show_table("Runs with other bits, and by how much of the largest value", (*head, *ways), shown)
 
 
-def _told(each: dict[str, Any]) -> str:
+def _difference(each: dict[str, Any]) -> str:
     if not each["differ"]:
         return "-"
     ended = f", {each['other_end']} end otherwise" if each["other_end"] else ""

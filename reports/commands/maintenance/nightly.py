@@ -87,7 +87,7 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
 
 
 def _report_history(file: Path, trends: Path | None) -> None:
-    """Say which series reached a new level these nights, and draw them all."""
+    """Print which series reached a new level these nights, and draw them all."""
     entries, problems = history.read(file)
     complain(problems)
     result = history.series(entries)

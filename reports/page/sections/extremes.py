@@ -51,7 +51,7 @@ def _extreme(extreme: Extreme, cells: list[Cell]) -> dict[str, Any]:
 
 
 def _advice(extreme: Extreme, engine: str, cells: list[Cell]) -> dict[str, str]:
-    """Say how far an engine's furthest method goes, and what comes next."""
+    """Return how far an engine's furthest method goes, and what fails next."""
     best = max(cells, key=lambda c: _reach(extreme, c))
     tied = [c.method for c in cells if _reach(extreme, c) == _reach(extreme, best)]
     lying = [c.method for c in cells if c.fate is Fate.SILENTLY_WRONG]
