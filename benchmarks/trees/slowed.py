@@ -8,8 +8,7 @@ import shutil
 from functools import partial
 from pathlib import Path
 
-from benchmarks.trees.regression import Case, cheapest
-from benchmarks.trees.tree import Tree
+from benchmarks.trees.regression import Case, Tree, cheapest
 from cross_checks.prices.timing import interleaved
 
 HERE = Path(__file__).parents[2]
