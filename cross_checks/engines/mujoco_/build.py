@@ -8,7 +8,7 @@ from mujoco import rollout
 
 from cross_checks.engine import End, Method, Plan, exponential, fixed
 from cross_checks.engines.mujoco_.contact import add_contact
-from cross_checks.engines.mujoco_.loads import LOADS, add_tendon
+from cross_checks.engines.mujoco_.forces import LOADS, add_tendon
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import Scene
