@@ -58,7 +58,8 @@ class Exudyn(Engine):
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         exu.config.printToConsole = False
-        model = _build(scene, plan.method.name)
+        name = plan.method.name
+        model = build_tree(scene) if name.startswith(TREE) else build_redundant(scene, name)
         model.mbs.Assemble()
         options = solver.options_of(plan, scene, dense=solver.needs_dense(model.mbs, scene))
         return Built(model, options, "closed-loop" in traits(scene))
@@ -89,9 +90,3 @@ class Exudyn(Engine):
 
 
 ENGINE = Exudyn
-
-
-def _build(scene: Scene, method: str):
-    if method.startswith(TREE):
-        return build_tree(scene)
-    return build_redundant(scene, method)
