@@ -10,7 +10,7 @@ import heyoka  # an optional extra
 import numpy as np
 
 from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal
-from cross_checks.engine.celestial import contradictions, of_particles
+from cross_checks.engine.celestial import of_particles, untaught
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.scene.units import attraction, is_celestial
@@ -44,7 +44,7 @@ class Heyoka(Engine):
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):
             return [Refusal("the adapter writes free particles in space under gravity as series, nothing else", False)]
-        return [Refusal(reason, False) for reason in _untaught(scene)]
+        return [Refusal(reason, False) for reason in untaught(scene, "heyoka")]
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         start = [[*body.position, *body.velocity] for body in scene.bodies]  # m, m/s
@@ -77,17 +77,6 @@ class Heyoka(Engine):
 
 
 ENGINE = Heyoka
-
-
-def _untaught(scene: Scene) -> list[str]:
-    reasons = [
-        f"oblateness {load.name!r}: heyoka is taught fixed poles alone"
-        for load in scene.loads
-        if isinstance(load, Oblateness) and load.pole != "fixed"
-    ]
-    if any(scene.gravity):
-        reasons.append(f"gravity = {scene.gravity}: heyoka is taught no uniform field")
-    return reasons + contradictions(scene)
 
 
 def _equations(scene: Scene) -> list[tuple[Any, Any]]:
