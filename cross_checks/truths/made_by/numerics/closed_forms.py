@@ -141,8 +141,16 @@ def integral(density: Callable[[float], float], start: float, end: float) -> tup
 @cache
 def legendre(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the n Gauss-Legendre nodes and weights of [-1, 1] in extended precision, by Newton's method."""
-    legendre, top = np.polynomial.legendre, [0] * n + [1]
-    x = legendre.leggauss(n)[0].astype(np.longdouble)
+    x = np.polynomial.legendre.leggauss(n)[0].astype(np.longdouble)
     for _ in range(3):
-        x = x - legendre.legval(x, top) / legendre.legval(x, legendre.legder(top))
-    return x, 2 / ((1 - x**2) * legendre.legval(x, legendre.legder(top)) ** 2)
+        value, slope = _polynomial(n, x)
+        x = x - value / slope
+    return x, 2 / ((1 - x**2) * _polynomial(n, x)[1] ** 2)
+
+
+def _polynomial(n: int, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the Legendre polynomial of degree n and its derivative; NumPy's legval divides in double precision."""
+    before, now = np.ones_like(x), x
+    for k in range(1, n):
+        before, now = now, ((2 * k + 1) * x * now - k * before) / (k + 1)
+    return now, n * (x * now - before) / (x**2 - 1)
