@@ -11,8 +11,8 @@ import numpy as np
 
 from cross_checks.truths import EPS, seek_truth
 from cross_checks.truths.proofs.checker.balls import Refused
-from cross_checks.truths.proofs.checker.model import TURNS
 from cross_checks.truths.proofs.checker.proof import check
+from cross_checks.truths.proofs.coverage import TURNS
 from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove
 from cross_checks.truths.truth import NoTruth, Truth, unturned

@@ -19,7 +19,7 @@ from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 from cross_checks.truths import seek_truth, stored_poses
 from cross_checks.truths.proofs.certified import as_truth
 from cross_checks.truths.proofs.checker.balls import Refused, precision
-from cross_checks.truths.proofs.checker.formulas import Formulas, roots
+from cross_checks.truths.proofs.checker.formulas import Formulas
 from cross_checks.truths.proofs.checker.mechanics import Mechanics
 from cross_checks.truths.proofs.checker.proof import Proof, check
 from cross_checks.truths.proofs.derivation import NotCovered
@@ -211,8 +211,7 @@ def _rates(log: dict[str, Any]) -> list[arb]:
     with precision(1000):
         formulas = Formulas(log["system"])
         y = [arb(k * k + 3) / 7 for k in range(formulas.n)]
-        value = formulas.run(formulas.plan(formulas.f), y, roots(formulas, y))
-        return [value[place] for place in formulas.f]
+        return formulas.run(formulas.f, y, formulas.root(y))
 
 
 @pytest.mark.parametrize("name", ["double_pendulum", "slider_crank", "spherical_pendulum", "torque_free_top"])
