@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
+from itertools import zip_longest
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from cross_checks.truths.proofs.checker.model import Model
 
 CONDITION = 1e6  # of the basis, above which it becomes orthogonal
 FINEST = 12  # halvings of a step where a gap may close
+LONGER = 3  # halves of the polynomial's terms: so many of its defect are computed, and the others bounded
 ITERATIONS = 12  # for a box that maps into itself
 DISCS = (1.5, 2.0, 3.0, 4.0, 5.0, 6.5)  # radii of discs in steps; the best one counts
 
@@ -120,17 +122,18 @@ class Proof:
 
     def _defects(self, h: Fraction, p: Polynomials, size: np.ndarray) -> tuple[np.ndarray, float]:
         """Return bounds of |p' - h f(p)| and |g(p)| on the step, and the radius of the best disc."""
-        degree, sums = len(p[0]) - 1, []
-        with precision(self.bits + 64, degree):
-            for k, value in enumerate(self._values([arb_series(row, degree) for row in p])):
-                own = terms(value, degree)
+        count, sums = LONGER * len(p[0]) // 2, []
+        with precision(self.bits + 64, count):
+            for k, value in enumerate(self._values([arb_series(row, count) for row in p])):
+                own = terms(value, count)
                 if k < self.n:
-                    own = [p[k][j + 1] * (j + 1) - exact(h) * own[j] for j in range(degree)]
+                    rates = [c * j for j, c in enumerate(p[k])][1:]
+                    own = [a - exact(h) * b for a, b in zip_longest(rates, own, fillvalue=arb(0))]
                 sums.append(up(sum(map(above, own))))
         factor, tails = np.where(np.arange(len(p)) < self.n, float(h), 1.0), []
         for radius in DISCS:
             most = np.array([above(value) for value in self._on_disc(p, size, radius)])
-            tails.append((up(most * factor * radius ** -float(degree) / (1 - 1 / radius)), radius))
+            tails.append((up(most * factor * radius ** -float(count) / (1 - 1 / radius)), radius))
         tail, radius = min(tails, key=lambda one: np.nan_to_num(one[0], nan=np.inf).max())
         return up(np.array(sums) + tail), radius
 
