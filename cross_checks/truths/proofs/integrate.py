@@ -13,7 +13,7 @@ from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
-from cross_checks.truths.proofs.taylor import NoConvergence, Series, radius, rescaled
+from cross_checks.truths.proofs.taylor import NoConvergence, Series, rescaled
 from cross_checks.truths.proofs.touch import first_touch
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
@@ -121,7 +121,7 @@ def _attempt(
         except (NoConvergence, ZeroDivisionError) as error:
             reason = f"no polynomial: {error}"
             break
-        length = radius(rows, bits) * 2.0**exponent * share
+        length = series.radius() * 2.0**exponent * share
         h = Fraction(max(1, int(length * 64))) / 64 if length > 0.25 else Fraction(length).limit_denominator(1 << 30)
         h = _dyadic(min(h, proof.times[-1] - proof.t), h)
         for attempt in range(ATTEMPTS):
@@ -188,8 +188,8 @@ def _first_radius(proof: Proof, header: dict[str, Any], bits: int, degree: int) 
     series = Series(header["system"], bits, degree)
     for _ in range(4):
         y, z = ([round_to(x, bits) for x in values] for values in (proof.middle, proof.model.z_start))
-        rows = series.propose(y, z, exponent)
-        found = radius(rows, bits) * 2.0**exponent
+        series.propose(y, z, exponent)
+        found = series.radius() * 2.0**exponent
         if abs(math.log2(found) - exponent) < 2:
             break
         exponent = round(math.log2(found))

@@ -8,6 +8,7 @@ from typing import Any
 from flint import arb, arb_mat, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import precision
+from cross_checks.truths.proofs.checker.bounds import ORDER
 
 LAST = 6  # coefficients that state the radius of convergence: series may have gaps
 NEWTON = 8  # iterations for z at the start of a step; from the last polynomial it takes one or two
@@ -68,6 +69,20 @@ class Series:
                     rate = rates[k]
                     own.append((rate << exponent if exponent >= 0 else rate >> -exponent) // (k + 1))
         return [list(own) for own in (*self.y, *self.z)]
+
+    def radius(self) -> float:
+        """Return the radius of convergence in units of the polynomials' time.
+
+        It is the least by the last coefficients of y and z, and by those of all lines at ORDER, where the checker ends
+        the derivatives of the lines.
+        """
+        rates = [2.0**-4]
+        for series, end in ((self.terms, ORDER), ((*self.y, *self.z), self.degree + 1)):
+            for own in series:
+                unit = max(self.bits, own[0].bit_length())
+                sizes = ((k, own[k].bit_length()) for k in range(end - LAST, end))
+                rates += [2.0 ** ((size - unit) / k) for k, size in sizes if size > 1]
+        return 1.0 / max(rates)
 
     def _integer(self, value: Any) -> int:
         return int((value * arb((1, self.bits))).mid().floor().unique_fmpz())
@@ -133,17 +148,6 @@ class Series:
                 angle = arb((first[0], -bits))
                 value = self._integer(angle.sin() if operation == "sin" else angle.cos())
             terms[place].append(value)
-
-
-def radius(rows: list[list[int]], bits: int) -> float:
-    """Return the radius of convergence in units of the polynomial's time, from the last coefficients."""
-    degree = len(rows[0]) - 1
-    rates = []
-    for k in range(degree - LAST + 1, degree + 1):
-        most = max(abs(row[k]) for row in rows)
-        if most > 1:
-            rates.append(2.0 ** ((most.bit_length() - bits) / k))
-    return 1.0 / max(rates, default=2.0**-4)
 
 
 def rescaled(rows: list[list[int]], ratio: Fraction) -> list[list[int]]:
