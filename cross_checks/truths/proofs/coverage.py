@@ -21,41 +21,36 @@ def complaints(scene: Any) -> Iterator[str]:
     if scene.events or (scene.contacts and (scene.joints or {load.type for load in scene.loads} - {*CONSTANT})):
         yield "events, and contacts beside joints, springs or attraction, are not covered"
     places = {body.name: tuple(body.position) for body in scene.bodies}
-    for kind, parts, reason in (
-        ("joint", scene.joints, _of_joint), ("load", scene.loads, _of_load),
-        ("contact", scene.contacts, lambda part: _of_contact(part, places)),
-    ):  # fmt: skip
-        yield from (f"{kind} {part.name} ({part.type}) {why}" for part in parts if (why := reason(part)))
+    for kind, parts in (("joint", scene.joints), ("load", scene.loads), ("contact", scene.contacts)):
+        for part in parts:
+            if reason := next((words for words, holds in _reasons(part, places) if holds), None):
+                yield f"{kind} {part.name} ({part.type}) {reason}"
 
 
-def _of_joint(joint: Any) -> str:
-    if joint.type in DRIVES:
-        return "" if joint.motion.type in SIGNALS else "follows a signal with breakpoints, which is not covered"
-    rod, axis = joint.type == "distance", getattr(joint, "axis", None)
-    if rod and joint.length and abs(joint.length / math.dist(joint.point_a, joint.point_b) - 1.0) > ROD_GAP:
-        return "is not closed at t = 0, which is not covered"
-    if joint.type == "revolute" and axis is not None and sum(x != 0.0 for x in axis) != 1:
-        return "has an axis that is no coordinate axis, which is not covered"
-    return "" if joint.type in JOINTS and (rod or not getattr(joint, "point_b", None)) else "is not covered"
-
-
-def _of_load(load: Any) -> str:
-    if load.type not in (*ENERGETIC, *CONSTANT) or getattr(load, "tension_only", False):
-        return "is not covered"
-    if getattr(getattr(load, "factor", None), "type", "constant") not in SIGNALS:
-        return "follows a signal with breakpoints, which is not covered"
-    if getattr(load, "frame", "world") == "body" or (load.type == "torsion_spring" and load.axis):
-        return "along a body's axes, or about an axis in space, is not covered"
-    fixed = load.type != "oblateness" or (load.pole == "fixed" and sorted(map(abs, load.axis)) == [0.0, 0.0, 1.0])
-    return "" if fixed else "needs a fixed pole along a coordinate axis"
-
-
-def _of_contact(part: Any, places: dict[str, Any]) -> str:
-    plane = part.type in PLANES
-    if part.type not in (*PLANES, *PAIRS) or part.law.type != "rigid_law" or not part.law.restitution:
-        return "is not covered: impacts with rebound of circles and spheres alone are"
-    if plane and (part.body_b != GROUND or part.extent not in ("line", "plane") or part.thickness):
-        return "has a surface that moves or ends, which is not covered"
-    centres = {part.body_a: part.center} if plane else {part.body_a: part.center_a, part.body_b: part.center_b}
-    inside = all(places.get(name) == tuple(centre) for name, centre in centres.items())
-    return "" if inside else "has a centre that is not the centre of mass, which is not covered"
+def _reasons(part: Any, places: dict[str, Any]) -> Iterator[tuple[str, bool]]:
+    """Yield what may be wrong with a part, and whether it is."""
+    yield "is not covered", part.type not in (*JOINTS, *ENERGETIC, *CONSTANT, *PLANES, *PAIRS)
+    yield "follows a signal with breakpoints, which is not covered", any(x.type not in SIGNALS for x in part.signals)
+    axis, rod = getattr(part, "axis", None), part.type == "distance"
+    if part.type in JOINTS and not rod:
+        yield "has a second point, which is not covered", bool(getattr(part, "point_b", None))
+    if rod:
+        length = part.length or math.dist(part.point_a, part.point_b)
+        yield "is not closed at t = 0", abs(length / math.dist(part.point_a, part.point_b) - 1.0) > ROD_GAP
+    if part.type == "revolute" and axis is not None:
+        yield "has an axis that is no coordinate axis, which is not covered", sum(x != 0.0 for x in axis) != 1
+    if part.type in (*ENERGETIC, *CONSTANT):
+        yield "pulls alone, which is not covered", getattr(part, "tension_only", False)
+        yield "is along a body's axes, which is not covered", getattr(part, "frame", "world") == "body"
+        yield "is about an axis in space, which is not covered", part.type == "torsion_spring" and bool(axis)
+        if part.type == "oblateness":
+            along = sorted(map(abs, part.axis)) == [0.0, 0.0, 1.0]
+            yield "needs a fixed pole along a coordinate axis", part.pole != "fixed" or not along
+    if part.type in (*PLANES, *PAIRS):
+        yield "is no impact with rebound", part.law.type != "rigid_law" or not part.law.restitution
+        sides = {"body_a": "center_a", "body_b": "center_b"} if part.type in PAIRS else {"body_a": "center"}
+        if part.type in PLANES:
+            ends = part.body_b != GROUND or part.extent not in ("line", "plane") or bool(part.thickness)
+            yield "has a surface that moves or ends, which is not covered", ends
+        inside = all(places.get(getattr(part, body)) == tuple(getattr(part, side)) for body, side in sides.items())
+        yield "has a centre that is not the centre of mass, which is not covered", not inside

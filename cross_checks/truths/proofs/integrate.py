@@ -76,19 +76,10 @@ def prove_family(
     """
     began, proofs = time.process_time(), []
     for parts in PARTS:
-        edges = [*(low + (high - low) * k / parts for k in range(parts)), high]
-        proofs = [
-            prove(
-                make(0.5 * (a + b)),
-                times,
-                math.inf,
-                inputs,
-                began + limit - time.process_time(),
-                report,
-                (make(a), make(b)),
-            )
-            for a, b in pairwise(edges)
-        ]
+        proofs, edges = [], [low + (high - low) * k / parts for k in range(parts + 1)]
+        for a, b in pairwise(edges):
+            left, middle = began + limit - time.process_time(), make(0.5 * (a + b))
+            proofs.append(prove(middle, times, math.inf, inputs, left, report, (make(a), make(b))))
         if time.process_time() - began > limit or not any(one.reason for one in proofs):
             break
     return proofs
@@ -122,8 +113,7 @@ def _attempt(
             reason = f"no polynomial: {error}"
             break
         length = series.radius() * 2.0**exponent * share
-        h = Fraction(max(1, int(length * 64))) / 64 if length > 0.25 else Fraction(length).limit_denominator(1 << 30)
-        h = _dyadic(min(h, proof.times[-1] - proof.t), h)
+        h = _dyadic(min(Fraction(length), proof.times[-1] - proof.t))
         for attempt in range(ATTEMPTS):
             own, window = rescaled(rows, h / Fraction(2) ** exponent), Fraction(0)
             touch = first_touch(proof, h, own) if scene.contacts else None
@@ -139,7 +129,7 @@ def _attempt(
                 reason = f"a step is not proven: {error}" if is_last else ""
                 if is_last:
                     break
-                h, share = _dyadic(h * SHORTER, h), share * float(SHORTER)
+                h, share = _dyadic(h * SHORTER), share * float(SHORTER)
         if reason:
             break
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
@@ -156,10 +146,10 @@ def round_to(value: Any, bits: int) -> int:
     return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
 
 
-def _dyadic(h: Fraction, about: Fraction) -> Fraction:
+def _dyadic(h: Fraction) -> Fraction:
     """Return h rounded up to a dyadic with 20 significant bits."""
-    exponent = 20 - math.frexp(float(about))[1]
-    return Fraction(math.ceil(h * Fraction(2) ** exponent)) / Fraction(2) ** exponent
+    unit = Fraction(2) ** (math.frexp(float(h))[1] - 20)
+    return math.ceil(h / unit) * unit
 
 
 def _power(x: float) -> Fraction:

@@ -165,24 +165,21 @@ class Mechanics:
         """Return the accelerations of all bodies by multipliers, six numbers each."""
         motion, still = (self.jets(states, own) for own in (rates, [[arb(0)] * 6] * len(rates)))
         still[-2] = arb_series([self.now])  # a virtual motion takes no time
-        bends = [[2 * row[2] for row in self.closure(motion, joint)] for joint in self.scene.joints]
-        slopes: list[dict[int, arb]] = [{} for bend in bends for _ in bend]
-        columns, firsts = self.columns, [sum(map(len, bends[:k])) for k in range(len(bends))]
-        forces = []
+        columns, forces, slopes, bends = self.columns, [], {}, {}
+        for joint in self.scene.joints:
+            bends |= {(joint.name, k): 2 * row[2] for k, row in enumerate(self.closure(motion, joint))}
         for column, (body, c) in enumerate(columns):
             virtual = list(still)
             virtual[body] = self.jet(states[body], [arb(i == c) for i in range(6)])
             forces.append(self._driven(motion, virtual, body, c) - self.potential(virtual, body)[1])
-            for first, joint in zip(firsts, self.scene.joints, strict=True):
-                for k, row in enumerate(
-                    self.closure(virtual, joint) if body in map(self.index.get, joint.ends) else ()
-                ):
-                    slopes[first + k] |= {column: row[1]} if row[1] != 0 else {}
-        rows = [k for k, slope in enumerate(slopes) if slope]
-        size, known = len(columns) + len(rows), [bend for own in bends for bend in own]
-        matrix, right = arb_mat(size, size), arb_mat(size, 1, [*forces, *(-known[k] for k in rows)])
-        for place, k in enumerate(rows, start=len(columns)):
-            for column, slope in slopes[k].items():
+            for joint in (joint for joint in self.scene.joints if body in map(self.index.get, joint.ends)):
+                for k, row in enumerate(self.closure(virtual, joint)):
+                    if not row[1].is_zero():
+                        slopes.setdefault((joint.name, k), {})[column] = row[1]
+        size = len(columns) + len(slopes)
+        matrix, right = arb_mat(size, size), arb_mat(size, 1, [*forces, *(-bends[key] for key in slopes)])
+        for place, own in enumerate(slopes.values(), start=len(columns)):
+            for column, slope in own.items():
                 matrix[place, column] = matrix[column, place] = slope
         for row, (body, c) in enumerate(columns):
             part, w = self.scene.bodies[body], rates[body][3:]

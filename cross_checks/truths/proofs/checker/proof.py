@@ -1,6 +1,5 @@
 """The proof of a log, step by step."""
 
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 from itertools import zip_longest
@@ -239,12 +238,10 @@ class Proof:
         """The largest radius of a place (m), turn (rad), velocity or spin at the output times so far."""
         return max((float(up(float(x.rad()))) for one in self.enclosures for own in one for x in own), default=0.0)
 
-    def check_energy(self) -> None:
-        """Refuse enclosures whose energies have no value in common, where nothing takes or gives any."""
-        with precision(self.bits + 64):
-            energies = [self.model.mechanics.energy(*self.model.states(bodies)) for bodies in self.enclosures]
-        if self.model.mechanics.conserves and not all(energy.overlaps(energies[0]) for energy in energies):
-            raise Refused("the energy is not constant")
+    @property
+    def reached(self) -> float:
+        """The time that the steps reach, s."""
+        return float(self.t * self.model.units[1])
 
 
 def _ball(low: Fraction, high: Fraction) -> arb:
@@ -257,32 +254,21 @@ def beside(p: Polynomials, e: np.ndarray, s: arb) -> list[arb]:
     return [value + arb(0, float(wide)) for value, wide in zip(values, e, strict=True)]
 
 
-@dataclass(frozen=True)
-class Checked:
-    """What a log proves."""
-
-    proven_to: float  # s
-    radius: float  # m, rad, m/s and rad/s, the largest at the output times
-    steps: int
-    impacts: list[tuple[str, arb]]  # contact and time, s
-    energy: bool  # whether the enclosures of the energy share a value, too; False where it is not constant
-    unique: bool  # whether no other motion starts so; an exhibited one may have branches
-
-
-def check(log: dict[str, Any]) -> tuple[Checked, list[list[list[arb]]]]:
-    """Return what a log proves and the enclosures at its times. Refused where it is not a proof of what it states."""
+def check(log: dict[str, Any]) -> Proof:
+    """Return the proof that a log holds. Refused where it is not a proof of what it states."""
     try:
         proof = Proof(log)
         for numerator, denominator, rows, *window in log["steps"]:
             proof.step(Fraction(numerator, denominator), rows, Fraction(*window))
-        claimed = float(log["radius"]), len(log["times"])
+        claimed = float(log["radius"])
     except (KeyError, TypeError, IndexError, ValueError, OverflowError) as error:
         raise Refused(str(error) or type(error).__name__) from error
-    if len(proof.enclosures) < claimed[1]:
-        raise Refused(f"the steps end at {float(proof.t * proof.model.units[1]):g} s, before the last output time")
-    if not proof.radius <= claimed[0]:
-        raise Refused(f"the radius is {proof.radius:.2g}, above the stated {claimed[0]:.2g}")
-    proof.check_energy()
-    end = float(proof.t * proof.model.units[1])
-    energy, unique = proof.model.mechanics.conserves, not proof.model.is_exhibited
-    return Checked(end, proof.radius, len(log["steps"]), proof.impacts, energy, unique), proof.enclosures
+    if len(proof.enclosures) < len(proof.times):
+        raise Refused(f"the steps end at {proof.reached:g} s, before the last output time")
+    if not proof.radius <= claimed:
+        raise Refused(f"the radius is {proof.radius:.2g}, above the stated {claimed:.2g}")
+    with precision(proof.bits + 64):
+        energies = [proof.model.mechanics.energy(*proof.model.states(bodies)) for bodies in proof.enclosures]
+    if proof.model.mechanics.conserves and not all(energy.overlaps(energies[0]) for energy in energies):
+        raise Refused("the energy is not constant")
+    return proof
