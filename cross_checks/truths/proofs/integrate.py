@@ -19,7 +19,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
 DEGREE, DIGITS = 40, 45  # of the polynomials, at least
-DIGITS_PROVEN = 18.0  # of a radius, that DEGREE and DIGITS reach in most motions
+DIGITS_PROVEN = 20.0  # of a radius, that DEGREE and DIGITS reach in most motions
 SAFETY = 5.5  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried

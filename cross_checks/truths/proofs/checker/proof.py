@@ -28,7 +28,6 @@ class Proof:
     def __init__(self, header: dict[str, Any]) -> None:
         self.model, self.bits, self.t = Model(header), int(header["bits"]), Fraction(0)
         self.formulas, self.n = self.model.formulas, self.model.formulas.n
-        self.total = self.n + self.formulas.m
         self.times = [self.model.mechanics.number(t) / self.model.units[1] for t in header["times"]]
         if sorted(set(self.times)) != self.times or self.times[:1] < [Fraction(0)]:
             raise Refused("the times do not increase from 0")
@@ -52,9 +51,9 @@ class Proof:
 
         In the last part of the step, the window, an impact happens unless it is 0.
         """
-        if not (
-            h > 0 and 0 <= window < 1 and [len(row) for row in rows] == [max(len(rows[0]), ORDER + 1)] * self.total
-        ):
+        lengths = {len(row) for row in rows} if len(rows) == self.n + self.formulas.m else set()
+        fits = h > 0 and len(lengths) == 1 and min(lengths) > ORDER
+        if not fits or not 0 <= window < 1 or (window and not self.contacts.parts):
             raise Refused("a step has no length, or no polynomial for every coordinate")
         try:
             with np.errstate(all="ignore"), precision(self.bits + 64):  # what is not finite is refused
@@ -261,7 +260,7 @@ def check(log: dict[str, Any]) -> Proof:
         for numerator, denominator, rows, *window in log["steps"]:
             proof.step(Fraction(numerator, denominator), rows, Fraction(*window))
         claimed = float(log["radius"])
-    except (KeyError, TypeError, IndexError, ValueError, OverflowError) as error:
+    except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError) as error:
         raise Refused(str(error) or type(error).__name__) from error
     if len(proof.enclosures) < len(proof.times):
         raise Refused(f"the steps end at {proof.reached:g} s, before the last output time")
