@@ -12,7 +12,6 @@ import numpy as np
 from cross_checks.truths import EPS, seek_truth
 from cross_checks.truths.proofs.checker.balls import Refused
 from cross_checks.truths.proofs.checker.proof import check
-from cross_checks.truths.proofs.coverage import TURNS
 from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove
 from cross_checks.truths.truth import NoTruth, Truth, unturned
@@ -66,13 +65,12 @@ def as_truth(scene: Scene, enclosures: Enclosures, digest: str = "") -> Truth:
     bodies: tuple[Any, ...] = scene.bodies
     for j, body in enumerate(bodies):
         own = np.array([[float(x.mid()) for x in at[j]] for at in enclosures])
-        turns = TURNS[body.type]
-        position[:, j], velocity[:, j] = own[:, :dimension], own[:, dimension + turns : 2 * dimension + turns]
-        if turns == 1:
-            orientation[:, j], spin[:, j] = own[:, 2] + body.angle, own[:, 5]
-        elif turns == 4:
+        position[:, j], velocity[:, j] = own[:, :dimension], own[:, 8 : 8 + dimension]
+        if body.type == "planar":
+            orientation[:, j], spin[:, j] = own[:, 3] + body.angle, own[:, 13]
+        elif body.type == "spatial":
             first = np.array(body.orientation) / np.linalg.norm(body.orientation)
-            orientation[:, j], spin[:, j] = product(own[:, 3:7], first), own[:, 10:]
+            orientation[:, j], spin[:, j] = product(own[:, 4:8], first), own[:, 11:]
     rounding = EPS * np.abs(np.concatenate([velocity.reshape(count, -1), spin.reshape(count, -1)], 1)).max(1)
     how = f"enclosed by a proof to {radius:.1e} (m, rad, m/s, rad/s), log sha256 {digest[:16]}"
     return Truth(

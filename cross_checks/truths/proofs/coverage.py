@@ -12,7 +12,6 @@ DRIVES = ("coordinate_drive", "point_drive")
 JOINTS = ("revolute", "prismatic", "weld", "spherical", "distance", "universal", *DRIVES)
 SIGNALS = ("constant", "harmonic", "polynomial")  # without breakpoints
 PLANES, PAIRS = ("circle_on_line", "sphere_on_plane"), ("circle_on_circle", "sphere_on_sphere")
-TURNS = {"point_mass": 0, "planar": 1, "spatial": 4}  # numbers of a turn: none, angle, Euler parameters
 ROD_GAP = 1e-12  # of a rod's length: how far its points may be from it at t = 0; the start decides
 
 

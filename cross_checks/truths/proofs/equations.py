@@ -335,12 +335,11 @@ def _leave_rates_to_closures(work: Derivation) -> None:
 
 
 def _output(work: Derivation, body: Any) -> list[Formula]:
-    """Return place, turn since t = 0, velocity and spin of a body; a particle has no turn."""
-    frame, count = work.frames[body.name], len(body.position)
-    place, velocity = list(frame.place[:count]), list(frame.velocity[:count])
-    if body.type == "point_mass":
-        return place + velocity
+    """Return place, angle in the plane, Euler parameters since t = 0, velocity and spin; a particle does not turn."""
+    frame, ground = work.frames[body.name], work.frames[GROUND]
+    turning = ground if body.type == "point_mass" else frame
+    angle, e = (turning.angle if body.type == "planar" else None) or work.tape.number(0), turning.e
     if body.type == "planar":
-        assert frame.angle is not None
-        return [*place, frame.angle, *velocity, frame.spin[2]]
-    return [*place, *frame.e, *velocity, *frame.spin]
+        s, c = (angle * Fraction(1, 2)).sin_cos()
+        e = (c, *ground.place[:2], s)
+    return [*frame.place, angle, *e, *frame.velocity, *turning.spin]

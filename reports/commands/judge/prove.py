@@ -148,18 +148,24 @@ def _check(file: Path, as_json: bool) -> None:
 def _show(facts: dict[str, Any], scene: Any, times: list[float], enclosures: list[Any], as_json: bool) -> None:
     """Print the facts, and the enclosures: all as JSON, those at the last time for a person."""
     if as_json:
-        rows = [
-            {name: [x.str(40) for x in own] for name, own in zip(scene.body_names, at, strict=True)}
-            for at in enclosures
-        ]
+        rows = [dict(zip(scene.body_names, _digits(scene, at, 40), strict=True)) for at in enclosures]
         echo_json(facts | {"times": times[: len(rows)], "bodies": rows})
         return
     for name, value in facts.items():
         click.echo(f"{name}: {number(value) if isinstance(value, float) else value}")
     if enclosures:
-        listing = table(
-            f"at t = {times[len(enclosures) - 1]:g} s", "body", "place, turn, velocity, spin: m, rad, m/s, rad/s"
-        )
-        for name, own in zip(scene.body_names, enclosures[-1], strict=True):
-            listing.add_row(name, "  ".join(x.str(25) for x in own))
+        heads = "body", "place, turn, velocity, spin: m, rad, m/s, rad/s"
+        listing = table(f"at t = {times[len(enclosures) - 1]:g} s", *heads)
+        for name, own in zip(scene.body_names, _digits(scene, enclosures[-1], 25), strict=True):
+            listing.add_row(name, "  ".join(own))
         show(listing)
+
+
+def _digits(scene: Any, at: list[Any], count: int) -> list[list[str]]:
+    """Return the digits of place, turn, velocity and spin that each type of body has."""
+    turns: dict[str, tuple[Any, Any]] = {"planar": ([3], [13]), "spatial": (range(4, 8), range(11, 14))}
+    n, rows = scene.dimension, []
+    for body, own in zip(scene.bodies, at, strict=True):
+        turn, spin = turns.get(body.type, ((), ()))
+        rows.append([own[k].str(count) for k in (*range(n), *turn, *range(8, 8 + n), *spin)])
+    return rows

@@ -190,7 +190,7 @@ WRONG_RUNS = {
 @pytest.mark.parametrize("what", WRONG_RUNS)
 def test_a_wrong_run_is_outside_by_a_theorem(what, right_end):
     """RK4 in 200 steps errs by less than 1e-12 rad; each wrong run is farther from the enclosure."""
-    enclosed = np.array([float(own[2].mid()) for own in right_end])
+    enclosed = np.array([float(own[3].mid()) for own in right_end])
     assert np.abs(_turns() - enclosed).max() < 1e-12
     assert np.abs(WRONG_RUNS[what]() - enclosed).max() > 1e-11
 
@@ -210,7 +210,7 @@ def test_free_fall_is_exact():
     height = Fraction(body.position[1]) + 1 - Fraction(9.81) / 8
     with precision(400):
         assert end[1].contains(arb(fmpq(height.numerator, height.denominator)))
-        assert end[2].contains(arb(1.5))
+        assert end[3].contains(arb(1.5))
 
 
 DOCTORED = {

@@ -10,7 +10,7 @@ from flint import arb  # pyright: ignore[reportMissingImports]  # an optional ex
 
 from cross_checks.truths.proofs.checker.balls import Number
 from cross_checks.truths.proofs.checker.mechanics import Mechanics, dot, minus
-from cross_checks.truths.proofs.coverage import PAIRS, TURNS
+from cross_checks.truths.proofs.coverage import PAIRS
 
 
 class Impacts:
@@ -26,7 +26,8 @@ class Impacts:
             self.mechanics.vector,
             self.mechanics.ball,
         )
-        apart, speed = (minus(*(self._three(k, bodies, moving) for k in ends)) for moving in (0, 1))
+        states = [bodies[k] if k >= 0 else [arb(0)] * 14 for k in ends]
+        apart, speed = minus(*(own[:3] for own in states)), minus(*(own[8:11] for own in states))
         if part.type in PAIRS:
             normal, radius = apart, ball(part.radius_a) + ball(part.radius_b)
         elif part.type == "circle_on_line":
@@ -38,14 +39,6 @@ class Impacts:
         normal = [x / size for x in normal]
         return dot(normal, apart) - radius, dot(normal, speed), normal, ends
 
-    def _three(self, k: int, bodies: list[list[Number]], moving: int) -> list[Number]:
-        """Return a body's place or velocity."""
-        if k < 0:
-            return [arb(0)] * 3
-        n, turns = self.mechanics.scene.dimension, TURNS[self.mechanics.scene.bodies[k].type]
-        first = (n + turns) * moving
-        return (bodies[k][first : first + n] + [arb(0)] * 3)[:3]
-
     def after(self, part: Any, bodies: list[list[Number]]) -> list[tuple[int, list[Number]]]:
         """Return the bodies that an impact moves, and their new velocities: v+ = -e v- along the normal."""
         _, rate, normal, ends = self.gap(part, bodies)
@@ -56,6 +49,6 @@ class Impacts:
         }
         impulse = -(1 + self.mechanics.ball(part.law.restitution)) * rate / sum(map(abs, inverse.values()))
         return [
-            (k, [v + impulse * share * n for v, n in zip(self._three(k, bodies, 1), normal, strict=True)])
+            (k, [v + impulse * share * n for v, n in zip(bodies[k][8:11], normal, strict=True)])
             for k, share in inverse.items()
         ]

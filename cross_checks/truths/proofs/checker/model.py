@@ -11,11 +11,12 @@ from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImpor
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
 from cross_checks.truths.proofs.checker.formulas import Formulas, solve
 from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
-from cross_checks.truths.proofs.coverage import DRIVES, TURNS
+from cross_checks.truths.proofs.coverage import DRIVES
 from cross_checks.truths.proofs.family import Varied, family
 from mbs_ref.scene import Scene
 
 POINTS, POINT_BITS, EQUAL = 3, 1000, 2.0**-600  # random points, bits of numbers, how nearly they must agree
+STATE = 14  # numbers of a body's state
 START_GAP = 1e-7  # of a rate, 1: how far a scene's dependent rates may be from its closures
 
 
@@ -28,8 +29,7 @@ class Model:
             self.scene = family(self.scene, *map(Scene.model_validate, header["ends"]))
         system, self.formulas = header["system"], Formulas(header["system"])
         self.units, self.clock, self.free = [Fraction(x) for x in system["units"]], system["clock"], system["free"]
-        sizes = [2 * len(body.position) + (0, 2, 0, 0, 7)[TURNS[body.type]] for body in self.scene.bodies]
-        if min(self.units) <= 0 or [len(own) for own in self.formulas.outputs] != sizes:
+        if min(self.units) <= 0 or [len(own) for own in self.formulas.outputs] != [STATE] * len(self.scene.bodies):
             raise Refused("a unit is not positive, or the outputs are not the states of the bodies")
         self.mechanics = Mechanics(self.scene, header["inputs"])
         self._refuse_without_time(system["starts"])
@@ -71,26 +71,15 @@ class Model:
         return len(joints) > len(self.scene.bodies) and self.formulas.m == accelerations
 
     def bodies(self, y: Sequence[Number]) -> list[list[Number]]:
-        """Return place, turn since t = 0, velocity and spin of every body, SI units."""
-        values = iter(self.formulas.run([place for own in self.formulas.outputs for place in own], y, []))
-        (length, time, _), result = map(exact, self.units), []
-        for body in self.scene.bodies:
-            n, turns = len(body.position), TURNS[body.type]
-            units = [length] * n + [arb(1)] * turns + [length / time] * n + [1 / time] * min(turns, 3)
-            result.append([next(values) * unit for unit in units])
-        return result
+        """Return place, angle in the plane, Euler parameters since t = 0, velocity and spin of every body, SI units."""
+        outputs, (length, time, _) = self.formulas.outputs, map(exact, self.units)
+        values = iter(self.formulas.run([place for own in outputs for place in own], y, []))
+        units = [*[length] * 3, *[arb(1)] * 5, *[length / time] * 3, *[1 / time] * 3]
+        return [[next(values) * unit for unit in units] for _ in outputs]
 
     def states(self, bodies: list[list[Any]]) -> tuple[list[Any], list[list[Any]]]:
         """Return place, turn and angle, and the six rates, of every body as `Mechanics` takes them."""
-        states, rates, none = [], [], [arb(0)] * 3
-        for body, value in zip(self.scene.bodies, bodies, strict=True):
-            n, turns = len(body.position), TURNS[body.type]
-            turn, velocity, spin = value[n : n + turns], value[n + turns : 2 * n + turns], value[2 * n + turns :]
-            angle = turn[0] if turns == 1 else arb(0)
-            e = turn if turns == 4 else [(angle / 2).cos(), *none[:2], (angle / 2).sin()]
-            states.append(((value[:n] + none)[:3], rotation(e), angle))
-            rates.append((velocity + none)[:3] + (spin if turns == 4 else [*none[:2], *spin, arb(0)][:3]))
-        return states, rates
+        return [(own[:3], rotation(own[4:8]), own[3]) for own in bodies], [own[8:] for own in bodies]
 
     def _closures(self, y: list[arb]) -> list[arb]:
         """Return the rates of all closures."""
@@ -123,16 +112,16 @@ class Model:
 
     def _same_start(self, y: list[arb]) -> None:
         for body, own in zip(self.scene.bodies, self.bodies(y), strict=True):
-            place = [*body.position, *([0.0] if body.type == "planar" else [1.0, 0.0, 0.0, 0.0][: TURNS[body.type]])]
-            wanted = [exact(self.mechanics.number(x)) for x in (*place, *_rates(body))]
+            wanted = [*self.mechanics.vector(body.position), *map(arb, (0, 1, 0, 0, 0))]
+            wanted += [self.mechanics.ball(x) for x in _rates(body)]
             for k, (x, right) in enumerate(zip(own, wanted, strict=True)):
-                if above(x - right) > (EQUAL if k < len(place) else START_GAP * (1.0 + above(right))):
+                if above(x - right) > (EQUAL if k < 8 else START_GAP * (1.0 + above(right))):
                     raise Refused(f"{body.name} does not start as the scene has it")
 
     def _compare(self, start: list[arb]) -> None:
         """Compare the accelerations of the log's formulas with those of `Mechanics`, at the start and elsewhere."""
         dice, lines = random.Random(repr(self.formulas.lines)), self.formulas.lines
-        turns = [[lines[p] for p in own[3:7]] for own in self.formulas.outputs if len(own) == 13]
+        turns = [[lines[p] for p in own[4:8]] for own in self.formulas.outputs]
         for point in range(POINTS + 1):
             y = [x + arb(dice.randrange(-1000, 1000)) / 3333 * int(point > 0) for x in start]
             if self.free is not None:
@@ -159,12 +148,12 @@ class Model:
                 pairs = [*zip([*place, *chain(*turn)], [*right_place, *chain(*right_turn)], strict=True)]
                 pairs += [(moving[1][k][c], arb_series([0, expected[k][c]])) for c in self.mechanics.free[k]]
                 pairs += [(angle, right_angle)] if body.type == "planar" else []
-                pairs += [(sum(x * x for x in own[3:7]), arb(0))] if body.type == "spatial" else []
+                pairs.append((sum(x * x for x in own[4:8]), arb(0)))
                 for x, right in ((terms(a, 2)[1], terms(b, 2)[1]) for a, b in pairs):
                     if not above(x - right) <= EQUAL * (1.0 + above(right)):
                         raise Refused(f"the formulas do not move {body.name} as the scene does")
 
 
 def _rates(body: Any) -> list[float]:
-    spin = getattr(body, "angular_velocity", ())
-    return [*body.velocity, *(spin if isinstance(spin, tuple) else (spin,))]
+    spin = getattr(body, "angular_velocity", 0.0)
+    return [*(*body.velocity, 0.0)[:3], *(spin if isinstance(spin, tuple) else (0.0, 0.0, spin))]

@@ -210,12 +210,12 @@ class Proof:
         formulas, (length, unit, _) = self.formulas, self.model.units
         y = beside(p[: self.n], e[: self.n], _ball(1 - window, Fraction(1)))
         for k, velocity in self.contacts.after(self.opening, self.model.bodies(y)):
-            first = len(formulas.outputs[k]) - len(self.model.mechanics.free[k])
-            for place, v in zip(formulas.outputs[k][first:], velocity[: self.model.scene.dimension], strict=False):
+            for place, v in zip(formulas.outputs[k][8:11], velocity, strict=True):
                 operation, column, _ = formulas.lines[place]
-                if operation != "y":
+                if operation == "y":
+                    y[column] = v / exact(length / unit)
+                elif not v.is_zero():
                     raise Refused("a velocity is no coordinate")
-                y[column] = v / exact(length / unit)
         lasting = _ball(Fraction(0), window * h)
         wide = [x + 2 * lasting * rate for x, rate in zip(y, self._rates(y), strict=True)]
         end = [x + lasting * rate for x, rate in zip(y, self._rates(wide), strict=True)]
