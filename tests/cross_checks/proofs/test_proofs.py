@@ -29,6 +29,7 @@ from cross_checks.truths.proofs.taylor import Series, rescaled
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.observables.distance import farthest, unmasked_distances
+from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, SpatialBody, Spherical
 from reports.cli import main
 
 TIMES = [0.0, 0.1, 0.2]  # s
@@ -344,6 +345,40 @@ def test_a_family_holds_its_members(name, parameter, value):
 def test_a_family_whose_start_rates_vary_is_refused():
     with pytest.raises(Refused, match="start rates"):
         prove_family(lambda x: scenes.make("slider_crank", rod_length=x), 2.0, 2.1, TIMES)
+
+
+def _random_tree(dimension: int, seed: int, count: int = 5) -> Any:
+    """Return a tree of bodies that are pinned to random earlier ones; in space by balls or by hinges along axes."""
+    dice = np.random.default_rng([seed, dimension])
+
+    def away() -> np.ndarray:
+        direction = dice.standard_normal(dimension)
+        return 0.5 * direction / np.linalg.norm(direction)
+
+    bodies, joints = [], []
+    for k in range(count):
+        parent = bodies[dice.integers(k)] if k else None
+        pin = parent.position + away() if parent else np.zeros(dimension)
+        place = {"name": f"b{k}", "mass": float(dice.uniform(0.5, 2.0)), "position": tuple((pin + away()).tolist())}
+        moments = dice.uniform(0.05, 0.1, 3).tolist()
+        ends = {"name": f"j{k}", "body_a": parent.name if parent else GROUND, "body_b": f"b{k}", "point": pin.tolist()}
+        if dimension == 2:
+            bodies.append(PlanarBody(**place, inertia=moments[0]))
+            joints.append(Revolute(**ends))
+        else:
+            bodies.append(SpatialBody(**place, inertia=(*moments, 0.0, 0.0, 0.0)))
+            hinge = Revolute(**ends, axis=np.eye(3)[dice.integers(3)].tolist())
+            joints.append(hinge if dice.integers(2) else Spherical(**ends))
+    gravity = (0.0, -9.81) if dimension == 2 else (0.0, 0.0, -9.81)
+    return Scene(name="tree", bodies=tuple(bodies), joints=tuple(joints), gravity=gravity, duration=1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_random_tree_is_proven(dimension):
+    proof = prove(_random_tree(dimension, 1), TIMES)
+    assert not proof.reason
+    assert check(json.loads(json.dumps(proof.log))).radius < 1e-18
 
 
 def test_lasting_contact_is_not_covered():
