@@ -20,8 +20,8 @@ def known_error(record: Record) -> float:
 
 
 def floor(records: Iterable[Record]) -> float:
-    """Return the smallest error that the records' truth resolves."""
-    return max((record.error.floor for record in records if record.error), default=0.0)
+    """Return the uncertainty of the records' truth, below which it resolves no error."""
+    return max((record.error.uncertainty for record in records if record.error), default=0.0)
 
 
 def loop_time(record: Record) -> float:

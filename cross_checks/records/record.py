@@ -3,7 +3,6 @@
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from cross_checks.truths.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.display import facts
 from mbs_ref.settings import Settings
@@ -17,7 +16,7 @@ class Error:
 
     The largest over components (position, orientation, velocity, angular velocity), bodies and times; see
     mbs_ref.observables.distance. Each component in its own unit is among the record's measures. Rates count where they
-    differ by MARGIN times what the truth knows; the uncertainty is that of poses.
+    are known to a figure; the uncertainty is that of poses, which holds with a probability of 95 %.
     """
 
     value: float
@@ -34,14 +33,9 @@ class Error:
         return self.value + self.uncertainty
 
     @property
-    def floor(self) -> float:
-        """The smallest error that this truth can judge."""
-        return MARGIN * self.uncertainty
-
-    @property
     def is_judged(self) -> bool:
-        """Whether the truth is known well enough to judge this error."""
-        return self.value >= self.floor
+        """Whether the run is farther off than the truth's uncertainty explains."""
+        return self.value > self.uncertainty
 
     @property
     def metres(self) -> float:
