@@ -163,8 +163,8 @@ def search(
         refused = all(record.status in REFUSED for record in tried.records.values())
         answer: Answer = "cannot" if refused else "not-reached"
         return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
-    if isinstance(truth, Truth):  # an error of t - u shows t, for a truth known to u
-        tried.search.reach([t - tried.uncertainty for t in sorted(targets, reverse=True) if t > tried.uncertainty])
+    if isinstance(truth, Truth):
+        tried.search.reach(sorted(targets, reverse=True))
     tried.search.settle()
     return tried, [_result(tried, target) for target in sorted(targets, reverse=True)]
 
