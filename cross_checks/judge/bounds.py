@@ -5,10 +5,12 @@ MOST_STEPS = 100_000  # that a run may take
 AGREEMENT = 1e-6  # of the scene: an error at or below this is agreement
 
 # Thresholds. None refers to a scene or an engine; `python -m tests.cross_checks.convergence.searched` calibrates them.
-FAILING = 0.95  # odds from which a method is classified as wrong, or as converging; a truth's uncertainty has them, too
+FAILING = 0.95  # odds of a failure from which a method is classified as wrong; a truth's uncertainty has them, too
+DOUBTFUL = 0.1  # odds of a failure below which a method agrees or converges
 LEVELS = 3  # of runs at least that a verdict rests on: two differences
 RESOLVED = 0.1  # of the scene: a larger error shows no approach
-ALIKE = 2.0  # ratio of errors that scatter explains: a smaller one neither falls nor grows
+FALLING = 0.5  # times the errors of the two levels before: a smaller error is no failure
+NEAR_BEST = 3.0  # times the best error: a finest run that is farther off shows no approach
 ROUNDED = 5.0  # times what rounding may add to an error: a smaller error states nothing about the method
 WINDOW = 10.0  # a chosen error lies within this factor below its target ...
 AIM = 6.0  # ... and the search aims within this one, because errors scatter

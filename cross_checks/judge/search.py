@@ -269,7 +269,7 @@ class Search:
         shown = self.shown()
         is_lost = self.reference is not None and (self.good[-1].error or 0.0) > bounds.RESOLVED
         if shown is None or (
-            not is_lost and (len(shown.ladder) < bounds.LEVELS or shown.weights["right"] < bounds.FAILING)
+            not is_lost and (len(shown.ladder) < bounds.LEVELS or shown.weights["right"] < 1.0 - bounds.DOUBTFUL)
         ):
             return bounds.MOST_RUNS
         return bounds.MOST_RUNS // 2
@@ -295,7 +295,7 @@ class Search:
             best = above_rounding(shown.ladder)
             if best < len(shown.ladder) - 1:
                 wished = knobs > shown.ladder.settings[best]
-            elif shown.weights["right"] < bounds.FAILING:
+            elif shown.weights["right"] < 1.0 - bounds.DOUBTFUL:
                 wished = knobs < middle
         knobs = knobs[wished] if wished.any() else knobs
         ends = [self.subject.finest] if self.subject.kind == "adaptive" else []  # a tolerance's steps are extrapolated

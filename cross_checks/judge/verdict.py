@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.judge.bounds import AGREEMENT, ALIKE, FAILING, LEVELS, RESOLVED, ROUNDED
+from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, FALLING, LEVELS, NEAR_BEST, RESOLVED, ROUNDED
 from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
@@ -92,7 +92,7 @@ def _agreement(good: Sequence[Point], shown: Posterior, failing: float) -> Judge
     error, last = float(shown.ladder.errors[-1]), good[-1].setting
     if len(good) < 2:
         return Judgement(Verdict.NOT_SHOWN, f"only {last} reaches {error:.1e}: one run shows no convergence")
-    if failing < 1.0 - FAILING:
+    if failing < DOUBTFUL:
         return Judgement(Verdict.AGREES, f"{error:.1e} from the truth at {last}", _capped(failing))
     return Judgement(Verdict.NOT_SHOWN, f"{error:.1e} at {last}, and odds of {failing:.2g} that this is chance")
 
@@ -101,7 +101,7 @@ def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) 
     """Return the classification as wrong-limit, lost or diverged where its odds suffice."""
     ladder = shown.ladder
     error, last = float(ladder.errors[-1]), good[-1].setting
-    if stall + limit <= FAILING or error < np.min(ladder.errors[-3:-1]) / ALIKE:
+    if stall + limit <= FAILING or error < FALLING * np.min(ladder.errors[-3:-1]):
         return None
     odds, best = _capped(1.0 - stall - limit), float(np.min(ladder.errors))
     if limit > stall:
@@ -122,15 +122,13 @@ def _approach(last: str, shown: Posterior, documented: float) -> Judgement:
         "that the error hardly falls": shown.odds_of_order_below(_least_order(documented)),
     }
     odds = sum(doubts.values())
-    is_best = error <= ALIKE * float(np.min(ladder.errors))
-    if len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < 1.0 - FAILING:
+    is_best = error <= NEAR_BEST * float(np.min(ladder.errors))
+    if len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
         slow = f", below half of {documented:.2g}" if shown.order < 0.5 * documented else ""
         pace = f"falling with order {shown.order:.2g}{slow}"
         return Judgement(Verdict.CONVERGING, f"{error:.1e} at {last}, {pace}", _capped(odds))
     what, most = max(doubts.items(), key=lambda item: item[1])
-    why = (
-        f"odds of {most:.2g} {what}" if odds >= 1.0 - FAILING else "too few levels, or too far off, to show an approach"
-    )
+    why = f"odds of {most:.2g} {what}" if odds >= DOUBTFUL else "too few levels, or too far off, to show an approach"
     why = why if is_best else f"a coarser setting is better, {np.min(ladder.errors):.1e}"
     return Judgement(Verdict.NOT_SHOWN, f"still {error:.1e} off at {last}: {why}")
 
@@ -141,7 +139,7 @@ def _least_order(documented: float) -> float:
 
 
 def _without_truth(shown: Posterior, why: str) -> Judgement:
-    if len(shown.ladder) >= LEVELS and shown.weights["right"] > FAILING:
+    if len(shown.ladder) >= LEVELS and shown.weights["right"] > 1.0 - DOUBTFUL:
         last = shown.ladder.gaps[-2, -1]
         if last <= RESOLVED:
             return Judgement(Verdict.CONVERGING, f"to a limit of its own, the last gap is {last:.1e}. No truth: {why}")
