@@ -15,7 +15,7 @@ import numpy as np
 from cross_checks.records import lines
 from cross_checks.records.naming import code_of
 from cross_checks.truths.oracle.random_scenes import random_scene
-from cross_checks.truths.truth import MARGIN
+from cross_checks.truths.truth import ONE_FIGURE
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables.distance import largest, relative
@@ -64,8 +64,8 @@ class Trial:
 
     @property
     def overestimate(self) -> float | None:
-        """The estimate over the error; None where the truth is not known to a MARGINth of the error."""
-        if self.estimate is None or not self.error or not self.error > MARGIN * (self.uncertainty or 0.0):
+        """The estimate over the error; None where the truth knows no figure of the error."""
+        if self.estimate is None or not self.error or not self.error > ONE_FIGURE * (self.uncertainty or 0.0):
             return None
         return self.estimate / self.error
 

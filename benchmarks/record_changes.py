@@ -85,7 +85,7 @@ def _by_error(old: Record, new: Record) -> tuple[Move, str]:
     if old.error is None or new.error is None:
         both = old.error is None and new.error is None
         return (Move.SAME, "") if both else (Move.NOT_MEASURED, "one of the two has no truth")
-    floor = max(old.error.floor, new.error.floor)
+    floor = max(old.error.uncertainty, new.error.uncertainty)
     return _grown("error", old.error.value, new.error.value, floor, "of the scene")
 
 

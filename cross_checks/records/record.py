@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from cross_checks.truths.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.display import facts
 from mbs_ref.settings import Settings
@@ -19,7 +18,7 @@ class Error:
 
     The largest over components (position, orientation, velocity, angular velocity), bodies and times; see
     mbs_ref.observables.distance. Each component in its own unit is among the record's measures. Rates count where they
-    differ by MARGIN times what the truth knows; the uncertainty is that of poses.
+    are known to a figure; the uncertainty is that of poses, which holds with a probability of 95 %.
     """
 
     value: float
@@ -36,14 +35,9 @@ class Error:
         return self.value + self.uncertainty
 
     @property
-    def floor(self) -> float:
-        """The smallest error that this truth can judge."""
-        return MARGIN * self.uncertainty
-
-    @property
     def is_judged(self) -> bool:
-        """Whether the truth is known well enough to judge this error."""
-        return self.value >= self.floor
+        """Whether the run is farther off than the truth's uncertainty explains."""
+        return self.value > self.uncertainty
 
     @property
     def metres(self) -> float:
@@ -126,8 +120,8 @@ def known_error(record: Record) -> float:
 
 
 def floor(records: Iterable[Record]) -> float:
-    """Return the smallest error that the records' truth resolves."""
-    return max((record.error.floor for record in records if record.error), default=0.0)
+    """Return the uncertainty of the records' truth, below which it resolves no error."""
+    return max((record.error.uncertainty for record in records if record.error), default=0.0)
 
 
 def loop_time(record: Record) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 
 from cross_checks.metrics.metric import known_to
 from cross_checks.truths import certificate
-from cross_checks.truths.truth import MARGIN, NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene
@@ -60,7 +60,7 @@ class TruthFacts:
     kind: str = ""
     how: str = ""
     uncertainty: float | None = None
-    floor: float | None = None  # the smallest error that it judges, over the scene
+    known_to: float | None = None  # over the scene: of poses, in the measure of the error
     difference: float | None = None  # between two unlike ways; None where it was found in one
     length: float | None = None  # of the scene
     certified: str = ""  # when its certificate was made; empty without one
@@ -75,7 +75,7 @@ def truth_facts(label: str, scene: Scene, truth: Truth | NoTruth) -> TruthFacts:
         return TruthFacts(label, none=truth.reason)
     certified = certificate.stored(scene)
     facts = TruthFacts(
-        label, "", truth.kind, truth.how, truth.uncertainty, MARGIN * known_to(scene, truth), truth.difference,
+        label, "", truth.kind, truth.how, truth.uncertainty, known_to(scene, truth), truth.difference,
         scales_of(scene).length,
     )  # fmt: skip
     if certified is None:

@@ -89,7 +89,7 @@ def pick_rows(data: ReportData) -> list[dict[str, Any]]:
             "method": r.method,
             "setting": setting(r.settings),
             "error": known_error(r),
-            "floor": r.error.floor if r.error else 0.0,
+            "floor": r.error.uncertainty if r.error else 0.0,
             "compliance": r.measure("compliance_position"),
             "ms": r.times["loop_s"] * 1e3,
             "command": command(r),

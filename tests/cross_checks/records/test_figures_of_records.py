@@ -37,8 +37,7 @@ def test_errors():
         assert error
         assert error.metres == error.value * error.length
         assert error.bound == error.value + error.uncertainty == cost.known_error(replace(made(chance), error=error))
-        assert error.floor == 30.0 * error.uncertainty
-        assert error.is_judged == (error.value >= 30.0 * error.uncertainty)
+        assert error.is_judged == (error.value > error.uncertainty)
     assert cost.floor([]) == 0.0
 
 

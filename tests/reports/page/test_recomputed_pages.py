@@ -132,7 +132,7 @@ def test_the_rows_to_pick_from(data):
     for row, run in zip(rows, ended(data), strict=True):
         assert run.error
         assert row["error"] == pytest.approx(run.error.value + run.error.uncertainty)
-        assert row["floor"] == pytest.approx(30.0 * run.error.uncertainty)
+        assert row["floor"] == pytest.approx(run.error.uncertainty)
         assert row["ms"] == pytest.approx(1000.0 * run.times["loop_s"])
         assert row["compliance"] == run.measures["compliance_position"]
         assert (row["engine"], row["ours"]) == (run.engine, run.engine == OURS)
@@ -326,12 +326,12 @@ def test_time_split(data):
                 assert ms == pytest.approx(1000.0 * best.times[phase])
 
 
-def test_a_truth_judges_thirty_times_its_uncertainty_over_the_scenes_length():
+def test_a_truth_is_known_over_the_scenes_length():
     """The rods of 4 m count as long; turns are known over the least radius of gyration, L / sqrt(12)."""
     scene = scenes.make("double_pendulum", length_1=4.0, length_2=4.0)
     zero = np.zeros((2, 2, 2))
     found = truth_facts("a", scene, Truth(zero, zero[..., 0], 1e-7, "exact", ""))
-    assert found.floor == pytest.approx(30.0 * 1e-7 / min(scales_of(scene).length, 4.0 / 12**0.5))
+    assert found.known_to == pytest.approx(1e-7 / min(scales_of(scene).length, 4.0 / 12**0.5))
 
 
 def test_truths():
