@@ -40,3 +40,20 @@ def android_vertebral(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Converge the vertebral android."""
     truth = android_simplified(scene, times)
     return truth if isinstance(truth, NoTruth) else replace(truth, is_costly=True)
+
+
+def android_spatial(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+    """Lift the planar android's motion, which a pulse from straight ahead gives by symmetry."""
+    parameters = dict(scene.parameters)
+    if parameters.pop("oblique"):
+        return NoTruth("an oblique pulse moves the android out of the plane of its truth")
+    flat = android_simplified(scenes.make("android_simplified", **parameters), times)
+    if isinstance(flat, NoTruth):
+        return flat
+    half, turning = 0.5 * flat.orientation, np.asarray(flat.angular_velocity)
+    none = np.zeros_like(half)
+    return replace(
+        flat, position=np.insert(flat.position, 2, 0.0, axis=2), velocity=np.insert(flat.velocity, 2, 0.0, axis=2),
+        orientation=np.stack((np.cos(half), none, none, np.sin(half)), axis=2),
+        angular_velocity=np.stack((none, none, turning), axis=2),
+    )  # fmt: skip

@@ -17,7 +17,8 @@ def suspension_rig(scene: Scene, times: np.ndarray) -> Truth:
     The springs stay in tension or compression along y alone, so that the system is linear exactly.
     """
     loads: Any = {load.name: load for load in scene.loads}
-    drive: Any = next(joint for joint in scene.joints if joint.name == "post.y").motion
+    joints: Any = {joint.name: joint for joint in scene.joints}
+    drive = joints["post.y"].motion
     wheel, hull = (scene.bodies[scene.body_index(name)].mass for name in ("wheel", "hull"))
     tire, k, c = loads["tire"].stiffness, loads["bar"].stiffness, loads["bar"].damping
     inverse = np.diag([1.0 / wheel, 1.0 / hull])

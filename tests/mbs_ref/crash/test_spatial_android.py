@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from cross_checks.truths import seek_truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.crash.in_space import in_space
 from mbs_ref.observables.constraints import constraint_residual
@@ -75,3 +77,16 @@ def test_a_straight_crash_from_the_rear_is_the_planar_ones():
 def test_a_crash_from_the_rear_needs_stops():
     with pytest.raises(ValueError, match="impact = 'rear' needs stops"):
         scenes.make("android_spatial", impact="rear", **BARE)
+
+
+@pytest.mark.parametrize("parameters", [{}, BARE])
+def test_a_straight_crash_meets_the_planar_truth_lifted_into_space(parameters):
+    """Positions, Euler parameters and rates; an oblique pulse has no truth."""
+    scene, times = scenes.make("android_spatial", oblique=0.0, **parameters), np.linspace(0.0, 0.2, 21)
+    truth, run = seek_truth(scene, times), simulate(scene, SETTINGS, times)
+    assert isinstance(truth, Truth), truth
+    assert truth.angular_velocity is not None
+    assert np.abs(run.position - truth.position).max() < 1e-10
+    assert np.abs(run.angular_velocity - truth.angular_velocity).max() < 1e-7
+    assert np.abs(np.sum(run.orientation * truth.orientation, axis=2)).min() > 1.0 - 1e-12
+    assert isinstance(seek_truth(scenes.make("android_spatial"), times), NoTruth)
