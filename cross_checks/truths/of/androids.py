@@ -50,10 +50,10 @@ def android_spatial(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     flat = android_simplified(scenes.make("android_simplified", **parameters), times)
     if isinstance(flat, NoTruth):
         return flat
-    half, turning = 0.5 * flat.orientation, np.asarray(flat.angular_velocity)
+    half, speed, turning = 0.5 * flat.orientation, np.asarray(flat.velocity), np.asarray(flat.angular_velocity)
     none = np.zeros_like(half)
     return replace(
-        flat, position=np.insert(flat.position, 2, 0.0, axis=2), velocity=np.insert(flat.velocity, 2, 0.0, axis=2),
+        flat, position=np.insert(flat.position, 2, 0.0, axis=2), velocity=np.insert(speed, 2, 0.0, axis=2),
         orientation=np.stack((np.cos(half), none, none, np.sin(half)), axis=2),
         angular_velocity=np.stack((none, none, turning), axis=2),
     )  # fmt: skip
