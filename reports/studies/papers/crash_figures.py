@@ -7,20 +7,21 @@ import numpy as np
 from mbs_ref import scenes
 from mbs_ref.crash.outlines import outlines
 from mbs_ref.crash.results import crash_results
+from mbs_ref.crash.stops import tension
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.distance import Partial, farthest
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.contact import CircleOnLine
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Status
+from mbs_ref.trajectory import Status, Trajectory
 from reports.facts.curves import Film, Measured, Row, Value, film
 from reports.studies.crash import FINE, IMPACTS, PAPER, deepest, finished, forces, largest_gap, with_test
 
 PICTURES = 9  # 0.025 s apart to 0.2 s
 SHOWN = {
     "simplified": ("head", "thorax", "bottom", "seat_base", "seat_back"),
-    "vertebral": ("head", "C1", "C2", "C3", "C4", "C5", "C6"),
+    "vertebral": ("head", "C1", "C2", "C3", "C4", "C5", "C6", "T6", "L3"),
 }
 FIGURES = {  # of Fox 1999: android, kind of force, caption
     "Fig. 3": ("simplified", "external", "external forces Q_e"),
@@ -45,6 +46,7 @@ def measure_crash() -> Measured:
         figures |= _believable(kind)
         for method, more in METHODS[kind]:
             figures |= method_figures(scene, method, more)
+    figures |= _touching(built["simplified"], paths["simplified"])
     figures["vertebral.rk4.refusal"] = simulate(built["vertebral"], Settings(method="rk4", step=1e-4)).message
     figures |= _constraints(built["simplified"]) | _in_space(built["simplified"])
     films = {
@@ -56,6 +58,16 @@ def measure_crash() -> Measured:
         values = getattr(results[kind], field)
         drawn |= forces(f"{name}, {caption}", built[kind], paths[kind].times, values, SHOWN[kind])
     return Measured(figures, {}, drawn, films)
+
+
+def _touching(scene: Scene, path: Trajectory) -> dict[str, Value]:
+    """Return the foot's largest contact forces (N), and how often what acts on the seat back sets in or lets go."""
+    motion, pushes = Motion(scene, path), {name: np.hypot(*own[:, 1:3].T) for name, own in path.contacts.items()}
+    belts = [tension(motion, load) for load in scene.loads if isinstance(load, SpringDamper)]
+    on_back = [*(force for name, force in pushes.items() if name.endswith(".seat_back")), *belts]
+    changes = sum(int(np.count_nonzero(np.diff(force > 0.0))) for force in on_back)
+    feet = {f"foot.{point}": float(pushes[f"foot.{point}.floor"].max()) for point in ("heel", "ball")}
+    return {"seat_back.parts": len(on_back), "seat_back.changes": changes, **feet}
 
 
 def _in_space(planar: Scene) -> dict[str, Value]:
