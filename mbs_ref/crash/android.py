@@ -283,7 +283,7 @@ class _Model:
         return [*level, *(self._toe_board() if self.crash.toe_board else [])]
 
     def _toe_board(self) -> list[Contact]:
-        """A plane that rises ahead of the feet: the ball of the foot touches it at t = 0."""
+        """A plane of the vehicle that rises ahead of the feet: the ball of the foot touches it at t = 0."""
         board = self.more["toe_board"]
         slope = math.radians(board["slope_deg"])
         ball = next(c for c in self.data["floor"] if c["point"] == "ball")
@@ -291,7 +291,7 @@ class _Model:
         first = (x + ball["radius"] * math.sin(slope), y - ball["radius"] * math.cos(slope))
         second = (first[0] + math.cos(slope), first[1] + math.sin(slope))
         pad = board["pad"] | {"where": "toe_board"}
-        return [self._contact(c | pad, GROUND, first, second) for c in self.data["floor"]]
+        return [self._contact(c | pad, "seat_base", first, second) for c in self.data["floor"]]
 
     def stops(self) -> list[parts.Load]:
         return [*joint_stops(self.data["joints"], self.more["stops"], self.places)] if self.crash.stops else []

@@ -12,8 +12,6 @@ from mbs_ref import scenes
 from mbs_ref.observables.signal_values import motion
 from mbs_ref.scene import CoordinateDrive, Scene
 
-RK_TOLERANCE = 5e-14  # DOP853 finds touch-down, lift-off and taut belts by its error control alone
-
 
 def android_simplified(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Hamilton's equations by extrapolation from event to event against Lagrange's by DOP853.
@@ -22,7 +20,7 @@ def android_simplified(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """
     fixed = scenes.make(scene.name, **(scene.parameters | {"seat": "fixed"}))
     ways = "Lagrange's by DOP853", "Hamilton's equations in body angles by extrapolation from event to event"
-    seen: Any = agree(*formulations(fixed), times, ways, extended=False, rk_tolerance=RK_TOLERANCE)
+    seen: Any = agree(*formulations(fixed), times, ways, extended=False)
     way, speed = _seat_motion(scene, times)
     return replace(seen, position=seen.position + way[:, None], velocity=seen.velocity + speed[:, None])
 

@@ -154,7 +154,9 @@ def _moments(scene: Scene) -> tuple[Row, ...]:
     seats = {
         part.body_b: [motion.point(part.body_b, end)[0] for end in (part.point_1, part.point_2)]
         for part in scene.contacts
-        if isinstance(part, CircleOnLine) and part.body_b.startswith("seat") and ".restraint." not in part.name
+        if isinstance(part, CircleOnLine)
+        and part.name.endswith((".seat_base", ".seat_back"))
+        and ".restraint." not in part.name
     }
     shown: list[Row] = []
     for k, time in enumerate(map(float, path.times[1:]), 1):
