@@ -45,7 +45,7 @@ CASES: dict[str, tuple[str, dict[str, Any], Peers, float, float]] = {  # with th
     "four-bars 1": ("n_four_bar", {"loops": 1}, LOOPED, 1e-6, 1.0),
     "four-bars 10": ("n_four_bar", {"loops": 10}, LOOPED, 1e-6, 0.6),
     "four-bars 40": ("n_four_bar", {"loops": 40}, LOOPED[:3], 1e-6, 0.15),
-    "android": ("android_simplified", {}, DRIVEN, 1e-6, 0.25),
+    "android": ("android_simplified", {"model": "paper"}, DRIVEN, 1e-6, 0.25),
 }
 
 Times = tuple[float, float]  # s, of the loop and of the whole call

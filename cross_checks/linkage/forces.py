@@ -18,18 +18,20 @@ from mbs_ref.kernels.planar.dynamics import load_state as load_planar
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
 from mbs_ref.kernels.spatial.vectors import cross, plus, put, symmetric_times, triple
 from mbs_ref.scene import Scene
-from mbs_ref.scene.celestial import CelestialLoad
+from mbs_ref.scene.celestial import CelestialLoad, Epoch, GravityGradient, Newton
 from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.scene.euler_parameters import conjugate, from_matrix, parameter_matrix, product
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Drive, PointOnPlane, RollingWheel, UserConstraint
 from mbs_ref.scene.traits import PART_TYPES
+from mbs_ref.scene.units import is_celestial
 
 BY_SHARED_CODE = "come from the shared force code, called through Python"
 SHARED = f"loads and contacts {BY_SHARED_CODE}"
 LOCATED = (RigidLaw, LankaraniNikraveshLaw, FloresLaw, ConstraintLaw, StickSlip)  # need located events
+RIGID_SKY = (Newton, GravityGradient, Epoch)  # what acts on rigid bodies, too
 _LACKS = (
-    *get_args(CelestialLoad), *get_args(get_args(Event)[0]), *Drive.__subclasses__(), *LOCATED,
+    *(set(get_args(CelestialLoad)) - set(RIGID_SKY)), *get_args(get_args(Event)[0]), *Drive.__subclasses__(), *LOCATED,
     PointOnPlane, RollingWheel, UserConstraint,
 )  # fmt: skip
 PARTS = frozenset(PART_TYPES) - {part.model_fields["type"].default for part in _LACKS}  # of links and shared forces
@@ -40,8 +42,9 @@ MECHANISM = frozenset(
 
 
 def contact_refusals(scene: Scene) -> list[Refusal]:
-    """Return why the scene's contacts need located events, contact by contact."""
-    return [
+    """Return why the scene's contacts need located events, contact by contact, and why free particles are refused."""
+    free = [Refusal("the shared force code attracts rigid bodies, and this scene has particles alone", False)]
+    return (free if is_celestial(scene) else []) + [
         Refusal(f"contact {c.name!r}: {c.law.type} or its friction needs located events", False)
         for c in scene.contacts
         if isinstance(c.law, LOCATED) or isinstance(c.friction, LOCATED)

@@ -10,7 +10,7 @@ from mbs_ref import scene as parts
 from mbs_ref.observables import celestial
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
-from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
+from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, pull_of, twist_of
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.celestial import GravityGradient
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -182,7 +182,10 @@ def _antiderivative(times: np.ndarray, power: np.ndarray) -> np.ndarray:
 
 def _spring(motion: Motion, load: parts.SpringDamper) -> np.ndarray:
     _, stretch, _ = length_of(motion, load)
-    return 0.5 * load.stiffness * (np.maximum(stretch, 0.0) if load.tension_only else stretch) ** 2
+    if load.tension_only:
+        stretch = np.maximum(stretch, 0.0)
+    _, elastic = pull_of(load, stretch, np.zeros_like(stretch))
+    return elastic * stretch - 0.5 * elastic**2 / load.stiffness if load.stiffness else elastic
 
 
 def _force(motion: Motion, load: parts.Force) -> np.ndarray:

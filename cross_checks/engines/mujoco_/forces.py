@@ -120,6 +120,8 @@ def load_refusals(linkage: Linkage) -> list[str]:
             reasons.append(f"{where} varies in time, which mujoco is not yet taught")
         elif isinstance(load, SpringDamper) and load.tension_only and load.damping:
             reasons.append(f"{where}: a mujoco tendon damps while slack, so tension_only allows no damping")
+        elif isinstance(load, SpringDamper) and load.limit is not None:
+            reasons.append(f"{where}: a mujoco tendon has no limit of its pull")
         elif isinstance(load, TorsionSpring) and turning(linkage, load) is None:
             reasons.append(f"{where} acts about no hinges between its bodies, which mujoco is not yet taught")
     return reasons

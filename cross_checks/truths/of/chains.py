@@ -67,19 +67,14 @@ def spatial_chain(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
 TRUTHS = {"double_gyroscope": spatial_chain}
 
 
-RK_TOLERANCE = 1e-12  # DOP853 finds touch-down, lift-off and taut belts by its error control: tighter costs much
-
-
 def android_simplified(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Hamilton's equations by extrapolation from event to event against Lagrange's by DOP853.
 
     The occupant moves on a driven seat as on a fixed one under the forces m a: the seat's own motion is added.
     """
-    if scene.parameters.get("body_contacts"):
-        return NoTruth("the truth's own forces know no contacts of moving bodies with one another")
     fixed = scenes.make(scene.name, **(scene.parameters | {"seat": "fixed"}))
     ways = "Lagrange's by DOP853", "Hamilton's equations in body angles by extrapolation from event to event"
-    seen: Any = agree(*formulations(fixed), times, ways, extended=False, rk_tolerance=RK_TOLERANCE)
+    seen: Any = agree(*formulations(fixed), times, ways, extended=False)
     way, speed = _seat_motion(scene, times)
     return replace(seen, position=seen.position + way[:, None], velocity=seen.velocity + speed[:, None])
 
@@ -97,3 +92,20 @@ def android_vertebral(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Converge the vertebral android."""
     truth = android_simplified(scene, times)
     return truth if isinstance(truth, NoTruth) else replace(truth, is_costly=True)
+
+
+def android_spatial(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+    """Lift the planar android's motion, which a pulse from straight ahead gives by symmetry."""
+    parameters = dict(scene.parameters)
+    if parameters.pop("oblique"):
+        return NoTruth("an oblique pulse moves the android out of the plane of its truth")
+    flat = android_simplified(scenes.make("android_simplified", **parameters), times)
+    if isinstance(flat, NoTruth):
+        return flat
+    half, speed, turning = 0.5 * flat.orientation, np.asarray(flat.velocity), np.asarray(flat.angular_velocity)
+    none = np.zeros_like(half)
+    return replace(
+        flat, position=np.insert(flat.position, 2, 0.0, axis=2), velocity=np.insert(speed, 2, 0.0, axis=2),
+        orientation=np.stack((np.cos(half), none, none, np.sin(half)), axis=2),
+        angular_velocity=np.stack((none, none, turning), axis=2),
+    )  # fmt: skip

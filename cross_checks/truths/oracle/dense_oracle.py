@@ -335,6 +335,8 @@ def _spring(moment: Moment, now: Motion, units: Motion, load: parts.SpringDamper
     tension = load.stiffness * stretch + load.damping * rate
     if load.tension_only and (stretch <= 0.0 or tension < 0.0):
         tension = 0.0
+    if load.limit is not None and tension > load.limit:
+        tension = load.limit
     return -tension * length_of(units, load)[2][:-1]
 
 

@@ -190,7 +190,7 @@ def test_what_engines_do_as_they_come_is_what_their_packages_say():
 
 
 def test_exudyn_says_what_went_wrong_and_not_in_which_file_of_ours():
-    scene = scenes.make("android_vertebral")
+    scene = scenes.make("android_vertebral", model="paper")
     found = run("exudyn", "tree_rk44", scene, step=1e-3, t_end=0.01)
     assert not found.ok
     assert "singular" in found.message

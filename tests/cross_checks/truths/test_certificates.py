@@ -91,13 +91,13 @@ def test_an_error_below_the_uncertainty_is_not_judged():
     assert near.bound == pytest.approx(1.9e-10)
 
 
-def test_a_certificate_made_before_a_parameter_was_stands_for_its_default():
-    """The bare androids were certified before joint stops could be chosen, and are not those that have them."""
-    bare, stopped = scenes.make("android_simplified"), scenes.make("android_simplified", stops=True)
-    found, other = stored(bare), stored(stopped)
+def test_the_papers_android_has_a_certificate_of_its_own():
+    """The papers' android has a certificate of its own, which is not that of the believable one."""
+    bare, full = scenes.make("android_simplified", model="paper"), scenes.make("android_simplified")
+    found, other = stored(bare), stored(full)
     assert found is not None
     assert other is not None
     assert found.parameters == bare.parameters
-    assert other.parameters == stopped.parameters
+    assert other.parameters == full.parameters
     with pytest.raises(ValueError, match="different truths"):
         departure(found, other)

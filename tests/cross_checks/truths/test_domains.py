@@ -27,7 +27,7 @@ def truth_of(name, times, **parameters) -> Truth:
 
 
 def test_rates_on_a_driven_seat_are_the_slopes_of_its_positions():
-    found = truth_of("android_simplified", [0.0, 0.01 - H, 0.01, 0.01 + H], seat="driven")
+    found = truth_of("android_simplified", [0.0, 0.01 - H, 0.01, 0.01 + H], model="paper", seat="driven")
     assert found.velocity is not None
     slope = (found.position[3] - found.position[1]) / (2.0 * H)
     np.testing.assert_allclose(found.velocity[2], slope, atol=1e-5)
@@ -98,7 +98,7 @@ def test_near_the_separatrix_a_spherical_pendulum_is_not_known():
         ("incline", {"angle": 1.4, "friction": 10.0}, "topples"),
         ("sliding_block", {"height": 1.5}, "topples"),
         ("colliding_spheres", {"law": "spring_damper", "obliquity": 0.0, "stiffness": 20.0}, "centres meet"),
-        ("android_simplified", {"law": "constraint"}, "seat_base"),
+        ("android_simplified", {"model": "paper", "law": "constraint"}, "seat_base"),
     ],
 )
 def test_outside_its_domain_a_truth_is_refused_with_the_reason(name, parameters, words):

@@ -93,9 +93,17 @@ def _formulation(
     def poses(t, y):
         return _all_poses(scene, free, _motion(tree, _turned_arms(tree, y), y)[0][:-1])
 
-    return Formulation(
-        lambda t, y: frozen(t, y, switches(t, y) > 0.0), start, poses, frozen, switches, tuple(scene.breakpoints())
-    )
+    def derivative(t, y):
+        values = switches(t, y)  # NaN in a trial step that goes too far; error control then rejects the step
+        return frozen(t, y, values > 0.0) if not np.isnan(values).any() else np.full(len(y), np.nan)
+
+    def known(t, y):
+        values = switches(t, y)
+        if np.isnan(values).any():
+            raise OutsideDomainError("a circle is deeper than its surface is thick")
+        return values
+
+    return Formulation(derivative, start, poses, frozen, known, tuple(scene.breakpoints()))
 
 
 def _start(scene: Scene, free: list[str]) -> np.ndarray:
