@@ -4,8 +4,8 @@ import numpy as np
 
 from mbs_ref.cores.particles import ParticleSystem
 from mbs_ref.cores.planar import PlanarSystem
-from mbs_ref.cores.relative.system import RelativePlanarSystem, RelativeSpatialSystem
-from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.relative import RelativePlanarSystem, RelativeSpatialSystem
+from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.cores.system import System
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import Scales

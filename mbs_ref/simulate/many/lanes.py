@@ -9,8 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.cores.relative.layout import no_tree
-from mbs_ref.cores.relative.system import RelativePlanarSystem
+from mbs_ref.cores.relative import RelativePlanarSystem, no_tree
 from mbs_ref.cores.system import Poses
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, propose_all, runs_from, side_by_side

@@ -14,7 +14,7 @@ from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, Solution,
 from cross_checks.truths.oracle.random_scenes import DURATION, random_scene
 from mbs_ref import observables
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.cores.system import System
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import rotation_matrices

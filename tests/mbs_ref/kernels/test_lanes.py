@@ -9,7 +9,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.relative.system import RelativePlanarSystem
+from mbs_ref.cores.relative import RelativePlanarSystem
 from mbs_ref.kernels.algebra.lanes import (
     WIDTH,
     chosen_in_lanes,
