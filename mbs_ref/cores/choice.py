@@ -8,9 +8,8 @@ from mbs_ref.cores.relative import RelativePlanarSystem, RelativeSpatialSystem
 from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.cores.system import System
 from mbs_ref.scene import Scene
-from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.scales import Scales, is_celestial
 from mbs_ref.scene.traits import Coordinates
-from mbs_ref.scene.units import is_celestial
 
 _CORES = {  # by the coordinates and the scene's dimension
     "cartesian": {2: PlanarSystem, 3: SpatialSystem},

@@ -12,8 +12,7 @@ from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.particles import model as arrays
 from mbs_ref.kernels.particles.model import particle_scratch
 from mbs_ref.scene import Scene, celestial
-from mbs_ref.scene.scales import Scales
-from mbs_ref.scene.units import free_fall_time
+from mbs_ref.scene.scales import Scales, free_fall_time
 
 _FORMS = {"central": 1, "eih": 2}
 _SOURCES = {"sun": 0, "moon": 1}

@@ -19,7 +19,7 @@ from mbs_ref.kernels.relative import model as arrays
 from mbs_ref.kernels.relative.events import expand_over, take_velocities_over
 from mbs_ref.kernels.relative.lanes import Figures, Tree, tree_in_lanes
 from mbs_ref.scene import PlanarBody, PointMass, Prismatic, Revolute, Scene, Spherical, Weld
-from mbs_ref.scene.base.directions import unit
+from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.euler_parameters import conjugate, product
 from mbs_ref.scene.scales import Scales
 from mbs_ref.scene.traits import deflecting, joined

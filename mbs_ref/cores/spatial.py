@@ -15,7 +15,7 @@ from mbs_ref.kernels.rigid.model import TorsionSprings, rigid_scratch
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.kernels.spatial.model import SpatialScratch
 from mbs_ref.scene import Bushing, Scene, SpatialBody, TorsionSpring, symmetric
-from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.base.taylor import Taylor
 from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices

@@ -6,7 +6,7 @@ import numpy as np
 
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Newton
-from mbs_ref.scene.units import attraction
+from mbs_ref.scene.scales import attraction
 from mbs_ref.trajectory import Trajectory
 
 

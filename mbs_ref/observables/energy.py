@@ -15,8 +15,8 @@ from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.celestial import GravityGradient
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive, UserConstraint
+from mbs_ref.scene.scales import is_celestial
 from mbs_ref.scene.signals import Constant, Signal
-from mbs_ref.scene.units import is_celestial
 from mbs_ref.trajectory import Trajectory
 
 OVERFLOWN = "the run has diverged: its energy is beyond all numbers"

@@ -24,7 +24,7 @@ from mbs_ref.integrators import DEFAULT, STIFF, integrators
 from mbs_ref.integrators.loop.leg import Integrator, progress
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.linearised.stiffness import fastest_contact
+from mbs_ref.simulate.linearised import fastest_contact
 from mbs_ref.simulate.plan import DEFAULT_TOLERANCE, Plan, make_plan
 from mbs_ref.trajectory import Status
 
