@@ -11,7 +11,7 @@ import numpy as np
 
 from cross_checks.linkage.links import ALONE, Linkage
 from mbs_ref.kernels.jit import strict_jit
-from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, plus, put, times, triple
+from mbs_ref.kernels.spatial.marks import add, cross, dot, minus, plus, put, times, triple
 from mbs_ref.scene.euler_parameters import product
 
 SLIDE, TURN, BALL, FREE = range(4)

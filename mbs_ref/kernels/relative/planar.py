@@ -8,11 +8,11 @@ here in world axes about the centres of mass, as the redundant cores have them.
 """
 
 from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
-from mbs_ref.kernels.algebra.turning import cos_sin
+from mbs_ref.kernels.algebra.lanes import cos_sin
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
 from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork
-from mbs_ref.kernels.planar.vectors import minus, pair, perpendicular, plus, rotated, times
+from mbs_ref.kernels.planar.marks import minus, pair, perpendicular, plus, rotated, times
 from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE
 
 ORIGIN = (0.0, 0.0)
