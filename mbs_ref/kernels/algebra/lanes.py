@@ -135,6 +135,13 @@ def room_for_lanes(*shape: int) -> np.ndarray:
     return memory[first : first + count].view(np.float64).reshape(*shape, WIDTH)
 
 
+def aligned(values: np.ndarray) -> np.ndarray:
+    """Return a copy of floats (..., WIDTH) where packed instructions may load and store."""
+    room = room_for_lanes(*values.shape[:-1])
+    room[:] = values
+    return room
+
+
 @_intrinsic
 def turned_by_quarters(context, quarters, sine, cosine):
     """Return cosine and sine of an angle and so many quarter turns, a whole number below 2^51, in each lane."""
@@ -177,6 +184,32 @@ def larger_in_lanes(context, a, b):
 def size_in_lanes(context, x):
     """Return the absolute values."""
     return LANES(LANES), llvm_function("fabs")
+
+
+@_intrinsic
+def in_every_lane(context, x):
+    """Return a float in every lane."""
+    return LANES(types.float64), lambda context, builder, sig, args: _in_all(builder, args[0])
+
+
+@_intrinsic
+def root_in_lanes(context, x):
+    """Return the square roots."""
+    return LANES(LANES), llvm_function("sqrt")
+
+
+@_intrinsic
+def largest_of_lanes(context, x):
+    """Return the largest lane, a float; infinite where one is not a number."""
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        name = f"llvm.vector.reduce.fmax.v{WIDTH}f64"
+        reduce = cgutils.get_or_insert_function(builder.module, ir.FunctionType(ir.DoubleType(), [_DOUBLES]), name)
+        odd = builder.bitcast(builder.fcmp_unordered("uno", args[0], args[0]), ir.IntType(WIDTH))
+        infinite = ir.Constant(ir.DoubleType(), float("inf"))
+        return builder.select(builder.icmp_unsigned("!=", odd, odd.type(0)), infinite, builder.call(reduce, args))
+
+    return types.float64(LANES), lowered
 
 
 @_intrinsic
