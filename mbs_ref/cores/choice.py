@@ -1,4 +1,4 @@
-"""Which core a scene needs: it pays for that one alone."""
+"""Select the core of a scene; only that core is compiled."""
 
 import numpy as np
 
@@ -18,9 +18,9 @@ _CORES = {  # by the coordinates and the scene's dimension
 
 
 def compile_scene(scene: Scene, coordinates: Coordinates = "cartesian") -> System:
-    """Return the scene compiled for the core its bodies call for, in the coordinates asked for.
+    """Return the scene compiled for the core of its bodies, in the requested coordinates.
 
-    Raises ValueError where relative coordinates are asked for and the scene is no tree of joints that they know.
+    Raises ValueError if relative coordinates are requested and the scene is no tree of joints that they support.
     """
     return _core(scene, coordinates)(scene)
 

@@ -129,6 +129,16 @@ class Layout:
 UNTURNED = (arrays.FREE, arrays.SPHERICAL, arrays.HELD)  # bodies that their parent does not turn
 
 
+def _at_full(name: str) -> Any:
+    """Return the method of a relative system that calls the redundant one's of this name at its own state."""
+    return lambda self, t, y, *given: getattr(self.redundant, name)(t, self.full(y), *given)
+
+
+def _over_full(name: str) -> Any:
+    """Return the same of a method of many times and states."""
+    return lambda self, times, states: getattr(self.redundant, name)(times, self._all_full(states))
+
+
 class RelativeSystem(System):
     """A tree of revolute, prismatic, ball and weld joints and free bodies; `redundant` knows all the rest of it.
 
@@ -196,7 +206,6 @@ class RelativeSystem(System):
         return y
 
     def initial_state(self) -> np.ndarray:
-        """Return y at t = 0."""
         return self.reduced(self.redundant.initial_state())
 
     @property
@@ -208,10 +217,9 @@ class RelativeSystem(System):
         """Return L for lengths, 1 for angles and Euler parameters, and the same over T (n_state,)."""
         return layout_of(scene).units(scales.length, scales.time)
 
-    # --- asked of the redundant system ----------------------------------------------------------------
+    # --- computed by the redundant system -------------------------------------------------------------
 
     def poses(self, states: np.ndarray) -> Poses:
-        """Turn states (n_t, n_state) into world poses and velocities."""
         return self.redundant.poses(self._all_full(states))
 
     def states_of(self, poses: Poses) -> np.ndarray:
@@ -226,34 +234,18 @@ class RelativeSystem(System):
         expand_over(*self.own_handles, np.ascontiguousarray(states), full)
         return full
 
+    # each as the redundant system has it, at its own state
+    residuals, accelerations, start_contacts, contact_oscillators = map(
+        _at_full, ("residuals", "accelerations", "start_contacts", "contact_oscillators")
+    )
+    reactions_over, contact_forces = _over_full("reactions_over"), _over_full("contact_forces")
+
     def set_mode_time(self, t: float) -> None:
-        """Choose the signals' segments: the ones that contain t (s)."""
         self.redundant.set_mode_time(t)
 
     def set_baumgarte(self, gain: float) -> None:
         """There is nothing to stabilize; reactions are the redundant system's."""
         self.redundant.set_baumgarte(gain)
-
-    def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        return self.redundant.residuals(t, self.full(y))
-
-    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        return self.redundant.reactions(t, self.full(y))
-
-    def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        return self.redundant.reactions_over(times, self._all_full(states))
-
-    def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
-        return self.redundant.accelerations(t, self.full(y))
-
-    def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
-        self.redundant.start_contacts(t, self.full(y), located)
-
-    def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        return self.redundant.contact_forces(times, self._all_full(states))
-
-    def contact_oscillators(self, t: float, y: np.ndarray, speed: float) -> np.ndarray:
-        return self.redundant.contact_oscillators(t, self.full(y), speed)
 
     def taut_strings(self) -> AbstractContextManager[bool]:
         return self.redundant.taut_strings()

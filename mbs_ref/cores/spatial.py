@@ -160,7 +160,6 @@ class SpatialSystem(JointedSystem):
         return scratch
 
     def initial_state(self) -> np.ndarray:
-        """Return y at t = 0."""
         q: list[float] = []
         u: list[float] = []
         for body in self.scene.bodies:
@@ -180,7 +179,7 @@ class SpatialSystem(JointedSystem):
         u = [unit for turns in rigid for unit in 3 * length + turns * 3 * [1.0]]
         return np.concatenate((q, np.divide(u, scales.time), 2 * len(deflecting(scene)) * length))
 
-    @cached_property
+    @property
     def n_positions(self) -> int:
         return 3 * self.n_bodies + 4 * len(self.rigid)
 

@@ -196,8 +196,8 @@ def steady_motion_at_start(scene: Scene) -> SteadyMotion:
         return _none("the equations change along the motion at t = 0")
     tangent = _tangent(system, y)
     matrix = differences(lambda x: system.derivative(0.0, x), y, tangent) - generator @ tangent
-    found = _eigenvalues_of_chains(tangent.T @ matrix)
-    return SteadyMotion(found[np.lexsort((np.imag(found), -np.real(found)))], "")
+    values = _eigenvalues_of_chains(tangent.T @ matrix)
+    return SteadyMotion(values[np.lexsort((np.imag(values), -np.real(values)))], "")
 
 
 def _none(reason: str) -> SteadyMotion:

@@ -80,7 +80,8 @@ class _AtRest:
 
     def solved(self, y: np.ndarray, allowed: float) -> np.ndarray:
         """Return a state without accelerations above `allowed`; NoEquilibrium if none is reached."""
-        longest = distance = LONGEST * self.system.scales.length
+        longest, size = LONGEST * self.system.scales.length, np.inf
+        distance = longest
         for _ in range(MOST):
             a = self.acceleration(y)
             size = float(np.abs(a).max())

@@ -102,7 +102,8 @@ def compare(system: System, moment: Moment, exact: bool = False) -> Figures:
     true = dense.solve()
     system.set_mode_time(moment.time)
     found = system.accelerations(moment.time, state_of(system, moment))
-    forces = system.reactions(moment.time, state_of(system, moment)) if not true.redundant else {}
+    over = system.reactions_over(np.array([moment.time]), state_of(system, moment)[None]) if not true.redundant else {}
+    forces = {name: values[0] for name, values in over.items()}
     if has_extended_precision() and (exact or max(_gaps(found, forces, true)) > DOUBTFUL):
         true, dense = exact_oracle.solve(moment)
     acceleration, reaction = _gaps(found, forces, true)
