@@ -20,7 +20,7 @@ from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import Scene
-from mbs_ref.scene.units import free_fall_time, tolerance_unit
+from mbs_ref.scene.scales import free_fall_time, tolerance_unit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.plan import make_plan

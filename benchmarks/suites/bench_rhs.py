@@ -14,7 +14,7 @@ from cross_checks.prices.timing import interleaved
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.planar import PlanarSystem
-from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices

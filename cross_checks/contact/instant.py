@@ -18,7 +18,7 @@ from cross_checks.contact.request import ContactModel
 from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, augmented, unit_rates
 from mbs_ref.observables.contact_gap import relative_motion, shapes_known
 from mbs_ref.scene import Scene
-from mbs_ref.scene.base.directions import normals
+from mbs_ref.scene.base.part import normals
 from mbs_ref.trajectory import Trajectory
 
 ITERATIONS = 20_000  # of the projected gradient ...

@@ -8,7 +8,7 @@ import numpy as np
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness, RadiationPressure, ThirdBody
-from mbs_ref.scene.units import attraction
+from mbs_ref.scene.scales import attraction
 
 
 def of_particles(position: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

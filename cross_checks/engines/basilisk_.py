@@ -32,7 +32,7 @@ from cross_checks.engine import RTOLS, End, Engine, Loop, Method, Plan, Poses, R
 from cross_checks.engine.celestial import no_satellites, normalized_zonals, of_particles, planet_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness
-from mbs_ref.scene.units import attraction, is_celestial
+from mbs_ref.scene.scales import attraction, is_celestial
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; in free-fall times where a scene counts in these
 SECOND = 1_000_000_000  # ns, of its clock

@@ -16,9 +16,9 @@ from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import free_fall_time
 from mbs_ref.scene.traits import is_smooth
-from mbs_ref.scene.units import free_fall_time
-from mbs_ref.simulate.linearised.stiffness import may_be_stiff, stiffness_at_start
+from mbs_ref.simulate.linearised import may_be_stiff, stiffness_at_start
 from mbs_ref.trajectory import Trajectory
 
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in free-fall times

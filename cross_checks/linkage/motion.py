@@ -11,7 +11,7 @@ import numpy as np
 
 from cross_checks.linkage.links import ALONE, Linkage, Z, lifted
 from mbs_ref.kernels.jit import strict_jit
-from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, plus, put, times, triple
+from mbs_ref.kernels.spatial.marks import add, cross, dot, minus, plus, put, times, triple
 from mbs_ref.scene import GROUND
 from mbs_ref.scene.euler_parameters import conjugate, from_axis_angle, product, rotation_matrices
 

@@ -11,8 +11,17 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from mbs_ref.scene.base.attached import Attached
-from mbs_ref.scene.base.directions import require_perpendicular
-from mbs_ref.scene.base.part import Direction, Direction3, EndName, NonNegative, Part, Point, Point3, Positive
+from mbs_ref.scene.base.part import (
+    Direction,
+    Direction3,
+    EndName,
+    NonNegative,
+    Part,
+    Point,
+    Point3,
+    Positive,
+    require_perpendicular,
+)
 from mbs_ref.scene.joints import axis_complaints
 
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]

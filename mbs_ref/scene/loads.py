@@ -7,7 +7,7 @@ from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.scene.base import part
 from mbs_ref.scene.base.attached import Attached, AttachedPair
-from mbs_ref.scene.base.directions import require_perpendicular
+from mbs_ref.scene.base.part import require_perpendicular
 from mbs_ref.scene.celestial import CelestialLoad
 from mbs_ref.scene.joints import axis_complaints
 from mbs_ref.scene.signals import Constant, Signal

@@ -12,7 +12,7 @@ from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.linkage.links import Z, lifted, rest_length, rest_turn
 from cross_checks.linkage.tree import FIXED
 from mbs_ref import scene
-from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.part import normals, unit
 
 PARALLEL = 1e-9  # sine of the angle between a spring's axis and a joint's
 CALLS = "{} {!r} calls Python at every residual"

@@ -11,7 +11,7 @@ from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.border.questions import accelerate
 from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar import contacts, grips, joints, loads, marks, tree, vectors
+from mbs_ref.kernels.planar import contacts, joints, loads, marks, tree
 from mbs_ref.kernels.planar.model import RATES, PlanarGroups, PlanarScratch
 from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import is_solved, respond
@@ -145,5 +145,5 @@ PlanarModel = handle_class(__name__, "PlanarModel", PlanarGroups, dimension=2, t
 PlanarWork = handle_class(__name__, "PlanarWork", PlanarScratch, rates=3)
 
 
-_MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, tree, vectors)
+_MODULES = (sys.modules[__name__], contacts, joints, loads, marks, tree)
 supply((PlanarModel, PlanarWork), geometry, _MODULES)

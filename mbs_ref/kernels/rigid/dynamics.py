@@ -32,10 +32,9 @@ def refinements(pivot):
     return steps
 
 
-@jit
-def rigid_factor(model, work):
-    """Factor the augmented matrix at the Jacobians in `work`."""
-    factor_tree(model, work, model.loops)
+# Factor the augmented matrix at the Jacobians in `work`; the second one of a tree without closed loops.
+rigid_factor = jit(lambda model, work: factor_tree(model, work, model.loops))
+rigid_factor_open = jit(lambda model, work: factor_tree(model, work, None))
 
 
 @jit
@@ -46,14 +45,7 @@ def rigid_solve(model, work, gamma):
 
 
 @jit
-def rigid_factor_open(model, work):
-    """The same of a tree without closed loops."""
-    factor_tree(model, work, None)
-
-
-@jit
 def rigid_solve_open(model, work, gamma):
-    """The same of a tree without closed loops."""
     work.solved.time[0] = np.nan
     solve_tree(model, work, None, gamma, work.tree.acceleration, work.rows.multiplier)
 

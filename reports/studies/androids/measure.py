@@ -26,7 +26,7 @@ from mbs_ref.observables.distance import distances
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.trajectory import Status, Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, VERTEBRAL, with_test

@@ -13,7 +13,7 @@ from mbs_ref.observables.distance import farthest
 from mbs_ref.scene.euler_parameters import parameter_matrix
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.trajectory import Status
 from reports.facts.curves import Curves, Measured, Value, plain
 from reports.studies.crash import PAPER, finished, largest_gap, with_test

@@ -12,7 +12,7 @@ from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised import stiffness_at_start
 
 agreed = 1e-5  # m, simplified
 agreed_vertebral = 1e-4  # m

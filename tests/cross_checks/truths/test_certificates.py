@@ -13,7 +13,7 @@ from cross_checks.truths import certificate
 from cross_checks.truths.certificate import Certificate, departure, holds, read, stored, write
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth
 from mbs_ref import scenes
-from mbs_ref.scene.units import unit_length
+from mbs_ref.scene.scales import unit_length
 
 QUICK = ("n_four_bar", "pendulum", "slider_crank", "spring_pendulum", "torque_free_top")
 EVERY = certificate.every()

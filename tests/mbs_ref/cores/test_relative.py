@@ -7,7 +7,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.relative.system import RelativeSystem
+from mbs_ref.cores.relative import RelativeSystem
 from mbs_ref.scene import PlanarBody, PointMass, Prismatic, Revolute, Scene, SpatialBody, Spherical, SpringDamper, Weld
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

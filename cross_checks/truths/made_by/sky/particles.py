@@ -13,7 +13,7 @@ from cross_checks.truths.made_by.sky.satellites import NoAirError
 from cross_checks.truths.truth import ALIKE, NoTruth, Truth, unturned
 from mbs_ref.scene import Scene, celestial
 from mbs_ref.scene.celestial import Newton
-from mbs_ref.scene.units import free_fall_time, unit_length
+from mbs_ref.scene.scales import free_fall_time, unit_length
 
 # what each part of mbs_ref.scene.celestial does; Newton's gravity acts among all, and an epoch is a date
 FIELDS: dict[type, Callable[[Scene, Any], Field]] = {

@@ -18,7 +18,7 @@ from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, RigidLaw, Spring
 from mbs_ref.scene.toml import dumps, loads
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness
+from mbs_ref.simulate.linearised import stiffness
 from mbs_ref.trajectory import Status
 
 FINE = Settings(method="dop853", rtol=1e-12)
