@@ -12,7 +12,7 @@ import click
 from reports import commands
 from reports.terminal import console as exit_codes
 from reports.terminal.console import Incomplete
-from reports.terminal.faults import FAULTS, fault
+from reports.terminal.faults import fault
 
 
 class Commands(click.Group):
@@ -45,9 +45,9 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except KeyboardInterrupt:
             raise Incomplete("interrupted") from None
-        except FAULTS as error:
-            if isinstance(error, BrokenPipeError):  # the reader of the output has ended
-                raise
+        except (click.ClickException, click.Abort, click.exceptions.Exit, BrokenPipeError):
+            raise  # as click expects; BrokenPipeError: the reader of the output has ended
+        except Exception as error:
             raise fault(error) from error
 
 

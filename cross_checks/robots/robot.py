@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from mbs_ref.scene import GROUND, Bushing, Revolute, RotationDrive, Scene, TorsionSpring
-from mbs_ref.scene.base.directions import normals
+from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.messages import suggest
 
 RATE = ".rate"  # a start rate is asked for as joint.rate

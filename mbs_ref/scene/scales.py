@@ -11,6 +11,8 @@ from mbs_ref.scene.bodies import PointMass
 from mbs_ref.scene.celestial import CelestialPart, Newton
 from mbs_ref.scene.scene import Scene
 
+LEAST = 1e-100  # m, m/s, m^3/s^2: of smaller numbers, and of those above its inverse, double precision holds no cubes
+
 
 @dataclass(frozen=True)
 class Scales:
@@ -144,12 +146,13 @@ class _Pair(NamedTuple):
 
 
 def _pairs(scene: Scene) -> list[_Pair]:
-    """Return every pair that attracts and does not coincide."""
-    gm, bodies = attraction(scene), scene.bodies
-    every = itertools.combinations(range(len(gm)), 2)
-    pairs = (
-        _Pair(math.dist(bodies[j].position, bodies[k].position), math.dist(bodies[j].velocity, bodies[k].velocity),
-              gm[j] + gm[k])
-        for j, k in every
-    )  # fmt: skip
-    return [pair for pair in pairs if pair.gap > 0.0 and pair.gm > 0.0]
+    """Return every pair that attracts and does not coincide; ValueError names one whose numbers have no cubes."""
+    gm, found = attraction(scene), list[_Pair]()
+    for (a, gm_a), (b, gm_b) in itertools.combinations(zip(scene.bodies, gm, strict=False), 2):
+        pair = _Pair(math.dist(a.position, b.position), math.dist(a.velocity, b.velocity), gm_a + gm_b)
+        if pair.gap > 0.0 and pair.gm > 0.0:
+            if not (LEAST <= pair.gap <= 1.0 / LEAST and LEAST <= pair.gm <= 1.0 / LEAST >= pair.speed):
+                figures = ", ".join(f"{name} = {value:g}" for name, value in pair._asdict().items())
+                raise ValueError(f"{a.name!r} and {b.name!r}: {figures}; allowed: {LEAST:g} to {1.0 / LEAST:g} (SI)")
+            found.append(pair)
+    return found

@@ -187,14 +187,21 @@ class NothingSelected(click.ClickException):
     exit_code = 5
 
 
+class Defect(click.ClickException):
+    """An error that no input should cause."""
+
+    exit_code = 6
+
+
 TABLE = """\b
 Exit codes:
   0  all is well
   1  a validation failed: a run did not succeed, a cell is wrong
   2  usage: unknown name, bad value, bad scene file
   3  a requested engine is not installed
-  4  incomplete: interrupted, or storage, memory, a package or a number failed; what was computed is stored
+  4  incomplete: interrupted, or storage, memory or a package failed; what was computed is stored
   5  nothing was selected
+  6  a defect of mbs-ref: please report it
 """
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from cross_checks.linkage.links import Linkage, Z, lifted
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene import contact as laws
-from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.contact import CircleOnLine, RoundPair, SphereOnPlane
 from mbs_ref.scene.euler_parameters import from_matrix
 

@@ -35,8 +35,8 @@ def _on_line(pairs, k, x, tangent, rolled):
         px = math.copysign(beyond, along)
         distance = math.sqrt(px * px + above * above)
         outward = over(plus(times(px, tangent), times(above, normal)), distance)
-        return Surface(distance - radius, outward, -1.0, radius, held)
-    return Surface(above - radius, normal, -1.0, radius, held)
+        return Surface(distance - radius, outward, -math.inf, radius, held)
+    return Surface(above - radius, normal, -math.inf, radius, held)
 
 
 @bare

@@ -44,12 +44,12 @@ largest_norm_defect = jit(lambda model, work: 0.0)
 
 @jit
 def subtract_inertia(model, work, acceleration, load):
-    """Write f - M a into load."""
-    bodies, force = model.bodies, work.kinematics.force
+    """load -= M a."""
+    bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
-        load[i, 0] = force[i, 0] - bodies.mass[i] * acceleration[i, 0]
-        load[i, 1] = force[i, 1] - bodies.mass[i] * acceleration[i, 1]
-        load[i, 2] = force[i, 2] - bodies.inertia[i, 0] * acceleration[i, 2]
+        load[i, 0] -= bodies.mass[i] * acceleration[i, 0]
+        load[i, 1] -= bodies.mass[i] * acceleration[i, 1]
+        load[i, 2] -= bodies.inertia[i, 0] * acceleration[i, 2]
 
 
 @jit

@@ -41,8 +41,8 @@ def _on_plane(pairs, k, x, edges, n):
         q = math.copysign(max(past_f, 0.0), across)
         distance = math.sqrt(p * p + q * q + above * above)
         outward = over(plus(plus(times(p, e), times(q, f)), times(above, n)), distance)
-        return Surface(distance - radius, outward, -1.0, radius, edges)
-    return Surface(above - radius, n, -1.0, radius, edges)
+        return Surface(distance - radius, outward, -math.inf, radius, edges)
+    return Surface(above - radius, n, -math.inf, radius, edges)
 
 
 @bare

@@ -32,12 +32,12 @@ block = jit(lambda model: RATES)
 
 @jit
 def subtract_inertia(model, work, acceleration, load):
-    """Write f - M a into load."""
+    """load -= M a."""
     bodies, kin = model.bodies, work.kinematics
     for i in range(bodies.mass.shape[0]):
         for c in range(3):
-            load[i, c] = kin.force[i, c] - bodies.mass[i] * acceleration[i, c]
-        put(load[i], 3, minus(triple(kin.force[i], 3), symmetric_times(kin.inertia[i], triple(acceleration[i], 3))))
+            load[i, c] -= bodies.mass[i] * acceleration[i, c]
+        put(load[i], 3, minus(triple(load[i], 3), symmetric_times(kin.inertia[i], triple(acceleration[i], 3))))
 
 
 @jit

@@ -386,3 +386,16 @@ def test_a_settled_body_is_the_sum_that_numpy_makes_and_no_number_is_told_as_inf
     assert (delta[[0, 2]] == before[[0, 2]]).all()
     source[2, 1, 4] = np.nan
     assert _settled(delta, fixed, table, source, 2, 0.3)[0] == np.inf
+
+
+@pytest.mark.parametrize(
+    ("fields", "word"),
+    [({"position": (1e140, 0.0, 0.0)}, "gap = 1e+140"), ({"position": (1e-140, 0.0, 0.0)}, "gap = 1e-140"),
+     ({"velocity": (0.0, 1e200, 0.0)}, "speed = 1e+200")],
+)  # fmt: skip
+def test_a_pair_whose_numbers_have_no_cubes_is_named(fields, word):
+    scene = scenes.make("kepler")
+    center, planet = scene.bodies
+    with pytest.raises(ValueError, match="'center' and 'planet'") as error:
+        simulate(scene.model_copy(update={"bodies": (center, planet.model_copy(update=fields))}))
+    assert word in str(error.value)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.scene import Scene
-from mbs_ref.scene.units import attraction
+from mbs_ref.scene.scales import attraction
 
 Field = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]  # (t, x, v) -> acceleration
 PI = np.arccos(np.longdouble(-1))

@@ -117,6 +117,15 @@ def test_stop_distance_rolling_and_incline():
     assert abs(stick.velocity[-1, 0, 0]) < 1e-10
 
 
+@pytest.mark.parametrize("rtol", [1e-7, 1e-9, 1e-10])
+def test_radau_reaches_the_end_of_sliding_where_friction_turns_within_a_step(rtol):
+    scene = scenes.make("rolling_sphere")
+    run = simulate(scene, Settings(method="radau", rtol=rtol, estimate="off"))
+    truth = simulate(scene, FINE)
+    assert run.status is Status.SUCCESS, run.message
+    assert run.event_times[0, 0] == pytest.approx(truth.event_times[0, 0], abs=100.0 * rtol)
+
+
 def test_oblique_impact_takes_the_sliding_impulse():
     after = simulate(scenes.make("oblique_disc"), FINE).velocity[-1, 0]
     assert after[0] == pytest.approx(3.0 - 0.2 * (1.0 + after[1]), abs=1e-10)
