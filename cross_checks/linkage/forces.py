@@ -23,8 +23,8 @@ from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLa
 from mbs_ref.scene.euler_parameters import conjugate, from_matrix, parameter_matrix, product
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Drive, PointOnPlane, RollingWheel, UserConstraint
-from mbs_ref.scene.traits import PART_TYPES
 from mbs_ref.scene.scales import is_celestial
+from mbs_ref.scene.traits import PART_TYPES
 
 BY_SHARED_CODE = "come from the shared force code, called through Python"
 SHARED = f"loads and contacts {BY_SHARED_CODE}"

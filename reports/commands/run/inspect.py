@@ -9,7 +9,7 @@ import numpy as np
 from mbs_ref.integrators import integrators
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.traits import traits
-from mbs_ref.simulate.linearised import SteadyMotion, Stiffness, steady_motion_at_start, stiffness_at_start
+from mbs_ref.simulate.linearised import Stiffness, steady_motion_at_start, stiffness_at_start
 from reports import inputs
 from reports.scene_summary import summary
 from reports.terminal.console import compiling, echo_json, number, show_table
