@@ -64,7 +64,7 @@ def pick(
     """Return the cheapest measured setting with error (of the scene's scales), compliance (m, rad), loop (s) in bounds.
 
     Only measured runs count, nothing is extrapolated, and the truth's uncertainty is added to the
-    error. Where the truth is not 30 times better known than the error asked, nobody is chosen.
+    error. No setting is chosen for an error below the truth's uncertainty.
     ValueError where a bound is not positive or the records are of several scenes.
     """
     bounds = Bounds(error, compliance, budget)

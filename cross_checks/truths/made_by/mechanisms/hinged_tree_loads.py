@@ -85,11 +85,11 @@ def _is_known(contact) -> bool:
 def _pairs(rows: list[tuple]) -> Pairs:
     columns = list(zip(*rows, strict=True)) or [[], [], [], [], []]
     a, b = (np.array(x, dtype=np.int64) for x in columns[:2])
-    points = (np.array(x, dtype=float).reshape(-1, 2) for x in columns[2:4])
+    point_a, point_b = (np.array(x, dtype=float).reshape(-1, 2) for x in columns[2:4])
     numbers = np.zeros((len(a), COLUMNS))
     for row, given in zip(numbers, columns[4], strict=True):
         row[: len(given)] = given
-    return Pairs(a, b, *points, numbers)
+    return Pairs(a, b, point_a, point_b, numbers)
 
 
 def planar(scene: Scene, name: str) -> PlanarBody:
