@@ -101,7 +101,7 @@ def moment(pid: int) -> Moment:
 
 
 def spent(before: Moment, now: Moment) -> float:
-    """Return the time that a process computed between two moments, s; all of it where it sleeps or none is told."""
+    """Return the time (s) that a process computed between two moments; all of it where it sleeps or none is known."""
     if before.computed is None or now.computed is None or (before.asleep and now.asleep):
         return now.wall - before.wall
     return now.computed - before.computed

@@ -41,10 +41,13 @@ MECHANISM = frozenset(
 )  # bodies and joints, which links stand for
 
 
-def contact_refusals(scene: Scene) -> list[Refusal]:
-    """Return why the scene's contacts need located events, contact by contact, and why free particles are refused."""
-    free = [Refusal("the shared force code attracts rigid bodies, and this scene has particles alone", False)]
-    return (free if is_celestial(scene) else []) + [
+def shared_refusals(scene: Scene) -> list[Refusal]:
+    """Return why the shared force code cannot act on a scene: free particles, and contacts that need located events."""
+    sky = sorted({load.type for load in scene.loads if isinstance(load, RIGID_SKY)}) if is_celestial(scene) else []
+    return [
+        Refusal(f"part type {kind!r}: shared forces act on rigid bodies, and this scene has particles alone", False)
+        for kind in sky
+    ] + [
         Refusal(f"contact {c.name!r}: {c.law.type} or its friction needs located events", False)
         for c in scene.contacts
         if isinstance(c.law, LOCATED) or isinstance(c.friction, LOCATED)
@@ -208,7 +211,7 @@ class LinkageEngine(Engine):
         cls.part_types = (PARTS if cls.takes_loads else MECHANISM) - cls.lacks | cls.extra
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return closure_refusals(self.name, scene, self.closes) + contact_refusals(scene)
+        return closure_refusals(self.name, scene, self.closes) + shared_refusals(scene)
 
     def poses(self, model: Any, plan: Plan, states: np.ndarray) -> Poses:
         return poses_of(model.linkage, (read(model.linkage, model.reader, state) for state in states))

@@ -21,7 +21,7 @@ from mbs_ref.trajectory import Trajectory
 
 NUDGE = 2.0**-46  # of the scene's size: some roundings of a step's arithmetic
 SAMPLES = 5
-RTOL = 1e-8  # of an adaptive method that is told none
+RTOL = 1e-8  # of an adaptive method for which none is given
 PLAIN = 30.0  # times the change that a nudge, or a finer setting, causes: a larger one has another cause
 BACK = "there and back"
 PATIENCE = 300.0  # s of one case: some twelve runs

@@ -13,7 +13,7 @@ from cross_checks.engines.exudyn_.contact import general_contact_refusals, pair_
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
 from cross_checks.engines.exudyn_.parts import JOINTS
 from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
-from cross_checks.linkage.forces import PARTS, contact_refusals
+from cross_checks.linkage.forces import PARTS, shared_refusals
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
@@ -45,7 +45,7 @@ class Exudyn(Engine):
         elif method.name in EXPLICIT_CONTACT:
             reasons += [Refusal("loads are not taught", False)] if scene.loads else []
         else:
-            reasons += contact_refusals(scene)
+            reasons += shared_refusals(scene)
         if method.name.startswith(TREE):
             return reasons + tree_refusals(scene)
         drives = (CoordinateDrive,) if scene.dimension == 3 else ()

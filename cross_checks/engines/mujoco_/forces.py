@@ -9,8 +9,7 @@ import numpy as np
 from cross_checks.engine import Refusal
 from cross_checks.engine.prescribed import constant_value
 from cross_checks.engines.mujoco_.contact import contact_refusals
-from cross_checks.linkage.forces import Applied
-from cross_checks.linkage.forces import contact_refusals as located_refusals
+from cross_checks.linkage.forces import Applied, shared_refusals
 from cross_checks.linkage.links import Linkage, Z, rest_length, rest_turn
 from cross_checks.linkage.motion import Motion
 from mbs_ref.kernels.jit import strict_jit
@@ -193,7 +192,7 @@ def takes_shared_forces(linkage: Linkage) -> bool:
 
 def force_refusals(linkage: Linkage) -> list[Refusal]:
     """Return why neither MuJoCo nor the shared force code can stand for the loads and contacts."""
-    own, located = own_refusals(linkage), located_refusals(linkage.scene)
+    own, located = own_refusals(linkage), shared_refusals(linkage.scene)
     return own + located if own and (linkage.closures or located) else []
 
 

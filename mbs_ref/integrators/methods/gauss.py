@@ -9,9 +9,6 @@ rho^-2s. With s = 8 stages and e the relative size of coefficient 7, the error i
 chosen for e = rtol^(7/16).
 """
 
-# An intrinsic takes one argument fewer than its definition.
-# pyright: reportCallIssue=false
-
 from __future__ import annotations
 
 from functools import cache

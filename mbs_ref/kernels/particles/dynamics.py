@@ -1,8 +1,5 @@
 """The right-hand side of a scene of particles; it is free of constraints."""
 
-# An intrinsic takes one argument fewer than its definition.
-# pyright: reportCallIssue=false
-
 from mbs_ref.kernels.algebra.lanes import in_lanes
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.figures import add_figures, add_tides, add_zonals

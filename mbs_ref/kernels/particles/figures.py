@@ -1,8 +1,5 @@
 """What bodies do by not being points: zonal harmonics, the Moon's figure, tides. Each acts and reacts."""
 
-# An intrinsic takes one argument fewer than its definition.
-# pyright: reportCallIssue=false
-
 import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import in_every_lane, in_lanes, root_in_lanes

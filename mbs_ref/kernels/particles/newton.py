@@ -1,8 +1,5 @@
 """Newton's pairs and the post-Newtonian terms, eight instants side by side: arrays of lanes (n, 3) or (n,)."""
 
-# An intrinsic takes one argument fewer than its definition.
-# pyright: reportCallIssue=false
-
 from mbs_ref.kernels.algebra.lanes import root_in_lanes
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.particles.pair import apart, attract, of_body

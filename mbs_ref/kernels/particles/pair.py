@@ -4,9 +4,6 @@ Arrays of lanes (mbs_ref.kernels.algebra.lanes) replace loops over instants, whi
 itself, because it cannot know that the arrays do not overlap.
 """
 
-# An intrinsic takes one argument fewer than its definition.
-# pyright: reportCallIssue=false
-
 from mbs_ref.kernels.algebra.lanes import in_every_lane, larger_in_lanes, largest_of_lanes, root_in_lanes, size_in_lanes
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.particles.model import LANES

@@ -1,8 +1,5 @@
 """What acts on satellites beside gravity of the bodies: third bodies, a ring, drag, sunlight."""
 
-# An intrinsic takes one argument fewer than its definition.
-# pyright: reportCallIssue=false
-
 import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import in_lanes, root_in_lanes

@@ -61,7 +61,7 @@ def measure_crash() -> Measured:
 
 
 def _touching(scene: Scene, path: Trajectory) -> dict[str, Value]:
-    """Return the foot's largest contact forces (N), and how often what acts on the seat back sets in or lets go."""
+    """Return the foot's largest contact forces (N), and how often a force on the seat back starts or ends."""
     motion, pushes = Motion(scene, path), {name: np.hypot(*own[:, 1:3].T) for name, own in path.contacts.items()}
     belts = [tension(motion, load) for load in scene.loads if isinstance(load, SpringDamper)]
     on_back = [*(force for name, force in pushes.items() if name.endswith(".seat_back")), *belts]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ from mbs_ref.scene.signals import HalfSine
 from mbs_ref.scenes.blocks import incline as incline
 from mbs_ref.scenes.orbits import kepler as orbit
 from mbs_ref.settings import Settings
-from mbs_ref.simulate import simulate
+from mbs_ref.simulate import error_estimate, simulate
 from mbs_ref.simulate.error_estimate import SAFETY, _richardson
 from mbs_ref.trajectory import VISIBLE, Estimate, Status, Trajectory
 
@@ -338,6 +339,21 @@ def test_a_tolerance_at_roundoff_is_compared_with_a_coarser_one():
 def test_what_two_runs_differ_by_is_extrapolated_to_the_error_of_the_coarser(order, factor):
     """e = C h^p of a step h and its half: the coarser errs by 2^p / (2^p - 1) of their difference (Richardson)."""
     assert _richardson(2.0**order) == pytest.approx(SAFETY * factor)
+
+
+def test_where_both_companions_fail_another_method_is_the_witness(monkeypatch):
+    """Companions by the run's own method may take one step, and so do not end."""
+    rerun = error_estimate._rerun
+
+    def failing(system, plan, *given):
+        few = plan.options._replace(max_steps=1)
+        return rerun(system, replace(plan, options=few) if plan.integrator.name == "radau" else plan, *given)
+
+    monkeypatch.setattr(error_estimate, "_rerun", failing)
+    path = simulate(scenes.make("pendulum"), Settings(method="radau", rtol=1e-8))
+    assert path.ok, path.message
+    assert "dop853 instead of radau" in of(path).how
+    assert of(path).value < 1e-5
 
 
 def test_where_a_sphere_stops_sliding_radau_has_an_estimate():
