@@ -99,8 +99,8 @@ def _motion(law: Any, mass: float, gravity: float, times: np.ndarray) -> tuple[n
     leave, away, inside = touch, numbers.restitution * impact, None
     if not law.IMPULSIVE:
         inside = solve_ivp(
-            lambda t, y: (y[1], gravity - force(y[0], y[1]) / mass), (touch, times[-1]), (0.0, impact), "DOP853",
-            dense_output=True, events=lifts, rtol=1e-12, atol=1e-13,
+            lambda t, y: (y[1], gravity - force(y[0], y[1]) / mass), (touch, touch + times[-1] + DURATION),
+            (0.0, impact), "DOP853", dense_output=True, events=lifts, rtol=1e-12, atol=1e-13,
         )  # fmt: skip
         leave, away = inside.t[-1], -inside.y[1, -1]
     since = np.maximum(times - leave, 0.0)
@@ -109,7 +109,7 @@ def _motion(law: Any, mass: float, gravity: float, times: np.ndarray) -> tuple[n
         gap, rate = 0.0 * since, 0.0 * since
     if inside is not None:
         within = (times > touch) & (times < leave)
-        gap[within], rate[within] = -inside.sol(times[within])
+        gap, rate = np.where(within, -inside.sol(np.clip(times, touch, leave)), (gap, rate))
     before = times <= touch
     gap[before] = (GAP - SPEED * times - 0.5 * gravity * times**2)[before]
     rate[before] = (-SPEED - gravity * times)[before]

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from cross_checks import engines
+from cross_checks.conformance.bounces import bounce_truth
 from cross_checks.conformance.broken_engines import Broken, Change, Mistake
 from cross_checks.conformance.ladder import climb
+from cross_checks.conformance.probes import probes
 from cross_checks.conformance.questions import probe
 from mbs_ref.scene import Scene
 
@@ -25,3 +28,16 @@ def test_a_restitution_that_is_a_hundredth_off_fails(kind: str, dimension: int, 
     for method in solver.methods():
         findings, _ = climb(solver, method, probe(kind, dimension))
         assert [finding.outcome for finding in findings if finding.question == "contact"] == [outcome]
+
+
+@pytest.mark.parametrize("times", [[0.0, 0.15], [0.03], [0.0, 0.0515], [0.0, 0.06], [0.0, 0.05, 0.1], [0.04, 0.3]])
+def test_a_bounce_does_not_depend_on_the_other_outputs(times: list[float]):
+    """Outputs before, within or after the contact alone; the last one within it."""
+    for scene in (scene for scene in probes().values() if scene.contacts):
+        few, every = np.array(times), np.union1d(times, np.linspace(0.0, 0.3, 31))
+        truth, whole = bounce_truth(scene, few), bounce_truth(scene, every)
+        rows = np.searchsorted(every, few)
+        np.testing.assert_allclose(truth.position, whole.position[rows], rtol=0.0, atol=truth.uncertainty)
+        assert truth.velocity is not None
+        assert whole.velocity is not None
+        np.testing.assert_allclose(truth.velocity, whole.velocity[rows], rtol=0.0, atol=1e-9)
