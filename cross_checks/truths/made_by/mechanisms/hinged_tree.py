@@ -74,14 +74,10 @@ def _tree(scene: Scene, free: list[str], hinge: dict[str, Revolute]) -> Tree:
 def _lagrange(scene: Scene, free: list[str], tree: Tree, loads: Loads) -> Formulation:
     """M q'' = J^T (F + m h) with r'' = J q'' - h."""
 
-    def frozen(t, y, on):
-        return _lagrange_slope(tree, loads.arrays, loads.factors(t), y, on)
+    def derivative(t, y):
+        return _lagrange_slope(tree, loads.arrays, loads.factors(t), y)
 
-    def switches(t, y):
-        return _switches(tree, loads.arrays, y)
-
-    start = _start(scene, free)
-    return _formulation(scene, free, tree, loads, frozen, switches, start)
+    return _formulation(scene, free, tree, derivative, _start(scene, free))
 
 
 def _hamilton(scene: Scene, free: list[str], tree: Tree, loads: Loads) -> Formulation:
@@ -96,16 +92,18 @@ def _hamilton(scene: Scene, free: list[str], tree: Tree, loads: Loads) -> Formul
     start = _start(scene, free)
     n = len(start) // 2
     start[n:] = _mass_matrix(tree, _turned_arms(tree, start), start) @ start[n:]
-    return _formulation(scene, free, tree, loads, frozen, switches, start)
+
+    def derivative(t, y):
+        return frozen(t, y, switches(t, y) > 0.0)
+
+    return _formulation(scene, free, tree, derivative, start, frozen, switches)
 
 
-def _formulation(scene, free, tree, loads, frozen, switches, start) -> Formulation:
+def _formulation(scene, free, tree, derivative, start, *branches) -> Formulation:
     def poses(t, y):
         return _all_poses(scene, free, _motion(tree, _turned_arms(tree, y), y)[0][:-1])
 
-    return Formulation(
-        lambda t, y: frozen(t, y, switches(t, y) > 0.0), start, poses, frozen, switches, tuple(scene.breakpoints())
-    )
+    return Formulation(derivative, start, poses, *(branches or (None, None)), tuple(scene.breakpoints()))
 
 
 def _start(scene: Scene, free: list[str]) -> np.ndarray:
@@ -196,10 +194,11 @@ def _switches(tree, arrays, y):
 
 
 @strict_jit
-def _lagrange_slope(tree, arrays, factors, y, on):
+def _lagrange_slope(tree, arrays, factors, y):
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)
     pose, rate, bend = _motion(tree, turned, y)
+    on = hinged_tree_loads.measure_switches(arrays, pose, rate) > 0.0
     force = hinged_tree_loads.apply_loads(arrays, tree.mass, factors, pose, rate, on)
     for i in range(n):
         force[i, 0] += tree.mass[i] * bend[i, 0]
