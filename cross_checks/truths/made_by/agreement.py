@@ -15,6 +15,7 @@ from mbs_ref.observables.distance import Partial, unmasked_distances
 NUDGE = 1e-8  # of the start, to measure how the motion magnifies an error
 NUDGED_TOLERANCE = 1e-2 * NUDGE  # of the nudged run: the growth is needed to a digit
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
+LOOKS = 0.01  # s: both solvers stop so often where forces set in and let go, or a long step leaps over a branch
 RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
 ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
 DOUBLE_EPS = float(np.finfo(float).eps)
@@ -51,7 +52,8 @@ def agree(
     The uncertainty is the difference, times ALIKE unless the second is the more precise one, plus the roundoff of
     double data magnified by the motion; where the latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
     """
-    grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints))
+    looks = [] if second.switches is None else np.arange(LOOKS, times[-1], LOOKS)
+    grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints, *looks))
     kind = np.longdouble if extended else float
     tolerance = 64 * float(np.finfo(kind).eps)
     solve = lsoda if is_stiff else runge_kutta
