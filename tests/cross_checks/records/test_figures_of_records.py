@@ -38,6 +38,8 @@ def test_errors():
         assert error.bound == error.value + error.uncertainty == cost.known_error(replace(made(chance), error=error))
         assert error.floor == 30.0 * error.uncertainty
         assert error.is_judged == (error.value >= 30.0 * error.uncertainty)
+    runs = [made(chance) for _ in range(9)]
+    assert cost.floor([*runs, replace(runs[0], error=None)]) == max(30.0 * r.error.uncertainty for r in runs if r.error)
     assert cost.floor([]) == 0.0
 
 

@@ -311,6 +311,11 @@ def test_error_against_time(data):
                 runs = [(x, y) for x, y in runs if not any(a < x and b <= y for a, b in runs)]
             points = list(zip(line["x"], line["y"], strict=True))
             assert points == [pytest.approx(point) for point in sorted(runs)]
+        errors = [r.error for r in ended(data, links=links) if r.error]
+        floor, values = max(30.0 * e.uncertainty for e in errors), [e.value for e in errors]
+        low, high = 10.0 ** np.array(figure["layout"]["yaxis"]["range"])
+        assert (low, high) == pytest.approx((min(floor / 10.0, min(values) / 3.0), 3.0 * max(values)))
+        assert figure["layout"]["shapes"][0]["y1"] == pytest.approx(floor)
 
 
 def test_time_split(data):
