@@ -148,10 +148,6 @@ class Store:
             self._base.execute(query, given)
 
 
-def _stored_run(row: tuple[str, bytes | None]) -> Run:
-    return Run(from_dict(json.loads(row[0])), _unpacked(row[1]))
-
-
 def _packed(path: Trajectory | None) -> bytes | None:
     return None if path is None else _blob({name: getattr(path, name) for name in SAMPLES})
 

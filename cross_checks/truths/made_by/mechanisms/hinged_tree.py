@@ -103,7 +103,7 @@ def _formulation(scene, free, tree, derivative, start, *branches) -> Formulation
     def poses(t, y):
         return _all_poses(scene, free, _motion(tree, _turned_arms(tree, y), y)[0][:-1])
 
-    return Formulation(derivative, start, poses, *(branches or (None, None)), tuple(scene.breakpoints()))
+    return Formulation(derivative, start, poses, *branches, breakpoints=tuple(scene.breakpoints()))
 
 
 def _start(scene: Scene, free: list[str]) -> np.ndarray:
