@@ -6,6 +6,7 @@ import math
 import random
 import re
 from collections import Counter
+from dataclasses import replace
 from statistics import median
 
 import numpy as np
@@ -124,6 +125,14 @@ def test_a_curve_is_thinned_where_it_is_long_alone(count, kept):
     assert made.x == pytest.approx(x[:: max(1, (count - 1) // 200)], rel=1e-5)
     assert made.lines["a"] == pytest.approx(2.0 * np.array(made.x), rel=1e-5)
     assert len(made.x) == kept
+
+
+def test_runs_that_differ_in_one_setting_are_two_runs(data):
+    run = data.records[0]
+    for changed in ({"step": 1.0}, {"rtol": 1.0}, {"step": 2.0, "rtol": 1.0}):
+        other = replace(run, settings=changed, steps=7)
+        assert ReportData((), (run, other)).measured(replace(other, steps=0)).steps == 7
+        assert ReportData((), (run,)).measured(other) is other
 
 
 def test_the_rows_to_pick_from(data):
