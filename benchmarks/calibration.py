@@ -15,12 +15,12 @@ import numpy as np
 from cross_checks.records import lines
 from cross_checks.records.naming import code_of
 from cross_checks.truths.oracle.random_scenes import random_scene
-from cross_checks.truths.truth import MARGIN
+from cross_checks.truths.truth import ONE_FIGURE
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import Scene
-from mbs_ref.scene.units import free_fall_time, tolerance_unit
+from mbs_ref.scene.scales import free_fall_time, tolerance_unit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.plan import make_plan
@@ -64,8 +64,8 @@ class Trial:
 
     @property
     def overestimate(self) -> float | None:
-        """The estimate over the error; None where the truth is not known to a MARGINth of the error."""
-        if self.estimate is None or not self.error or not self.error > MARGIN * (self.uncertainty or 0.0):
+        """The estimate over the error; None where the truth knows no figure of the error."""
+        if self.estimate is None or not self.error or not self.error > ONE_FIGURE * (self.uncertainty or 0.0):
             return None
         return self.estimate / self.error
 
@@ -97,7 +97,7 @@ def _code() -> str:
 
 
 def trial(seed: int) -> Trial:
-    """Make the run of a seed, always the same, and its truth."""
+    """Return the trial of a seed, always the same: its run and its truth."""
     return replace(_made(seed), code=_code())
 
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from cross_checks.prices.pick import pick, setting
 from cross_checks.records import lines
-from cross_checks.records.cost import loop_time
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, loop_time
 
 EFFECT = 1.05  # a level that changes by less is no change
 CHANCE = 0.01  # of a permutation doing as well

@@ -56,7 +56,7 @@ def rows(name: str) -> Iterator[Row]:
         return
     fixed = sorted(
         (_in_turns(scene, (method, rtol))[0], method, rtol, _error(scene, path, tight))
-        for method in METHODS if _runs(scene, method)
+        for method in METHODS if core_name(scene) in (integrators()[method].cores or (core_name(scene),))
         for rtol in TRIED if (path := _run(scene, method, rtol)).ok
     )  # fmt: skip
     for wanted in ASKED:
@@ -68,11 +68,6 @@ def rows(name: str) -> Iterator[Row]:
         _, method, rtol, _ = fitting[0]
         own, best = _in_turns(scene, (AUTO, wanted), (method, rtol))
         yield Row(name, wanted, path.method, error, f"{method} {rtol:g}", own, own / best)
-
-
-def _runs(scene: Scene, method: str) -> bool:
-    cores = integrators()[method].cores
-    return not cores or core_name(scene) in cores
 
 
 def _run(scene: Scene, method: str, rtol: float) -> Trajectory:

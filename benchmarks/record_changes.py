@@ -59,13 +59,10 @@ def median_ratio(changes: Sequence[Change]) -> float | None:
 def _change(old: Record, new: Record) -> Change:
     move, sentence = _judge(old, new)
     chosen = " ".join(f"{k}={v}" for k, v in new.settings.items() if k in ("step", "rtol"))
-    run = " ".join(part for part in (new.scene, *_counts(new), new.engine, new.method, chosen) if part)
+    counts = [f"{key}={value}" for key, value in new.parameters.items() if isinstance(value, int)]
+    run = " ".join(part for part in (new.scene, *counts, new.engine, new.method, chosen) if part)
     spans = old.times.get("loop_s", 0.0), new.times.get("loop_s", 0.0)
     return Change(run, move, sentence, spans[1] / spans[0] if min(spans) > 0.0 else None)
-
-
-def _counts(record: Record) -> list[str]:
-    return [f"{key}={value}" for key, value in record.parameters.items() if isinstance(value, int)]
 
 
 def _judge(old: Record, new: Record) -> tuple[Move, str]:
@@ -88,7 +85,7 @@ def _by_error(old: Record, new: Record) -> tuple[Move, str]:
     if old.error is None or new.error is None:
         both = old.error is None and new.error is None
         return (Move.SAME, "") if both else (Move.NOT_MEASURED, "one of the two has no truth")
-    floor = max(old.error.floor, new.error.floor)
+    floor = max(old.error.uncertainty, new.error.uncertainty)
     return _grown("error", old.error.value, new.error.value, floor, "of the scene")
 
 

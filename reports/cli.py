@@ -12,11 +12,11 @@ import click
 from reports import commands
 from reports.terminal import console as exit_codes
 from reports.terminal.console import Incomplete
-from reports.terminal.faults import FAULTS, fault
+from reports.terminal.faults import fault
 
 
 class Commands(click.Group):
-    """Find each command by listing its folder; import it only when it is asked for."""
+    """List the commands in their folder; a command is imported when it is requested."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return sorted(_modules())
@@ -45,9 +45,9 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except KeyboardInterrupt:
             raise Incomplete("interrupted") from None
-        except FAULTS as error:
-            if isinstance(error, BrokenPipeError):  # the reader of the output has ended
-                raise
+        except (click.ClickException, click.Abort, click.exceptions.Exit, BrokenPipeError):
+            raise  # as click expects; BrokenPipeError: the reader of the output has ended
+        except Exception as error:
             raise fault(error) from error
 
 

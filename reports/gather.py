@@ -29,8 +29,7 @@ from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
 from reports.facts.report_data import ReportData
-from reports.facts.scene_facts import SceneFacts, scene_facts
-from reports.facts.truth_facts import TruthFacts, truth_facts
+from reports.facts.scene_facts import SceneFacts, TruthFacts, scene_facts, truth_facts
 from reports.studies.study import Progress, every, measure_all, stored
 
 LISTS = tomllib.loads((files(__package__) / "scenes.toml").read_text(encoding="utf-8"))

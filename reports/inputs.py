@@ -25,6 +25,24 @@ from mbs_ref.simulate.start.consistent import fitted_rates
 from mbs_ref.simulate.start.equilibrium import at_equilibrium
 from reports.terminal.console import EngineAbsent, NothingSelected
 
+FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
+NEW_FILE = click.Path(dir_okay=False, path_type=Path)
+FOLDER = click.Path(file_okay=False, path_type=Path)
+
+
+class _Positive(click.ParamType):
+    """Finite numbers greater than 0."""
+
+    name = "float"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = click.FLOAT.convert(value, param, ctx)
+        if not (math.isfinite(number) and number > 0):
+            self.fail(f"{number} must be a finite number greater than 0", param, ctx)
+        return number
+
+
+POSITIVE = _Positive()
 ENGINES = click.option(
     "--engine", "chosen", multiple=True, metavar="E|FILE.py",
     help="Only this engine, by name or by its adapter file; repeatable.",
@@ -76,11 +94,7 @@ def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
 
 def rebuilder(name_or_file: str, scene: Scene) -> Callable[..., Scene] | None:
     """Return what makes the scene with other parameters; None where it was read from a file."""
-    return partial(_with_parameters, name_or_file, scene.parameters) if name_or_file in scenes.names() else None
-
-
-def _with_parameters(name: str, parameters: dict[str, Any], **changed: Any) -> Scene:
-    return scenes.make(name, **{**parameters, **changed})
+    return partial(scenes.make, name_or_file, **scene.parameters) if name_or_file in scenes.names() else None
 
 
 def _keeping(built: Scene, keep_rates: Sequence[str]) -> Scene:
@@ -213,13 +227,6 @@ def shard[T](items: Sequence[T], text: str) -> list[T]:
     if not (chosen := list(items[index - 1 :: count])):
         raise NothingSelected(f"part {text} of {len(items)} is empty")
     return chosen
-
-
-def positive(_context: click.Context, option: click.Parameter, value: float | None) -> float | None:
-    """Check an option that click has made a float, which may be NaN."""
-    if value is not None and not (math.isfinite(value) and value > 0):
-        raise click.BadParameter(f"{value} must be a finite number greater than 0", param=option)
-    return value
 
 
 def output(path: str | None, allowed: tuple[str, ...]) -> Path | None:

@@ -1,9 +1,10 @@
-"""Times and poses on the disk, whole or not at all: of a run or an ensemble, as .npz, .csv or .parquet."""
+"""Tables as .npz, .csv or .parquet: times and poses of a run or an ensemble, written whole or not at all."""
 
 import csv
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -51,16 +52,17 @@ def _npz(arrays: Mapping[str, np.ndarray], _: Columns) -> bytes:
     return buffer.getvalue()
 
 
-def _csv(_: Mapping[str, np.ndarray], columns: Columns) -> bytes:
+def csv_table(columns: Mapping[str, Sequence[Any]]) -> str:
+    """Return columns as CSV with a heading; None is an empty field."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
-    return buffer.getvalue().encode()
+    writer.writerows(zip(*columns.values(), strict=True))
+    return buffer.getvalue()
 
 
-def _parquet(_: Mapping[str, np.ndarray], columns: Columns) -> bytes:
-    """ImportError where pyarrow is not installed."""
+def parquet_table(columns: Mapping[str, Any]) -> bytes:
+    """Return columns as a Parquet file; ImportError where pyarrow is not installed."""
     import pyarrow  # pyright: ignore[reportMissingImports]  # an optional extra
     import pyarrow.parquet  # pyright: ignore[reportMissingImports]
 
@@ -70,5 +72,7 @@ def _parquet(_: Mapping[str, np.ndarray], columns: Columns) -> bytes:
 
 
 FORMATS: dict[str, Callable[[Mapping[str, np.ndarray], Columns], bytes]] = {
-    ".npz": _npz, ".csv": _csv, ".parquet": _parquet,
+    ".npz": _npz,
+    ".csv": lambda _, columns: csv_table({name: column.tolist() for name, column in columns.items()}).encode(),
+    ".parquet": lambda _, columns: parquet_table(columns),
 }  # fmt: skip

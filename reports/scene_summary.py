@@ -11,7 +11,7 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.simulate.start.consistent import rank_at_start
 
 FEW = 60  # bodies up to which the motion is linearised
@@ -48,10 +48,10 @@ def _count(number: int, noun: str) -> str:
 
 def summary(scene: Scene) -> Summary:
     """Count a scene's bodies, joints, loops and freedoms, and linearise its motion at the start."""
-    free = freedoms(scene)
+    free, tree = freedoms(scene), len(scene.bodies) + 1 - _groups(scene, with_ground=True)  # joints of a tree
     fastest = stiffness_at_start(scene).fastest if len(scene.bodies) <= FEW and free != 0 else 0.0
     return Summary(
-        len(scene.bodies), _groups(scene, with_ground=False), len(scene.joints), _loops(scene), free,
+        len(scene.bodies), _groups(scene, with_ground=False), len(scene.joints), len(_links(scene)) - tree, free,
         scales_of(scene).length, math.fsum(body.mass for body in scene.bodies),
         fastest / (2.0 * np.pi) if fastest > 0.0 and np.isfinite(fastest) else None,
     )  # fmt: skip
@@ -64,11 +64,6 @@ def freedoms(scene: Scene) -> int | None:
         return system.n_coordinates - system.n_constraints
     rank = rank_at_start(system, system.initial_state())
     return None if rank is None else system.n_coordinates - rank
-
-
-def _loops(scene: Scene) -> int:
-    """Return the joints beyond those that a tree would have."""
-    return len(_links(scene)) - (len(scene.bodies) + 1 - _groups(scene, with_ground=True))
 
 
 def _links(scene: Scene) -> list[tuple[str, str]]:

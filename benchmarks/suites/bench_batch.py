@@ -11,9 +11,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-from cross_checks.engine.plan import Plan, plan_run
+from cross_checks.engine import Plan, plan_run
 from cross_checks.engines.mujoco_ import Built, MuJoCo
-from cross_checks.engines.mujoco_.run import rolled_out
+from cross_checks.engines.mujoco_.build import rolled_out
 from mbs_ref import scenes
 from mbs_ref.cores.system import Poses
 from mbs_ref.observables.distance import Partial, farthest
@@ -40,10 +40,6 @@ def starts(times: np.ndarray) -> Poses:
     return Poses.of(path)
 
 
-def _one(starts: Poses, k: int) -> Poses:
-    return Poses(*(part[k : k + 1] for part in starts))
-
-
 def _ends(paths: list[Trajectory]) -> np.ndarray:
     return np.array([path.position[-1] for path in paths])
 
@@ -57,7 +53,7 @@ def _batch(starts: Poses, settings: Settings, lanes: bool) -> list[Trajectory]:
 def test_batch_against_single_runs(benchmark, starts, settings, lanes):
     def single() -> None:
         for k in range(0, STARTS, 10):
-            simulate(SCENE, settings, start=_one(starts, k))
+            simulate(SCENE, settings, start=Poses(*(part[k : k + 1] for part in starts)))
 
     single()
     _batch(starts, settings, lanes)

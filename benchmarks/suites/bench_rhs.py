@@ -14,7 +14,7 @@ from cross_checks.prices.timing import interleaved
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.planar import PlanarSystem
-from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -39,7 +39,7 @@ def chain(links: int) -> Scene:
 
 
 def planar_residual(scene: Scene) -> float:
-    """Put the accelerations into M a + C_q^T lambda = Q and C_q a = gamma; the largest acceleration left over."""
+    """Return the largest residual of M a + C_q^T lambda = Q and C_q a = gamma, as an acceleration."""
     system = PlanarSystem(scene)
     system.set_mode_time(0.0)
     y = system.initial_state()
@@ -52,7 +52,7 @@ def planar_residual(scene: Scene) -> float:
 
 
 def spatial_residual(scene: Scene) -> float:
-    """Put the accelerations into C_q a = gamma; the largest acceleration left over."""
+    """Return the largest residual of C_q a = gamma."""
     system = SpatialSystem(scene)
     system.set_mode_time(0.0)
     y = system.initial_state()

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks.trees.tree import Tree
+from benchmarks.trees.regression import Tree
 from cross_checks.prices.timing import interleaved
 
 ROUNDS = 15  # pairs, each in an order of its own

@@ -8,8 +8,7 @@ import shutil
 from functools import partial
 from pathlib import Path
 
-from benchmarks.trees.regression import Case, cheapest
-from benchmarks.trees.tree import Tree
+from benchmarks.trees.regression import Case, Tree, cheapest
 from cross_checks.prices.timing import interleaved
 
 HERE = Path(__file__).parents[2]
@@ -40,7 +39,7 @@ def copy_tree(target: Path) -> Path:
 
 
 def slow_down(folder: Path, turns: int) -> None:
-    """Let every right-hand side of the planar core turn in a loop for `turns` square roots."""
+    """Add `turns` square roots to every right-hand side of the planar core."""
     kernel = (HERE / KERNEL).read_text()
     function = next(n for n in ast.parse(kernel).body if isinstance(n, ast.FunctionDef) and n.name == FUNCTION)
     lines = kernel.splitlines(keepends=True)

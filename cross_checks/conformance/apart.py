@@ -7,7 +7,7 @@ import numpy as np
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.engine.outcome import stopped
+from cross_checks.engine.plan import stopped
 from cross_checks.isolation.parent import Caller, Lost
 from cross_checks.judge.ladder import label
 from cross_checks.judge.one_run import ENGINE_FAILURES

@@ -10,7 +10,7 @@ import numpy as np
 from cross_checks.conformance.apart import Wrapped
 from cross_checks.conformance.finding import Report
 from cross_checks.engine import Engine, Method
-from cross_checks.engine.outcome import stopped
+from cross_checks.engine.plan import stopped
 from mbs_ref.scene import Cylindrical, PlanarBody, Prismatic, Scene, SpatialBody, TorqueVector, UserForce, Weld
 from mbs_ref.scene.euler_parameters import conjugate, rotation_matrices
 from mbs_ref.settings import Settings

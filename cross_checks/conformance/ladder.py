@@ -25,6 +25,7 @@ from cross_checks.judge.ladder import knob_of
 from cross_checks.judge.runs import gap
 from cross_checks.judge.tried import facts_of
 from cross_checks.metrics.metric import from_truth, known_to
+from cross_checks.truths.truth import ONE_FIGURE
 from mbs_ref.observables.distance import NAMES, largest, relative, units_of
 from mbs_ref.scene.scales import scales_of
 
@@ -179,7 +180,7 @@ def _excusable(rising: _Rungs) -> Iterator[tuple[str, str]]:
     """Yield what a method may fail where it declares a weakness: accuracy, energy, joints, contact."""
     scene, paths, last = rising.question.scene, [run.path for run in rising.runs], rising.runs[-1]
     enough = max(GOOD, rising.method.rounding(last.path.steps))
-    floor = max(enough, 100.0 * known_to(scene, rising.question.truth))
+    floor = max(enough, ONE_FIGURE * known_to(scene, rising.question.truth))
     yield "truth", _sentence("errors", rising.shown, rising.errors, floor, rising.bar)
     energy = [figures.energy_drift(scene, path) for path in paths]
     yield "energy", rising.deviation("energy is lost or won:", energy, enough)

@@ -9,13 +9,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cross_checks.contact.laws import linear_law, own_law
-from cross_checks.contact.request import CREEP, GRAVITY, SHARE, ContactModel, Refused, Request, Translation, snippet
-from cross_checks.engine import Method, Refusal
-from cross_checks.engine.plan import DEFAULT_STEP, Plan
+from cross_checks.contact import request as wanted
+from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request, Translation, linear_law, own_law
+from cross_checks.engine import Method, Plan, Refusal
+from cross_checks.engine.plan import DEFAULT_STEP
 from cross_checks.engines.exudyn_ import Built, Exudyn
 from cross_checks.engines.exudyn_.contact import FLAT, SLOW, surface_of
-from cross_checks.engines.exudyn_.methods import CONTACT, METHODS
+from cross_checks.engines.exudyn_.run import CONTACT, METHODS
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.contact import RegularisedCoulomb, StickSlip
 
@@ -69,8 +69,10 @@ def translate(request: Request) -> Translation:
     zone = ramp(mu, GRAVITY, request.step)
     shapes = {"contactStiffness": 2.0 * request.stiffness, "contactDamping": 0.5 * request.law.damping}
     parameters = {**shapes, "contactDamping of triangles": 0.5 * floor.damping, "frictionProportionalZone": zone}
-    refused = {CREEP: Refused(SHARE * zone, "friction is in proportion to slip below frictionProportionalZone")}
-    text = snippet(
+    refused = {
+        wanted.CREEP: Refused(wanted.SHARE * zone, "friction is in proportion to slip below frictionProportionalZone")
+    }
+    text = wanted.snippet(
         "exudyn.txt", mass=request.mass, step=request.step, friction=mu, ramp=zone, stiffness=2.0 * request.stiffness,
         damping=0.5 * request.law.damping, floor_damping=0.5 * floor.damping,
     )  # fmt: skip

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from scipy.sparse import csc_array
 
-from cross_checks.contact.experiments import run
+from cross_checks.contact.by_figure import run
 from cross_checks.contact.request import ContactModel
 from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, augmented, unit_rates
 from mbs_ref.observables.contact_gap import relative_motion, shapes_known
 from mbs_ref.scene import Scene
-from mbs_ref.scene.base.directions import normals
+from mbs_ref.scene.base.part import normals
 from mbs_ref.trajectory import Trajectory
 
 ITERATIONS = 20_000  # of the projected gradient ...
@@ -62,7 +62,8 @@ def instant(scene: Scene, step: float) -> Instant:
     rows, near = [], []
     for contact in known:
         gap, normal, relative = relative_motion(units, contact)
-        frame = _frame(normal[0])
+        n = normal[0]
+        frame = np.vstack((n, (n[1], -n[0]) if len(n) == 2 else normals(n)))  # the normal and the tangents (d, d)
         mine = frame @ (relative[:-1] - relative[-1]).T
         v = system.moment.rate[system.moment.used] + step * np.linalg.solve(system.mass, system.force)
         if gap[0] <= 0.0 or gap[0] + step * (mine[0] @ v) <= 0.0:
@@ -72,11 +73,6 @@ def instant(scene: Scene, step: float) -> Instant:
         raise ValueError(f"{scene.name}: no contact touches within a step of {step:g} s from the start")
     friction = np.array([getattr(contact.friction, "coefficient", 0.0) for contact in near])
     return Instant(scene, system, step, tuple(contact.name for contact in near), np.vstack(rows), friction)
-
-
-def _frame(normal: np.ndarray) -> np.ndarray:
-    """Return the normal and the tangents (d, d)."""
-    return np.vstack((normal, (normal[1], -normal[0]) if len(normal) == 2 else normals(normal)))
 
 
 def write(problem: Instant, path: Path) -> None:

@@ -13,16 +13,12 @@ import mujoco
 import numpy as np
 
 from cross_checks.contact import request as wanted
-from cross_checks.contact.laws import own_law
-from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request, Translation, snippet
-from cross_checks.engine import Method, Refusal
-from cross_checks.engine.method import fixed
-from cross_checks.engine.plan import Plan
+from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request, Translation, own_law, snippet
+from cross_checks.engine import Method, Plan, Refusal, fixed
 from cross_checks.engines.mujoco_ import Built, MuJoCo
-from cross_checks.engines.mujoco_.build import add_loads, specify_links
+from cross_checks.engines.mujoco_.build import METHODS, add_loads, at_start, specify_links
+from cross_checks.engines.mujoco_.contact import add_pair, effective_mass
 from cross_checks.engines.mujoco_.forces import force_refusals, shared_forces, takes_shared_forces
-from cross_checks.engines.mujoco_.pairs import add_pair, effective_mass
-from cross_checks.engines.mujoco_.run import METHODS, at_start
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import closure_refusals, linkage_of
 from mbs_ref.scene import Scene

@@ -1,21 +1,22 @@
 """The Engine contract: what a solver must offer to be compared, ours included."""
 
 import warnings
-from collections.abc import Sequence
 from importlib.metadata import version
 from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
 
-from cross_checks.engine.method import Method, Refusal, exponential
-from cross_checks.engine.outcome import Loop, end_of
-from cross_checks.engine.plan import Plan, output_times, plan_run
+from cross_checks.engine.method import LOOPS, RTOLS, SINGLE, STEPS, Method, Refusal, adaptive, exponential, fixed
+from cross_checks.engine.plan import End, Loop, Plan, end_of, output_times, plan_run, stopped
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Timing, Trajectory
 
-__all__ = ["Engine", "Method", "Poses", "Refusal", "exponential", "output_times"]
+__all__ = [
+    "LOOPS", "RTOLS", "SINGLE", "STEPS", "End", "Engine", "Loop", "Method", "Plan", "Poses", "Refusal",
+    "adaptive", "end_of", "exponential", "fixed", "output_times", "plan_run", "stopped",
+]  # fmt: skip
 
 type Poses = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # position, orientation, velocity, angular velocity
 DRIVEN = "driven from Python"
@@ -111,6 +112,7 @@ class Engine:
             warnings.simplefilter("always")
             left = self.advance(model, plan)
         looped = perf_counter()
+        warned = dict.fromkeys(f"{self.name} warned: {str(one.message).strip()}" for one in said)
         loop = self.collect(model, plan, left)
         end = end_of(loop.states.reshape(len(loop.states), -1), plan.times, loop.end)
         states = loop.states[: end.samples]
@@ -125,8 +127,7 @@ class Engine:
             rhs_calls=loop.rhs_calls,
             timing=Timing(built - start, called - built, looped - called),
             reactions=self.reactions(model, plan, states, poses) if settings.reactions else {},
-            notes=((DRIVEN,) if plan.method.driven_from_python else ())
-            + (*self.notes(model, plan), *_warned(self.name, said)),
+            notes=((DRIVEN,) if plan.method.driven_from_python else ()) + (*self.notes(model, plan), *warned),
             used=plan.used,
             unreported=end.unreported,
         )
@@ -160,8 +161,3 @@ class Engine:
         reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - present)]
         reasons += [f"{method.name} cannot model a scene that is {t}" for t in sorted(method.excludes & present)]
         return [Refusal(reason, permanent=True) for reason in reasons]
-
-
-def _warned(name: str, said: Sequence[warnings.WarningMessage]) -> list[str]:
-    """Return what was warned of in the engine's loop, each sentence once."""
-    return [f"{name} warned: {text}" for text in dict.fromkeys(str(warning.message).strip() for warning in said)]

@@ -8,7 +8,7 @@ import numpy as np
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness, RadiationPressure, ThirdBody
-from mbs_ref.scene.units import attraction
+from mbs_ref.scene.scales import attraction
 
 
 def of_particles(position: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -38,6 +38,20 @@ def no_satellites(scene: Scene) -> Iterator[str]:
     for load in scene.loads:
         yield from _of_load(load, planet.name)
     yield from contradictions(scene)
+
+
+def untaught(scene: Scene, engine: str, j2_alone: bool = False) -> list[str]:
+    """Return why an engine of free particles with fixed poles cannot run a scene; `j2_alone` about z, perhaps."""
+    known = "J2 about a fixed z axis" if j2_alone else "fixed poles"
+    reasons = [
+        f"oblateness {load.name!r}: {engine} is taught {known} alone"
+        for load in scene.loads
+        if isinstance(load, Oblateness)
+        and (load.pole != "fixed" or (j2_alone and (load.axis != (0.0, 0.0, 1.0) or any(load.zonal[1:]))))
+    ]
+    if any(scene.gravity):
+        reasons.append(f"gravity = {scene.gravity}: {engine} is taught no uniform field")
+    return reasons + contradictions(scene)
 
 
 def contradictions(scene: Scene) -> list[str]:

@@ -1,4 +1,4 @@
-"""A run whose settings have been understood: method, output times, steps between them, tolerances."""
+"""The plan of a run (method, output times, steps between them, tolerances), and how its loop ended."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
@@ -7,10 +7,48 @@ import numpy as np
 
 from cross_checks.engine.initial_state import inconsistency
 from cross_checks.engine.method import Method, Refusal
-from cross_checks.engine.outcome import stopped
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
+
+
+def stopped(scene: Scene, status: Status, message: str) -> Trajectory:
+    """Return a trajectory without samples."""
+    return Trajectory.empty(len(scene.bodies), scene.dimension, status, message)
+
+
+@dataclass(frozen=True)
+class End:
+    """How the engine's loop ended: how many samples it vouches for, and why it stopped there."""
+
+    samples: int
+    status: Status = Status.SUCCESS
+    message: str = ""
+    unreported: bool = False  # the engine itself did not complain
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What the engine's loop left: its states at the output times, its end and what it counted."""
+
+    states: np.ndarray  # (n_t, n) one row an output time, in the engine's own terms
+    end: End
+    steps: int = 0
+    rhs_calls: int = 0
+    rejected_steps: int = 0
+
+
+def end_of(states: np.ndarray, times: np.ndarray, end: End) -> End:
+    """Return the end, moved ahead to the first sample (row of `states`) that is not finite."""
+    finite = np.isfinite(states[: end.samples]).all(axis=1)
+    good = end.samples if finite.all() else int(np.argmin(finite))
+    if good == end.samples:
+        return end
+    last = f"the last finite sample is at t = {times[good - 1]:g} s" if good else "no sample is finite"
+    cause = f" ({end.message})" if end.message else ""
+    silent = end.status in (Status.SUCCESS, Status.RESET)
+    return End(good, Status.NON_FINITE, f"NaN or infinity arose before t = {times[good]:g} s; {last}{cause}", silent)
+
 
 DEFAULT_STEP = 1e-3  # s, the largest step chosen when none is given
 DEFAULT_RTOL = 1e-9
@@ -46,16 +84,13 @@ class Planned(Protocol):
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]: ...
 
 
-def plan_run(
-    engine: Planned, scene: Scene, settings: Settings, times: np.ndarray | None, supported: frozenset[str] = frozenset()
-) -> Plan | Trajectory:
+def plan_run(engine: Planned, scene: Scene, settings: Settings, times: np.ndarray | None) -> Plan | Trajectory:
     """Return the plan, or a trajectory without samples that says why the scene is not run.
 
-    `supported` names the settings beyond method, step, tolerances and times that the engine honours; any
-    other that differs from its default is a ValueError.
+    ValueError where a setting other than method, step, tolerances and times differs from its default.
     """
     method = engine.method(settings.method)
-    _check_settings(engine.name, method, settings, supported)
+    _check_settings(engine.name, method, settings)
     grid = step_grid(scene, settings) if times is None and settings.step else output_times(scene, settings, times)
     if grid.ndim != 1 or len(grid) < 2 or grid[0] != 0.0 or not np.all(np.diff(grid) > 0.0):
         raise ValueError("times must be at least two increasing numbers, the first 0")
@@ -75,7 +110,7 @@ def plan_run(
     return Plan(method, grid, step, counts, max_steps=settings.max_steps)
 
 
-def _check_settings(engine: str, method: Method, settings: Settings, supported: frozenset[str]) -> None:
+def _check_settings(engine: str, method: Method, settings: Settings) -> None:
     if method.kind == "fixed" and (settings.rtol is not None or settings.atol is not None):
         raise ValueError(f"rtol, atol = {settings.rtol}, {settings.atol}: {method.name} takes a step instead")
     if method.kind == "adaptive" and settings.step is not None:
@@ -83,7 +118,7 @@ def _check_settings(engine: str, method: Method, settings: Settings, supported: 
     defaults = Settings()
     for name in ("coordinates", "stabilization", "baumgarte_gain", "stop_on_compliance", "project_initial", "outputs"):
         value, default = getattr(settings, name), getattr(defaults, name)
-        if name not in supported and value != default:
+        if value != default:
             raise ValueError(f"{name} = {value!r} is not offered by {engine}; allowed: {default!r}")
     if settings.events == "located" and not method.locates_events:
         raise ValueError(f"events = 'located': {method.name} of {engine} locates no events; allowed: 'none'")

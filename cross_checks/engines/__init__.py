@@ -7,7 +7,6 @@ import os
 import re
 import sys
 from contextlib import redirect_stdout
-from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata
@@ -18,6 +17,7 @@ from types import ModuleType
 from cross_checks.engine import Engine
 from cross_checks.isolation.environments import home_of, pins_of, python_of
 from cross_checks.isolation.parent import Lost
+from mbs_ref.scene.messages import suggest
 
 GROUP = "mbs_ref.engines"
 ADAPTERS = "MBS_REF_ADAPTERS"  # an environment variable, so that child processes know the same engines
@@ -77,7 +77,7 @@ def get(name: str) -> Engine:
     outside = _entry_points()
     if name in outside:
         return _create(outside[name].module, name, outside[name].attr or None)
-    raise ValueError(f"engine = {name!r} is unknown; {_suggestion(name)}allowed: {', '.join(names())}")
+    raise ValueError(f"engine = {name!r} is unknown{suggest(name, names())}; allowed: {', '.join(names())}")
 
 
 @cache
@@ -103,7 +103,7 @@ def _create_from_file(path: Path, name: str) -> Engine:
 
 
 def _load(path: Path) -> str:
-    """Make an adapter file importable under a name of its own, and return that name."""
+    """Import an adapter file under a module name of its own, and return that name."""
     name = f"mbs_ref_adapter_{path.stem}"
     if name not in sys.modules:
         spec = spec_from_file_location(name, path)
@@ -117,11 +117,6 @@ def _load(path: Path) -> str:
             del sys.modules[name]
             raise
     return name
-
-
-def _suggestion(name: str) -> str:
-    close = get_close_matches(name, names(), n=1)
-    return f"did you mean {close[0]!r}? " if close else ""
 
 
 def _create(module_name: str, name: str, attribute: str | None = None) -> Engine:

@@ -28,14 +28,11 @@ from Basilisk.simulation import (
 )
 from Basilisk.utilities import SimulationBaseClass
 
-from cross_checks.engine import Engine, Method, Poses, Refusal, exponential
+from cross_checks.engine import RTOLS, End, Engine, Loop, Method, Plan, Poses, Refusal, exponential
 from cross_checks.engine.celestial import no_satellites, normalized_zonals, of_particles, planet_of
-from cross_checks.engine.method import RTOLS
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness
-from mbs_ref.scene.units import attraction, is_celestial
+from mbs_ref.scene.scales import attraction, is_celestial
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; in free-fall times where a scene counts in these
 SECOND = 1_000_000_000  # ns, of its clock
@@ -179,7 +176,7 @@ def _integrator(craft: Any, plan: Plan) -> Any:
 
 
 def _add_air(model: Built, body: int, schedule: _Schedule | None) -> None:
-    """Give a spacecraft its drag: density and wind are computed where the step begins, and held."""
+    """Add drag to a spacecraft; density and wind are computed at the start of a step and constant through it."""
     scene, craft = model.scene, model.spacecraft[body]
     for load in scene.loads:
         if not isinstance(load, Drag) or load.body != scene.bodies[body].name or schedule is None:

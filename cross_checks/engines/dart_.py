@@ -11,10 +11,7 @@ from typing import Any, ClassVar
 import dartpy  # an optional extra
 import numpy as np
 
-from cross_checks.engine import Method, Refusal
-from cross_checks.engine.method import STEPS
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import STEPS, End, Loop, Method, Plan, Refusal
 from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
 from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
@@ -95,7 +92,7 @@ ENGINE = Dart
 
 
 def _pin_options(world: Any, plan: Plan) -> None:
-    """Leave no option to a default; bodies that rest are put to sleep unless this is switched off."""
+    """Set every option; bodies at rest are deactivated unless that is switched off."""
     world.setTimeStep(plan.step)
     world.setNumSimulationThreads(1)
     sleep = world.getDeactivationOptions()

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.engine.outcome import stopped
+from cross_checks.engine import Engine, Method, Refusal, stopped
 from cross_checks.isolation.environments import python_of, surroundings
 from cross_checks.isolation.parent import Isolated, Lost
 from mbs_ref.kernels.jit import source_digest

@@ -9,13 +9,11 @@ from typing import Any, ClassVar
 import heyoka  # an optional extra
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.engine.celestial import contradictions, of_particles
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal
+from cross_checks.engine.celestial import of_particles, untaught
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness
-from mbs_ref.scene.units import attraction, is_celestial
+from mbs_ref.scene.scales import attraction, is_celestial
 from mbs_ref.trajectory import Status
 
 TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15, 1e-18)  # of the Taylor series' remainder; 1e-18 is below roundoff
@@ -46,10 +44,11 @@ class Heyoka(Engine):
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):
             return [Refusal("the adapter writes free particles in space under gravity as series, nothing else", False)]
-        return [Refusal(reason, False) for reason in _untaught(scene)]
+        return [Refusal(reason, False) for reason in untaught(scene, "heyoka")]
 
     def build(self, scene: Scene, plan: Plan) -> Built:
-        return Built(_equations(scene), _start(scene))
+        start = [[*body.position, *body.velocity] for body in scene.bodies]  # m, m/s
+        return Built(_equations(scene), np.array(start, dtype=float).ravel())
 
     def first_call(self, model: Built, plan: Plan) -> None:
         """Compile machine code, which the construction of the integrator does."""
@@ -78,22 +77,6 @@ class Heyoka(Engine):
 
 
 ENGINE = Heyoka
-
-
-def _untaught(scene: Scene) -> list[str]:
-    reasons = [
-        f"oblateness {load.name!r}: heyoka is taught fixed poles alone"
-        for load in scene.loads
-        if isinstance(load, Oblateness) and load.pole != "fixed"
-    ]
-    if any(scene.gravity):
-        reasons.append(f"gravity = {scene.gravity}: heyoka is taught no uniform field")
-    return reasons + contradictions(scene)
-
-
-def _start(scene: Scene) -> np.ndarray:
-    """Return x, y, z, vx, vy, vz (6 n_bodies,), body after body: m, m/s."""
-    return np.array([[*body.position, *body.velocity] for body in scene.bodies], dtype=float).ravel()
 
 
 def _equations(scene: Scene) -> list[tuple[Any, Any]]:

@@ -5,15 +5,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Refusal
+from cross_checks.engine import Engine, Method, Refusal, stopped
 from cross_checks.engine.celestial import contradictions
-from cross_checks.engine.outcome import stopped
 from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import is_celestial
 from mbs_ref.scene.traits import NO_DEFLECTIONS, NO_SLIP, PART_TYPES, deflecting, traits
-from mbs_ref.scene.units import is_celestial
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.simulate.method_choice import AUTO

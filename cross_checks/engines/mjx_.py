@@ -17,18 +17,12 @@ import jax
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Method, Poses, Refusal
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
-from cross_checks.engines.mujoco_ import MuJoCo
-from cross_checks.engines.mujoco_.build import compile_links
+from cross_checks.engine import End, Loop, Method, Plan, Poses, Refusal
+from cross_checks.engines.mujoco_ import Built, MuJoCo
+from cross_checks.engines.mujoco_.build import METHODS as OF_MUJOCO
+from cross_checks.engines.mujoco_.build import at_start, compile_links
 from cross_checks.engines.mujoco_.forces import own_refusals
-from cross_checks.engines.mujoco_.observe import Observer
-from cross_checks.engines.mujoco_.run import METHODS as OF_MUJOCO
-from cross_checks.engines.mujoco_.run import TIGHT, at_start
-from cross_checks.linkage.forces import LinkageEngine
-from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.motion import poses_of
+from cross_checks.linkage.links import closure_refusals, linkage_of
 from mbs_ref.scene import Scene
 
 jax.config.update("jax_enable_x64", True)  # else everything is in single precision, without a word
@@ -42,7 +36,7 @@ GUESSED = "mjx guesses the effective mass of a contact, rightly for bodies that 
 
 @jax.jit
 def _steps(model: Any, data: Any, count: int) -> Any:
-    """Make `count` steps in one call, compiled once for a model."""
+    """Take `count` steps in one call, compiled once for a model."""
 
     def step(_: int, state: Any) -> Any:
         # in double precision some of its integers grow to 64 bits, which a loop does not bear
@@ -52,29 +46,25 @@ def _steps(model: Any, data: Any, count: int) -> Any:
 
 
 @dataclass(frozen=True)
-class Built:
-    """A MuJoCo model, its copy in JAX, and the state there at t = 0."""
+class Copied(Built):
+    """A MuJoCo model without forces from Python, its copy in JAX, and the state there at t = 0."""
 
-    linkage: Linkage
-    model: mujoco.MjModel
     copy: Any
     start: Any
-    applied: None = None  # MuJoCo's own elements act
 
 
-class Mjx(LinkageEngine):
+class Mjx(MuJoCo):
     """MJX in double precision, each interval between output times one compiled call."""
 
     name: ClassVar[str] = "mjx"
     package: ClassVar[str] = "mujoco.mjx"
     distribution: ClassVar[str] = "mujoco-mjx"
     method_table: ClassVar[tuple[Method, ...]] = METHODS
-    extra: ClassVar[frozenset[str]] = MuJoCo.extra
+    as_shipped: ClassVar[None] = None
     lacks: ClassVar[frozenset[str]] = frozenset(
         {"bushing", "point_bushing", "user_force", "circle_on_line", "circle_on_circle", "pin_on_sprocket"}
         | {"progressive_law", "hunt_crossley_law", "regularised_coulomb"}
     )
-    closes: ClassVar[frozenset[str]] = MuJoCo.closes
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         found = closure_refusals(self.name, scene, self.closes) + own_refusals(linkage_of(scene))
@@ -82,26 +72,20 @@ class Mjx(LinkageEngine):
             found.append(Refusal(GUESSED, permanent=True))
         return [Refusal(r.reason.replace("mujoco", "mjx"), r.permanent) for r in found]
 
-    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
-        reasons = super().method_refusals(scene, method)
-        if method.name.endswith(TIGHT) and not reasons and not linkage_of(scene).closures:
-            reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
-        return reasons
-
-    def build(self, scene: Scene, plan: Plan) -> Built:
+    def build(self, scene: Scene, plan: Plan) -> Copied:
         linkage = linkage_of(scene)
         model = compile_links(linkage, plan, shared=False)
         model.opt.enableflags = 0  # the exact effective mass, which MJX lacks
         if all(contact.friction is None for contact in scene.contacts):
             model.opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL  # elliptic ones without any friction are a TypeError in it
         start = at_start(model, linkage)
-        return Built(linkage, model, mjx.put_model(model), mjx.put_data(model, start))
+        return Copied(linkage, model, start, None, mjx.put_model(model), mjx.put_data(model, start))
 
-    def first_call(self, model: Built, plan: Plan) -> None:
+    def first_call(self, model: Copied, plan: Plan) -> None:
         """Compile, which takes seconds."""
         jax.block_until_ready(_steps(model.copy, model.start, 1))
 
-    def advance(self, model: Built, plan: Plan) -> Loop:
+    def advance(self, model: Copied, plan: Plan) -> Any:
         data, nq = model.start, model.model.nq
         states = np.empty((len(plan.times), nq + model.model.nv))
         states[0, :nq], states[0, nq:] = data.qpos, data.qvel
@@ -112,9 +96,11 @@ class Mjx(LinkageEngine):
         stages = 4 if model.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
         return Loop(states, End(len(states)), steps, steps * stages)
 
-    def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        """Return the poses of MJX's coordinates; MuJoCo's own kinematics reads them."""
-        return poses_of(model.linkage, Observer(model.model, model.linkage).motions(plan.times[: len(states)], states))
+    def collect(self, model: Copied, plan: Plan, left: Any) -> Loop:
+        return left
+
+    def reactions(self, model: Copied, plan: Plan, states: np.ndarray, poses: Poses) -> dict[str, np.ndarray]:
+        return {}
 
 
 ENGINE = Mjx

@@ -9,19 +9,17 @@ from typing import Any, ClassVar
 import numpy as np
 import rebound
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.engine.celestial import contradictions, of_particles
-from cross_checks.engine.method import RTOLS
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import RTOLS, End, Engine, Loop, Method, Plan, Poses, Refusal
+from cross_checks.engine.celestial import of_particles, untaught
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Oblateness, Relativity
-from mbs_ref.scene.units import attraction, free_fall_time, is_celestial
+from mbs_ref.scene.scales import attraction, free_fall_time, is_celestial
 from mbs_ref.trajectory import Status
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; WHFast and SABA, in time units of the Kepler scene
 EPSILONS = (1e-3, 1e-5, 1e-7, 1e-9)  # IAS15's own measure; its default 1e-9 is machine precision
 START = 1e-3  # of the shortest free-fall time: the first step of the adaptive methods
+EXTRAS = (Relativity, Oblateness)  # by reboundx
 VELOCITY_BLIND = frozenset({"whfast", "saba"})
 METHODS = (
     Method("ias15", "adaptive", 15, "IAS15 (Rein and Spiegel 2015), compiled; rtol is its epsilon", EPSILONS),
@@ -42,10 +40,13 @@ class Rebound(Engine):
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):
             return [Refusal("rebound moves free particles in space under gravity, and nothing else", True)]
-        return [Refusal(reason, False) for reason in [*_untaught(scene), *contradictions(scene)]]
+        reasons = untaught(scene, "rebound", j2_alone=True)
+        if any(isinstance(load, EXTRAS) for load in scene.loads) and find_spec("reboundx") is None:
+            reasons.append("relativity and oblateness need the package reboundx")
+        return [Refusal(reason, False) for reason in reasons]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
-        extra = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
+        extra = any(isinstance(load, EXTRAS) for load in scene.loads)
         if extra and method.name in VELOCITY_BLIND:
             return [Refusal(f"{method.name} splits Newton's forces alone; with reboundx's it loses its order", True)]
         return super().method_refusals(scene, method)
@@ -82,20 +83,6 @@ class Rebound(Engine):
 ENGINE = Rebound
 
 
-def _untaught(scene: Scene) -> list[str]:
-    zonal = [load for load in scene.loads if isinstance(load, Oblateness)]
-    reasons = [
-        f"oblateness {load.name!r}: rebound is taught J2 about a fixed z axis alone"
-        for load in zonal
-        if load.pole != "fixed" or load.axis != (0.0, 0.0, 1.0) or any(load.zonal[1:])
-    ]
-    if any(scene.gravity):
-        reasons.append(f"gravity = {scene.gravity}: rebound is taught no uniform field")
-    needs = any(isinstance(load, Relativity | Oblateness) for load in scene.loads)
-    missing = needs and find_spec("reboundx") is None
-    return [*reasons, "relativity and oblateness need the package reboundx"] if missing else reasons
-
-
 def _simulation(scene: Scene) -> tuple[Any, Any]:
     """Return the simulation in SI units with G = 1 and gm as masses, and its extras, which must stay alive."""
     simulation = rebound.Simulation()
@@ -107,7 +94,7 @@ def _simulation(scene: Scene) -> tuple[Any, Any]:
 
 
 def _extras(simulation: Any, scene: Scene) -> Any:
-    parts = [load for load in scene.loads if isinstance(load, Relativity | Oblateness)]
+    parts = [load for load in scene.loads if isinstance(load, EXTRAS)]
     if not parts:
         return None
     import reboundx

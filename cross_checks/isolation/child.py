@@ -40,7 +40,7 @@ def _has_one_thread() -> bool:
 
 
 def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None:
-    """Make the call in a copy of this process: tell its id, its notes, its answer, or (None, exit code) without one.
+    """Execute the call in a copy of this process: send its id, its notes, its answer, or (None, exit code).
 
     What it says comes through a pipe of its own, so that a copy ended in the middle of it leaves no half behind.
     """

@@ -63,7 +63,7 @@ def surroundings(name: str) -> dict[str, str]:
 
 
 def make(name: str, requirements: Sequence[str], home: Path | None = None, *, over: bool = False) -> Path:
-    """Make the engine's environment, install the requirements in it, and note where it is; return where.
+    """Create the engine's environment, install the requirements in it, store its path, and return it.
 
     `over` lets it see this environment's packages below its own, so that only what differs is installed.
     NotMade where pip fails; nothing is noted then.
@@ -83,7 +83,7 @@ def make(name: str, requirements: Sequence[str], home: Path | None = None, *, ov
 
 
 def forget(name: str) -> Path | None:
-    """Take away the note of an engine's environment; return where the environment is, which stays."""
+    """Delete the stored path of an engine's environment and return it; the environment remains."""
     home = home_of(name)
     (folder() / f"{name}.json").unlink(missing_ok=True)
     return home

@@ -16,8 +16,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
 
-from cross_checks.isolation.messages import NOTES, Relay, receive, send
-from cross_checks.isolation.patience import Patience, moment
+from cross_checks.isolation.messages import NOTES, Patience, Relay, moment, receive, send
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 ONE_THREAD = dict.fromkeys(THREADS, "1")

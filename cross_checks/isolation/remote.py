@@ -51,14 +51,14 @@ class Remote(Isolated):
         return Remote(self.timeout, self.memory, scheduler=self.scheduler, _client=self.client, _is_alike=True)
 
     def close(self) -> None:
-        """Give up the call under way, and close the connection where this caller opened it."""
+        """Cancel the running call, and close the connection where this caller opened it."""
         if self._future is not None:
             self._future.cancel()
         if self._client is not None and not self._is_alike:
             self._client.close()
 
     def cancel(self) -> None:
-        """Give up the call under way, from another thread, and every later one."""
+        """Cancel the running call, from another thread, and every later one."""
         self._cancelled = True
         if self._future is not None:
             self._future.cancel()
@@ -82,7 +82,7 @@ class Remote(Isolated):
 
 
 def _made(function: Callable[..., Any], arguments: tuple[Any, ...], timeout: float, memory: int) -> Answered:
-    """Make the call in a process beside this worker, one that is used again."""
+    """Execute the call in a process beside this worker, which later calls use again."""
     call = _CALLS.setdefault(get_worker().id, Isolated())
     call.timeout, call.memory = timeout, memory
     try:

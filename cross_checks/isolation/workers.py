@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import count
 from typing import Any, Self
 
@@ -126,19 +125,19 @@ class Pool[Name, Result]:
         while self._open:
             self._tick(self.running())
             with suppress(queue.Empty):
-                task, result = self._done.get(timeout=TICK) if self._threads else self._made_here()
+                if self._threads:
+                    task, result = self._done.get(timeout=TICK)
+                else:
+                    task = heapq.heappop(self._waiting)
+                    result = task.work(self._call)
                 if self._open.pop(task.place[-1], None) is None:
                     continue
                 if isinstance(result, BaseException) and not isinstance(result, Late):
                     raise result
                 yield task.name, result
 
-    def _made_here(self) -> tuple[_Task, Any]:
-        task = heapq.heappop(self._waiting)
-        return task, task.work(self._call)
-
     def _serve(self) -> None:
-        """Make tasks until the pool is closed; a process whose task was dropped is replaced."""
+        """Execute tasks until the pool is closed; a process whose task was dropped is replaced."""
         while not self._closed:
             with self._call.alike() as call, suppress(Cancelled):  # type: ignore[attr-defined] - an Isolated has threads
                 worker = _Worker(call)
@@ -181,9 +180,5 @@ def each[Task, Result](
     """
     with Pool[Task, Result](call or Isolated(timeout, memory), workers) as pool:
         for task in tasks:
-            pool.add(task, partial(_on, work, task))
+            pool.add(task, lambda call, task=task: work(call, task))
         yield from pool  # type: ignore[misc]
-
-
-def _on[Task, Result](work: Callable[[Caller, Task], Result], task: Task, call: Caller) -> Result:
-    return work(call, task)

@@ -18,10 +18,10 @@ from cross_checks.judge.consensus import ENOUGH, Consensus, Request
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.record import Record
-from cross_checks.truths.truth import MARGIN, NoTruth, Truth
+from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
 from mbs_ref.scene import Scene
 
-USEFUL = 1e-3 / MARGIN  # of the scene: a truth that is known so well shows which methods are within 1e-3
+USEFUL = 1e-3 / ONE_FIGURE  # of the scene: a truth that is known so well shows which methods are within 1e-3
 SEARCH = 1.0  # s that a search is expected to take, beside the levels of a consensus
 
 Progress = Callable[[int, int, str], None]  # (questions settled, of how many, what is under way)
@@ -130,7 +130,7 @@ class _OfScene:
         if isinstance(truth, Truth):
             self._judge_by(truth, 0.0, True)
         else:
-            enough = max(ENOUGH, min(self._targets) / MARGIN)
+            enough = max(ENOUGH, min(self._targets) / ONE_FIGURE)
             self.follow(Consensus(self._pool, self._runs, scene, truth.reason, enough))
 
     def follow(self, consensus: Consensus) -> None:
@@ -154,7 +154,7 @@ class _OfScene:
         """Search and judge by the best truth there is when the task begins."""
         assert self._truth is not None
         (truth, known_to, is_settled), runs = self._truth, replace(self._runs, call=call)
-        targets = self._targets if is_settled else sorted({max(one, MARGIN * known_to) for one in self._targets})
+        targets = self._targets if is_settled else sorted({max(one, ONE_FIGURE * known_to) for one in self._targets})
         result = judged(runs, question.scene, question.engine, question.method, truth, targets)
         return Answer(question, *result, truth, is_settled)
 

@@ -31,7 +31,7 @@ from cross_checks.judge.convergence.extrapolation import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.records.store import SAMPLES
-from cross_checks.truths.truth import MARGIN, NoTruth, Truth
+from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings
@@ -45,7 +45,7 @@ LEVELS: tuple[dict[str, tuple[float, ...]], ...] = (
 )  # tolerances, and steps over the duration, by the kind of a method; each level begins where the one before ends
 DEARER = 4.0  # expected cost of a level over that of the one before: the ratio of its steps
 WORST = 1e-3  # of the scene: engines further apart agree on nothing
-ENOUGH = AGREEMENT / MARGIN  # of the scene: a truth that is known so well shows agreement
+ENOUGH = AGREEMENT / ONE_FIGURE  # of the scene: a truth that is known so well shows agreement
 PER_ENGINE = 2  # methods of each
 BETWEEN = 4  # output times of a run between two of the judges'
 SPREAD = 0.25  # by which the steps of two methods at the same level differ at most

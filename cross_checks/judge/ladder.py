@@ -6,8 +6,7 @@ import numpy as np
 
 from cross_checks.engine import Method
 from mbs_ref.scene import Scene
-from mbs_ref.scene.scales import scales_of
-from mbs_ref.scene.units import free_fall_time
+from mbs_ref.scene.scales import free_fall_time, scales_of
 from mbs_ref.settings import Settings
 
 SAMPLES = 41  # output times of a judged run

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks import metrics
-from cross_checks.ephemerides.observed import Observed, Unobserved, observe
+from cross_checks.ephemerides import Observed, Unobserved, observe
 from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.metrics.drifts import worst_joint
 from cross_checks.metrics.errors import COMPONENTS, significant_figures
@@ -94,8 +94,7 @@ def unjudged(error: Error | None) -> tuple[str, ...]:
     """Return the sentence that a truth is not known well enough for this error, if so."""
     if error is None or error.is_judged:
         return ()
-    why = f"the truth, known to {error.uncertainty:.1e} of the scene, judges no error below {error.floor:.1e}"
-    return (f"error not judged: {why}",)
+    return (f"error not judged: the truth is known to {error.uncertainty:.1e} of the scene",)
 
 
 def _told(observed: Observed | Unobserved | None) -> tuple[str, ...]:

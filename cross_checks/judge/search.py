@@ -113,11 +113,14 @@ class Search:
     # --- targets
 
     def reach(self, targets: Sequence[float]) -> None:
-        """Make runs until every target is reached from within its window, or has no fair odds."""
-        tries = dict.fromkeys(targets, 0)
-        given_up: set[float] = set()
+        """Make runs until every target is reached from within its window, or has no fair odds.
+
+        An error of t - u shows a target t, against a truth that is known to u; a target below u is not sought.
+        """
+        known = self.subject.facts()["uncertainty"]
+        tries = {target - known: 0 for target in targets if target > known}
         while len(self.points) < bounds.MOST_RUNS:
-            choice = self._best(targets, tries, given_up)
+            choice = self._best(tries)
             if choice is None:
                 return
             knob, served = choice
@@ -125,10 +128,11 @@ class Search:
                 tries[target] += 1
             self.try_(knob)
 
-    def _best(
-        self, targets: Sequence[float], tries: dict[float, int], given_up: set[float]
-    ) -> tuple[float, list[float]] | None:
-        """Return the setting worth most and the targets that it serves; None where no run is worth its cost."""
+    def _best(self, tries: dict[float, int]) -> tuple[float, list[float]] | None:
+        """Return the setting worth most and the targets that it serves; None where no run is worth its cost.
+
+        `tries` counts the runs made for each target.
+        """
         shown = self.shown()
         knobs = self._candidates()
         if shown is None or not len(knobs):
@@ -136,8 +140,9 @@ class Search:
         runs = self._odds_to_run(knobs)
         steps = np.log10(np.maximum(self.steps(knobs), 1.0))
         worth, able, served = np.zeros(len(knobs)), np.zeros(len(knobs), dtype=bool), []
-        for target in targets:
-            reaching = [point for point in self.good if point.error is not None and point.error <= target]
+        within_work = [point for point in self.good if point.steps <= 1.01 * self.subject.most_steps]
+        for target in tries:
+            reaching = [point for point in within_work if point.error is not None and point.error <= target]
             at_most = runs * odds_below(shown, knobs, target)
             within = at_most - runs * odds_below(shown, knobs, target / bounds.AIM)
             if reaching:

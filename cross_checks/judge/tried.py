@@ -12,12 +12,13 @@ from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
 from cross_checks.judge.verdict import Judgement, Point
 from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult
+from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.scene import Scene
+from mbs_ref.scene.scales import free_fall_time
 from mbs_ref.scene.traits import is_smooth
-from mbs_ref.scene.units import free_fall_time
-from mbs_ref.simulate.linearised.stiffness import may_be_stiff, stiffness_at_start
+from mbs_ref.simulate.linearised import may_be_stiff, stiffness_at_start
 from mbs_ref.trajectory import Trajectory
 
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in free-fall times
@@ -49,17 +50,13 @@ class Tried:
         self.coarsest = coarsest(self.method, self.scene)
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
         self.why_no_truth = self.truth.reason if isinstance(self.truth, NoTruth) else ""
+        self.uncertainty = 0.0 if isinstance(self.truth, NoTruth) else known_to(self.scene, self.truth)
         self.search = Search(self)
 
     @property
     def knobs(self) -> list[float]:
         """The settings that were run, coarse to fine."""
         return self.search.knobs
-
-    @property
-    def uncertainty(self) -> float | None:
-        """How well the truth is known over the scene's scales; None where no run has an error."""
-        return next((r.error.uncertainty for r in self.records.values() if r.error is not None), None)
 
     def typed(self, knob: float) -> float:
         """Return a setting as a user types it: a step that divides the outputs, a tolerance of two digits."""
@@ -85,7 +82,7 @@ class Tried:
 
     def facts(self) -> dict:
         """Return what the ladder of this method states beside its runs."""
-        return facts_of(self.method, self.scene, self.duration, self.uncertainty or 0.0)
+        return facts_of(self.method, self.scene, self.duration, self.uncertainty)
 
     def reference(self, knob: float) -> float | None:
         """Return the error of a method of that order or more at the same setting, of another package."""
@@ -188,17 +185,17 @@ def _result(tried: Tried, target: float) -> TargetResult:
     records = [tried.records[point.knob] for point in good if tried.is_within(point)]
     if isinstance(tried.truth, NoTruth):
         return TargetResult(target, "unjudged", None, tried.truth.reason)
-    record = next((r for r in records if r.error is not None and r.error.value <= target), None)
+    record = next((r for r in records if r.error is not None and r.error.bound <= target), None)
     if record is not None:
         return TargetResult(target, "reached", record)
-    floor = max((r.error.floor for r in records if r.error is not None), default=0.0)
-    if target < floor:
-        return TargetResult(target, "unjudged", None, f"errors below {floor:.1e} cannot be resolved by this truth")
-    omitted, verdict = tried.search.omitted(target), tried.verdict()
+    best = min((r.error.value for r in records if r.error is not None), default=math.inf)
+    if min(target, best - target) <= tried.uncertainty:
+        why = f"the best error is {best:.1e}, and the truth is known to {tried.uncertainty:.1e}"
+        return TargetResult(target, "unjudged", None, why)
+    omitted, verdict = tried.search.omitted(target - tried.uncertainty), tried.verdict()
     is_open = verdict.verdict not in WRONG and bool(good) and tried.knobs[-1] == good[-1].knob
     if is_open and omitted is not None and omitted.reaches > 1.0 - FAILING:
         return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
-    best = min((r.error.value for r in records if r.error is not None), default=math.inf)
     return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}", omitted)
 
 

@@ -11,7 +11,7 @@ from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.vocabulary import REFUSED, Verdict
-from cross_checks.truths.truth import MARGIN
+from cross_checks.truths.truth import ONE_FIGURE
 
 BLOWN_UP = frozenset({"non-finite", "reset"})
 
@@ -63,12 +63,12 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Jud
         judged = _by_error(coarser, posterior(ladder.take(slice(place + 1))), documented)
         return judged._replace(reason=f"{judged.reason}; rounding may explain the errors of finer runs")
     last, error, uncertainty = good[-1].setting, float(ladder.errors[-1]), ladder.uncertainty
-    bar = max(AGREEMENT, MARGIN * uncertainty)
+    bar = AGREEMENT + uncertainty  # a limit farther from the truth is off the motion by more than AGREEMENT
     limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar) + shown.weights["lost"]
     slow = shown.odds_of_order_below(_least_order(documented))
-    if error <= AGREEMENT:
+    if error + uncertainty <= AGREEMENT:
         return _agreement(good, shown, limit + stall)
-    if error < MARGIN * uncertainty:
+    if error <= max(AGREEMENT, ONE_FIGURE * uncertainty):
         return Judgement(Verdict.BELOW_TRUTH, f"{error:.1e} at {last}; the truth is known to {uncertainty:.1e}")
     if len(ladder) >= LEVELS:
         wrong = _wrong(good, shown, limit, stall + slow)
@@ -90,9 +90,6 @@ def above_rounding(ladder: Ladder) -> int:
 
 def _agreement(good: Sequence[Point], shown: Posterior, failing: float) -> Judgement:
     error, last = float(shown.ladder.errors[-1]), good[-1].setting
-    if shown.ladder.uncertainty > AGREEMENT / MARGIN:
-        known = f"the truth is known to {shown.ladder.uncertainty:.1e}"
-        return Judgement(Verdict.BELOW_TRUTH, f"{error:.1e} at {last}; {known}")
     if len(good) < 2:
         return Judgement(Verdict.NOT_SHOWN, f"only {last} reaches {error:.1e}: one run shows no convergence")
     if failing < DOUBTFUL:

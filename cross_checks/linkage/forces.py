@@ -8,29 +8,30 @@ from typing import Any, ClassVar, NamedTuple, Protocol, get_args
 
 import numpy as np
 
-from cross_checks.engine import Engine, Poses, Refusal
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Engine, Plan, Poses, Refusal
 from cross_checks.linkage.links import Linkage, closure_refusals
 from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, poses_of, project, rotated
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.dynamics import load_state as load_planar
+from mbs_ref.kernels.spatial.marks import cross, plus, put, symmetric_times, triple
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
-from mbs_ref.kernels.spatial.vectors import cross, plus, put, symmetric_times, triple
 from mbs_ref.scene import Scene
-from mbs_ref.scene.celestial import CelestialLoad
+from mbs_ref.scene.celestial import CelestialLoad, Epoch, GravityGradient, Newton
 from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.scene.euler_parameters import conjugate, from_matrix, parameter_matrix, product
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Drive, PointOnPlane, RollingWheel, UserConstraint
+from mbs_ref.scene.scales import is_celestial
 from mbs_ref.scene.traits import PART_TYPES
 
 BY_SHARED_CODE = "come from the shared force code, called through Python"
 SHARED = f"loads and contacts {BY_SHARED_CODE}"
 LOCATED = (RigidLaw, LankaraniNikraveshLaw, FloresLaw, ConstraintLaw, StickSlip)  # need located events
+RIGID_SKY = (Newton, GravityGradient, Epoch)  # what acts on rigid bodies, too
 _LACKS = (
-    *get_args(CelestialLoad), *get_args(get_args(Event)[0]), *Drive.__subclasses__(), *LOCATED,
+    *(set(get_args(CelestialLoad)) - set(RIGID_SKY)), *get_args(get_args(Event)[0]), *Drive.__subclasses__(), *LOCATED,
     PointOnPlane, RollingWheel, UserConstraint,
 )  # fmt: skip
 PARTS = frozenset(PART_TYPES) - {part.model_fields["type"].default for part in _LACKS}  # of links and shared forces
@@ -41,8 +42,9 @@ MECHANISM = frozenset(
 
 
 def contact_refusals(scene: Scene) -> list[Refusal]:
-    """Return why the scene's contacts need located events, contact by contact."""
-    return [
+    """Return why the scene's contacts need located events, contact by contact, and why free particles are refused."""
+    free = [Refusal("the shared force code attracts rigid bodies, and this scene has particles alone", False)]
+    return (free if is_celestial(scene) else []) + [
         Refusal(f"contact {c.name!r}: {c.law.type} or its friction needs located events", False)
         for c in scene.contacts
         if isinstance(c.law, LOCATED) or isinstance(c.friction, LOCATED)
@@ -141,16 +143,8 @@ class Applied:
         places = np.full((2, len(linkage.links) + 1), len(start))
         places[:, bodies.scene_index] = bodies.q, bodies.v
         gyroscopic = getattr(kinematics, "inertia", np.zeros((0, 6))), getattr(kinematics, "omega", np.zeros((0, 3)))
-        self.core = Core(
-            linkage.angle,
-            linkage.theta,
-            linkage.rigid,
-            bodies.scene_index,
-            kinematics.force,
-            places[0],
-            places[1],
-            *gyroscopic,
-        )
+        start = linkage.angle, linkage.theta, linkage.rigid
+        self.core = Core(*start, bodies.scene_index, kinematics.force, places[0], places[1], *gyroscopic)
 
     def wrenches(self, t: float, motion: Motion) -> np.ndarray:
         """Return force (N) and torque about the centre of mass (N m), (n_bodies, 6), world axes."""

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cross_checks.engine.method import Refusal
+from cross_checks.engine import Refusal
 from cross_checks.linkage.tree import FIXED, Edge, Holding, spanning_tree
 from mbs_ref import scene as parts
 from mbs_ref.scene import PlanarBody, PointMass, Scene, SpatialBody

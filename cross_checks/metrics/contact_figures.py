@@ -35,8 +35,9 @@ def contact_figures(scene: Scene, path: Trajectory) -> dict[str, float]:
 
 
 def _of_contact(motion: Motion, contact) -> dict[str, float]:
-    gap, rate, slip = gap_of(motion, contact)
-    if gap[0] > 0.0 and not _is_located(motion.trajectory, contact.name):
+    (gap, rate, slip), path = gap_of(motion, contact), motion.trajectory
+    events = path.event_times  # None where the engine locates no events
+    if gap[0] > 0.0 and events is not None and contact.name not in [path.event_names[int(k)] for k in events[:, 1]]:
         return {}
     touching = gap < 0.0
     figures = {"penetration, m": _deepest(motion.times, gap, rate)} if touching.any() else {}
@@ -47,11 +48,6 @@ def _of_contact(motion: Motion, contact) -> dict[str, float]:
         figures["static sink, m"] = -float(gap[-1])
         figures |= _stop(motion, contact, slip)
     return figures
-
-
-def _is_located(path: Trajectory, name: str) -> bool:
-    """Return whether the run located an event of a contact, or its engine logs none."""
-    return path.event_times is None or bool(np.any(path.event_times[:, 1] == path.event_names.index(name)))
 
 
 def _deepest(times: np.ndarray, gap: np.ndarray, rate: np.ndarray) -> float:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cross_checks.ephemerides.observed import Observed
+from cross_checks.ephemerides import Observed
 from cross_checks.metrics.metric import Absent, Judged, Metric
 from mbs_ref.observables.distance import NAMES, UNITS, largest
 from mbs_ref.scene import Scene
@@ -32,15 +32,10 @@ def reaction_error(reactions: dict[str, np.ndarray], reference: dict[str, np.nda
 
     Each entry is (n_t, 3): the force on body_b at the joint point along the world axes, and the torque.
     """
-    common = sorted(reactions.keys() & reference.keys())
-    gaps = [_largest_gap(reactions[name], reference[name]) for name in common]
+    pairs = [(reactions[name], reference[name]) for name in sorted(reactions.keys() & reference.keys())]
+    gaps = [float(np.max(np.abs(a[: len(b)] - b[: len(a)]), initial=0.0)) for a, b in pairs]
     finite = [gap for gap in gaps if np.isfinite(gap)]
     return max(finite) if finite and len(finite) == len(gaps) else None
-
-
-def _largest_gap(given: np.ndarray, expected: np.ndarray) -> float:
-    n = min(len(given), len(expected))
-    return float(np.max(np.abs(given[:n] - expected[:n]), initial=0.0))
 
 
 def _reaction_curve(judged: Judged) -> np.ndarray | Absent:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cross_checks.truths import truth_for
-from cross_checks.truths.truth import MARGIN, NoTruth, Truth
+from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
 from mbs_ref.observables.distance import Motion, distances, farthest
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import Scales, scales_of
@@ -18,7 +18,7 @@ from mbs_ref.trajectory import Trajectory
 class Errors(NamedTuple):
     """Differences from a truth at each common sample, each (n_t, n_bodies, 4): m, rad, m/s, rad/s."""
 
-    sizes: np.ndarray  # NaN where the truth lacks the quantity, or MARGIN times its uncertainty exceeds the difference
+    sizes: np.ndarray  # NaN where the truth lacks the quantity, or knows no figure of it
     bounds: np.ndarray  # what such an unknown size is at most: the difference and the uncertainty; NaN elsewhere
     counted: np.ndarray  # sizes of rates, and all differences of poses: their uncertainty is stated beside the total
 
@@ -27,7 +27,7 @@ def from_truth(scene: Scene, path: Motion, truth: Truth) -> Errors:
     """Return how far a run is from the truth."""
     apart = distances(scene, path, truth)
     doubt = _uncertainty(scene, truth, len(apart))
-    sizes = np.where(apart >= MARGIN * doubt, apart, np.nan)
+    sizes = np.where(apart >= ONE_FIGURE * doubt, apart, np.nan)
     unknown = np.isnan(sizes) & np.isfinite(doubt)
     counted = np.concatenate((apart[..., :2], sizes[..., 2:]), axis=-1)
     return Errors(sizes, np.where(unknown, apart + doubt, np.nan), counted)

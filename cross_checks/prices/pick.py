@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from cross_checks.judge.vocabulary import OURS
-from cross_checks.records.cost import floor, known_error, loop_time, usable
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, floor, known_error, loop_time, usable
 from mbs_ref.display import facts
 
 RIVAL = 5.0  # of the cheapest loop time: one that is measured beside other runs is off by less than this factor
@@ -114,7 +113,7 @@ def shipped(record: Record) -> str:
 
 
 def _length(record: Record) -> str:
-    """Say an error as a share of the scene and as a length."""
+    """Return an error in words, as a share of the scene and as a length."""
     if record.error is None:
         return "no known error"
     return f"{record.error.bound:.1e} of the scene ({record.error.bound * record.error.length:.1e} m)"
@@ -163,7 +162,7 @@ def _why_not_cheaper(limit: Limit | None) -> str:
 
 
 def _why_nothing(records: Sequence[Record]) -> str:
-    """Say why no run was measured: an answer of each engine, the shortest that one of its methods gave."""
+    """Return why no run was measured: the shortest message of each engine's methods."""
     words: dict[str, str] = {}
     for record in records:
         if record.status != "success" and record.message:

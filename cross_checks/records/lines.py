@@ -90,7 +90,7 @@ def key_of(record: Record) -> Key:
 
 @contextmanager
 def exclusive(path: Path) -> Iterator[None]:
-    """Keep other sweeps from writing the same file; the lock dies with its process. Busy where one does."""
+    """Lock a file against other sweeps; the lock ends with its process. Busy where another holds it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
     try:

@@ -1,6 +1,7 @@
 """Numbers as a reader meets them: short, with units, never NaN and never blank."""
 
 import math
+from functools import partial
 from typing import Any
 
 ABSENT = "–"
@@ -18,9 +19,12 @@ def short(value: float | None, digits: int = 2) -> str:
     return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
 
 
-def metres(value: float | None) -> str:
-    """Return a length with its unit (m)."""
-    return _with_unit(value, "m")
+def with_unit(value: float | None, unit: str) -> str:
+    """Return a number with its unit; a dash for None."""
+    return ABSENT if value is None or not math.isfinite(value) else f"{short(value)} {unit}"
+
+
+metres, joules = partial(with_unit, unit="m"), partial(with_unit, unit="J")
 
 
 def of_scene(value: float | None) -> str:
@@ -28,11 +32,6 @@ def of_scene(value: float | None) -> str:
     if value is not None and value >= 1e-2:
         return f"{short(100.0 * value)} % of the scene"
     return short(value)
-
-
-def joules(value: float | None) -> str:
-    """Return an energy with its unit (J)."""
-    return _with_unit(value, "J")
 
 
 def duration(seconds: float | None) -> str:
@@ -74,7 +73,3 @@ def in_words(label: str) -> str:
     given = dict(part.split("=", 1) for part in label.split(", ") if "=" in part)
     known = all(key in ("step", "rtol", "atol") for key in given)
     return setting({key: float(value) for key, value in given.items()}) if given and known else label
-
-
-def _with_unit(value: float | None, unit: str) -> str:
-    return ABSENT if value is None or not math.isfinite(value) else f"{short(value)} {unit}"

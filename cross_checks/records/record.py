@@ -1,12 +1,13 @@
-"""One run, judged: what reports, sweeps and history read."""
+"""One run, judged: what reports, sweeps and history read; and whether it may be ranked."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from cross_checks.truths.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.display import facts
 from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Status
 
 CANNOT, MISSING = "cannot", "engine-missing"  # statuses of what was refused, and of what no installed package runs
 
@@ -17,7 +18,7 @@ class Error:
 
     The largest over components (position, orientation, velocity, angular velocity), bodies and times; see
     mbs_ref.observables.distance. Each component in its own unit is among the record's measures. Rates count where they
-    differ by MARGIN times what the truth knows; the uncertainty is that of poses.
+    are known to a figure; the uncertainty is that of poses, which holds with a probability of 95 %.
     """
 
     value: float
@@ -34,14 +35,9 @@ class Error:
         return self.value + self.uncertainty
 
     @property
-    def floor(self) -> float:
-        """The smallest error that this truth can judge."""
-        return MARGIN * self.uncertainty
-
-    @property
     def is_judged(self) -> bool:
-        """Whether the truth is known well enough to judge this error."""
-        return self.value >= self.floor
+        """Whether the run is farther off than the truth's uncertainty explains."""
+        return self.value > self.uncertainty
 
     @property
     def metres(self) -> float:
@@ -107,3 +103,50 @@ class Record:
             *self.measures.items(), *((name, f"below {bound:.2g}") for name, bound in self.bounds.items()),
             ("notes", "; ".join(self.notes)),
         ])  # fmt: skip
+
+
+BUSY_NOTE = "timed on a busy machine"
+
+
+def usable(record: Record) -> bool:
+    """Return whether the run finished, was measured against a truth, and has a loop time."""
+    return record.status == Status.SUCCESS and record.error is not None and record.times.get("loop_s", 0.0) > 0.0
+
+
+def known_error(record: Record) -> float:
+    """Return the error with the truth's uncertainty added."""
+    assert record.error is not None
+    return record.error.bound
+
+
+def floor(records: Iterable[Record]) -> float:
+    """Return the uncertainty of the records' truth, below which it resolves no error."""
+    return max((record.error.uncertainty for record in records if record.error), default=0.0)
+
+
+def loop_time(record: Record) -> float:
+    """Return the loop time (s) by which runs are ranked."""
+    return record.times.get("loop_s", float("inf"))
+
+
+def is_timed(record: Record) -> bool:
+    """Whether the loop was timed alone, several times."""
+    return "loop_runs" in record.times
+
+
+def is_busy(record: Record) -> bool:
+    """Whether the loop was timed while others used the machine."""
+    return BUSY_NOTE in record.notes
+
+
+def best_of_engines(records: Sequence[Record], target: float = 1e-6) -> list[Record]:
+    """Return one record for each engine: its cheapest within `target`, else its most accurate, else its last."""
+
+    def preference(record: Record) -> tuple[int, float]:
+        if not usable(record):
+            return (2, 0.0)
+        error = known_error(record)
+        return (0, loop_time(record)) if error <= target else (1, error)
+
+    names = dict.fromkeys(record.engine for record in records)
+    return [min((r for r in reversed(records) if r.engine == name), key=preference) for name in names]

@@ -89,15 +89,16 @@ class Store:
         self._base.close()
 
     def run(self, key: str) -> Run | None:
-        """Return what is kept under a key."""
+        """Return the run that is stored under a key."""
         return self._decoded(
             "runs", "record, samples", key, lambda r: Run(from_dict(json.loads(r[0])), _unpacked(r[1]))
         )
 
     def keep_run(self, key: str, run: Run) -> None:
-        """Keep a run whole or not at all; the first one kept stays. ValueError where its record holds NaN."""
+        """Store a run whole or not at all; the first one stored remains. ValueError where its record holds NaN."""
         text = json.dumps(run.record.to_dict(), allow_nan=False)
-        self._write("INSERT OR IGNORE INTO runs VALUES (?, ?, ?)", key, text, _packed(run.path))
+        samples = None if run.path is None else _blob({name: getattr(run.path, name) for name in SAMPLES})
+        self._write("INSERT OR IGNORE INTO runs VALUES (?, ?, ?)", key, text, samples)
 
     def timings(self, key: str, host: str) -> list[float]:
         """Return the loop times (s) of a run on a machine."""
@@ -105,7 +106,7 @@ class Store:
         return [] if row is None else json.loads(row[0])
 
     def keep_timings(self, key: str, host: str, loops: list[float]) -> None:
-        """Keep the loop times (s) of a run on a machine, in place of those before."""
+        """Store the loop times (s) of a run on a machine, in place of those before."""
         self._write("INSERT OR REPLACE INTO timings VALUES (?, ?, ?)", key, host, json.dumps(loops))
 
     def arrays(self, key: str) -> tuple[dict[str, Any], dict[str, np.ndarray]] | None:
@@ -113,7 +114,7 @@ class Store:
         return self._decoded("arrays", "facts, data", key, lambda row: (json.loads(row[0]), _arrays(row[1])))
 
     def keep_arrays(self, key: str, facts: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
-        """Keep facts and arrays under a key."""
+        """Store facts and arrays under a key."""
         self._write("INSERT OR REPLACE INTO arrays VALUES (?, ?, ?)", key, json.dumps(facts), _blob(arrays))
 
     def merge(self, other: Path) -> int:
@@ -146,10 +147,6 @@ class Store:
     def _write(self, query: str, *given: Any) -> None:
         with self._lock, _reached(self.path), self._base:
             self._base.execute(query, given)
-
-
-def _packed(path: Trajectory | None) -> bytes | None:
-    return None if path is None else _blob({name: getattr(path, name) for name in SAMPLES})
 
 
 def _unpacked(blob: bytes | None) -> Trajectory | None:

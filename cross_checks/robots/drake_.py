@@ -1,13 +1,13 @@
 """A robot file as Drake's own parser reads it."""
 
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
+from cross_checks.robots.robot import base_of
 
 
 def by_drake(path: Path, q: Values, v: Values) -> Dynamics:
@@ -15,7 +15,7 @@ def by_drake(path: Path, q: Values, v: Values) -> Dynamics:
     plant = MultibodyPlant(0.0)
     try:
         Parser(plant).AddModels(str(path))
-        if path.suffix == ".urdf" and (root := _base_of(path)) != "world":  # which Drake takes for its own
+        if path.suffix == ".urdf" and (root := base_of(path)) != "world":  # which Drake takes for its own
             plant.WeldFrames(plant.world_frame(), plant.GetFrameByName(root))
         plant.Finalize()
         joints = [plant.GetJointByName(name) for name in q]
@@ -30,13 +30,6 @@ def by_drake(path: Path, q: Values, v: Values) -> Dynamics:
     mass = plant.CalcMassMatrix(context)
     gravity = -plant.CalcGravityGeneralizedForces(context)
     return Dynamics(mass[np.ix_(index, index)], gravity[index], (plant.CalcBiasTerm(context) + gravity)[index])
-
-
-def _base_of(path: Path) -> str:
-    """Return the link that no joint carries."""
-    robot = ElementTree.parse(path).getroot()
-    carried = {child.get("link") for child in robot.iter("child")}
-    return next(str(link.get("name")) for link in robot.findall("link") if link.get("name") not in carried)
 
 
 READER = by_drake

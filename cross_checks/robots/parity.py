@@ -16,7 +16,7 @@ import numpy as np
 
 from cross_checks import robots
 from cross_checks.engine.initial_state import initial_sample
-from cross_checks.robots.robot import RobotError
+from cross_checks.robots.robot import RobotError, root_of
 from mbs_ref.observables import kinetic_energy, potential_energy
 
 Values = dict[str, float]  # rad or m, or their rates, by joint name
@@ -77,14 +77,9 @@ def _reader(name: str) -> Reader | str:
 
 def joints_of(path: Path) -> list[str]:
     """Return the names of the hinges and slides of a URDF or MJCF file. RobotError where it is neither, or has none."""
-    try:
-        root = ElementTree.parse(path).getroot()
-    except (OSError, ElementTree.ParseError) as error:
-        raise RobotError(f"{path}: cannot be read as XML: {error}") from error
-    found = {"robot": _of_urdf, "mujoco": _of_mjcf}.get(root.tag)
-    if found is None:
-        raise RobotError(f"{path}: its root is <{root.tag}>; expected: <robot> or <mujoco>")
-    names = found(root)
+    readers = {"robot": _of_urdf, "mujoco": _of_mjcf}
+    root = root_of(path, *readers)
+    names = readers[root.tag](root)
     if not names:
         raise RobotError(f"{path}: no hinge or slide has a name, by which readers could be compared")
     return names
@@ -108,19 +103,19 @@ def parity(path: Path, poses: int = 5, seed: int = 1, asked: dict[str, Reader | 
     dice = np.random.default_rng(seed)
     drawn = [_drawn(dice, names) for _ in range(poses)]
     refused: dict[str, str] = {}
-    told: dict[str, list[Dynamics]] = {}
+    dynamics: dict[str, list[Dynamics]] = {}
     for name, reader in (readers() if asked is None else asked).items():
         try:
             if isinstance(reader, str):
                 raise Unreadable(reader)
-            told[name] = [reader(path, q, v) for q, v in drawn]
+            dynamics[name] = [reader(path, q, v) for q, v in drawn]
         except (Unreadable, RobotError) as error:
             refused[name] = str(error)
-    first = next(iter(told), "")
-    apart = {name: _apart(told[first], seen) for name, seen in told.items() if name != first}
-    found = [_worst(name, first, quantity, told, names) for name, each in apart.items() for quantity in each]
+    first = next(iter(dynamics), "")
+    apart = {name: _apart(dynamics[first], seen) for name, seen in dynamics.items() if name != first}
+    found = [_worst(name, first, quantity, dynamics, names) for name, each in apart.items() for quantity in each]
     beyond = tuple(sorted((one for one in found if one.relative > SAME), key=lambda one: -one.relative))
-    return Parity(tuple(names), tuple(told), refused, apart, beyond)
+    return Parity(tuple(names), tuple(dynamics), refused, apart, beyond)
 
 
 def _drawn(dice: np.random.Generator, names: list[str]) -> tuple[Values, Values]:
@@ -148,8 +143,8 @@ def _apart(mine: list[Dynamics], theirs: list[Dynamics]) -> dict[str, float]:
     return {name: max(one[name] for one in every) for name in every[0]}
 
 
-def _worst(name: str, first: str, quantity: str, told: dict[str, list[Dynamics]], names: list[str]) -> Difference:
-    every = zip(told[first], told[name], strict=True)
+def _worst(name: str, first: str, quantity: str, dynamics: dict[str, list[Dynamics]], names: list[str]) -> Difference:
+    every = zip(dynamics[first], dynamics[name], strict=True)
     a, b = max((_pairs(*pair)[quantity] for pair in every), key=_relative)
     where = np.unravel_index(np.argmax(np.abs(a - b)), a.shape)
     joints = tuple(dict.fromkeys(names[k] for k in where))
@@ -177,7 +172,7 @@ def by_us(path: Path, q: Values, v: Values) -> Dynamics:
 
 
 def _read_of(path: Path) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """Return our reader of the format, and what it can be told to leave out: none of it is part of these figures."""
+    """Return our reader of the format, and what it may ignore: none of it is part of these figures."""
     urdf = ElementTree.parse(path).getroot().tag == "robot"
     module, name = ("pinocchio_", "read_urdf") if urdf else ("mujoco_", "read_mjcf")
     try:

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
-from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio
@@ -57,7 +56,7 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
     refuse(path, _refusals(elements.values()))
     model = _model(path, locked, base == "free")
     if base == "free":
-        elements[FREE] = Element(FREE, "floating", _root(elements.values(), path), 0.0, 0.0, False, False)
+        elements[FREE] = Element(FREE, "floating", robot.base_of(path), 0.0, 0.0, False, False)
     start = {name: float(value) for name, value in asked.items() if value != robot.LOCKED}
     moving = _Posed(model, elements, start)
     refuse(path, moving.massless())
@@ -83,13 +82,7 @@ def _model(path: Path, locked: list[str], free: bool) -> Any:
 
 
 def _elements(path: Path) -> Iterator[Element]:
-    try:
-        root = ElementTree.parse(path).getroot()
-    except (OSError, ElementTree.ParseError) as error:
-        raise RobotError(f"{path}: cannot be read as XML: {error}") from error
-    if root.tag != "robot":
-        raise RobotError(f"{path}: its root is <{root.tag}>; expected: <robot>")
-    for joint in root.findall("joint"):
+    for joint in robot.root_of(path, "robot").findall("joint"):
         dynamics, child = joint.find("dynamics"), joint.find("child")
         numbers = {} if dynamics is None else dynamics.attrib
         yield Element(
@@ -97,13 +90,6 @@ def _elements(path: Path) -> Iterator[Element]:
             float(numbers.get("damping", 0.0)), float(numbers.get("friction", 0.0)), joint.find("limit") is not None,
             joint.find("mimic") is not None,
         )  # fmt: skip
-
-
-def _root(elements, path: Path) -> str:
-    """Return the link that no joint carries."""
-    carried = {element.child for element in elements}
-    links = [link.get("name", "") for link in ElementTree.parse(path).getroot().findall("link")]
-    return next(link for link in links if link not in carried)
 
 
 def _refusals(elements) -> Iterator[str]:

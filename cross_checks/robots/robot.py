@@ -6,11 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
+from xml.etree import ElementTree
 
 import numpy as np
 from pydantic import ValidationError
 
 from mbs_ref.scene import GROUND, Bushing, Revolute, RotationDrive, Scene, TorsionSpring
+from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.messages import suggest
 
 RATE = ".rate"  # a start rate is asked for as joint.rate
@@ -82,6 +84,24 @@ def _drive(hinge: Revolute, motion: Mapping[str, Any]) -> dict[str, Any]:
     return {"name": f"{hinge.name}_drive", **ends, "motion": signal, **level}
 
 
+def root_of(path: Path, *formats: str) -> ElementTree.Element:
+    """Return the root element of a file; RobotError where it is no XML, or the root has none of the names."""
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (OSError, ElementTree.ParseError) as error:
+        raise RobotError(f"{path}: cannot be read as XML: {error}") from error
+    if root.tag not in formats:
+        raise RobotError(f"{path}: its root is <{root.tag}>; expected: {' or '.join(f'<{name}>' for name in formats)}")
+    return root
+
+
+def base_of(path: Path) -> str:
+    """Return the link of a URDF file that no joint carries."""
+    robot = ElementTree.parse(path).getroot()
+    carried = {child.get("link") for child in robot.iter("child")}
+    return next(str(link.get("name")) for link in robot.findall("link") if link.get("name") not in carried)
+
+
 def refuse(path: Path, reasons: Iterable[str]) -> None:
     """Raise RobotError where there is a reason."""
     given = list(reasons)
@@ -120,15 +140,9 @@ def own_forces(axis: Axis, stiffness: float, damping: float, rest: float = 0.0) 
                             rest_angle=zero)  # fmt: skip
         return
     yield Bushing(
-        name=name, body_a=a, body_b=b, point=axis.point, x_axis=axis.along, y_axis=square_to(axis.along),
+        name=name, body_a=a, body_b=b, point=axis.point, x_axis=axis.along, y_axis=three(normals(axis.along)[0]),
         stiffness=(stiffness, 0.0, 0.0, 0.0, 0.0, 0.0), damping=(damping, 0.0, 0.0, 0.0, 0.0, 0.0),
     )  # fmt: skip
-
-
-def square_to(axis: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return a unit vector square to another."""
-    other = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    return three(other / np.linalg.norm(other))
 
 
 def three(vector: Any) -> tuple[float, float, float]:

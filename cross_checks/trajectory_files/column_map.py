@@ -133,11 +133,8 @@ def read_map(path: Path) -> ColumnMap:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise FileError(f"{path}: is no TOML: {error}") from error
     except ValidationError as error:
-        raise FileError(f"{path}: {'; '.join(map(_sentence, error.errors()))}") from error
-
-
-def _sentence(mistake: Any) -> str:
-    return f"{'.'.join(map(str, mistake['loc']))}: {mistake['msg'].removeprefix('Value error, ')}"
+        places = (f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
+        raise FileError(f"{path}: {'; '.join(places).replace('Value error, ', '')}") from error
 
 
 def own_map(header: list[str], bodies: list[str]) -> ColumnMap | None:

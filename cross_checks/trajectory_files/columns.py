@@ -1,7 +1,5 @@
 """The columns of a file or of arrays by their names, thinned where they have more rows than are judged; units."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path

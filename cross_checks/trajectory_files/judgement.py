@@ -88,11 +88,13 @@ def _verdict(error: Error | None, truth: Truth | NoTruth, asked: float) -> tuple
         return "not-judged", truth.reason
     if error is None:
         return "not-judged", "the error is not finite"
-    if error.value <= asked:
-        return "agrees", f"off by {error.value:.2g} of the scene at most; the limit is {asked:g}"
-    if not error.is_judged:
-        known = f"known to {error.uncertainty:.1e} of the scene"
-        return "not-judged", f"the truth, {known}, judges no error below {error.floor:.1e}"
+    if error.bound <= asked:
+        return "agrees", f"off by {error.bound:.2g} of the scene at most; the limit is {asked:g}"
+    if error.value <= asked + error.uncertainty:
+        return (
+            "not-judged",
+            f"off by {error.value:.2g} of the scene; the truth is known to {error.uncertainty:.1e} of it",
+        )
     return "departs", f"off by {error.value:.3g} of the scene in {error.worst}; the limit is {asked:g}"
 
 

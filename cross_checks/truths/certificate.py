@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.truth import MARGIN
 from mbs_ref import scenes
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.observables.distance import Partial, unmasked_distances
@@ -35,11 +34,6 @@ class Certificate:
     confirmed_to: float | None  # its largest distance from the truth
     made: str  # UTC date
     versions: dict[str, str]
-
-    @property
-    def floor(self) -> float:
-        """The smallest error that this truth judges."""
-        return MARGIN * self.uncertainty
 
     @property
     def decimals(self) -> int:

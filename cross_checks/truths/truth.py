@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 EPS = float(np.finfo(float).eps)
-MARGIN = 30.0  # a truth this many times better known than an error judges it
+ONE_FIGURE = 10.0  # times the uncertainty: of such a difference, and of larger ones, a truth knows a figure
 # Uncertainty over the gap of two runs whose errors are of one size: their standard deviation is gap / sqrt(2), and
 # Student's t for one degree of freedom covers 95 % (JCGM 100:2008, annex G.3). Where the other run is the coarser one,
 # the gap is its error and needs no factor.
@@ -25,6 +25,9 @@ class Truth:
     A truth "proven" is the middle of an enclosure by a proof: a limit outside it is wrong by a theorem. One "agreed"
     comes from two packages. One of "one-package" comes from two methods of a single package: errors from it are shown,
     but it confirms no method and calls none wrong.
+
+    The exact motion is within the uncertainty with a probability of 95 % at least (an expanded uncertainty, JCGM
+    100:2008, 6.2), and surely of one "proven". A run at a distance e therefore has an error of e - u to e + u.
     """
 
     position: np.ndarray  # (n_t, n_bodies, dimension) m, centres of mass

@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from cross_checks.writers.form import Form, Job, NotWritable
+from cross_checks.writers.script import Form, Job, NotWritable
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 

@@ -7,8 +7,7 @@ import numpy as np
 from cross_checks.engines import get
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED
-from cross_checks.writers.form import Form, NotWritable, job_of, refuse_shared
-from cross_checks.writers.script import script, turns_of
+from cross_checks.writers.script import Form, NotWritable, job_of, refuse_shared, script, turns_of
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.settings import Settings
 

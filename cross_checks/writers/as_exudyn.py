@@ -1,6 +1,9 @@
-"""A script that runs in Exudyn alone."""
+"""A script that runs in Exudyn alone: the assembled system item by item, as Exudyn reports it."""
 
-from collections.abc import Iterator
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import reduce
 from itertools import islice
 from math import gcd
@@ -10,11 +13,116 @@ import numpy as np
 
 from cross_checks.engines import get
 from cross_checks.linkage.forces import BY_SHARED_CODE
-from cross_checks.writers.exudyn_items import calls_python, changed, general_contact, lines
-from cross_checks.writers.form import Form, Job, job_of, refuse, refuse_shared
-from cross_checks.writers.script import script, turns_of
+from cross_checks.writers.script import Form, Job, job_of, literal, refuse, refuse_shared, script, turns_of
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.settings import Settings
+
+KINDS = ("Node", "Object", "Marker", "Load", "Sensor")  # in this order, items refer only to earlier ones
+NAMED = "UserFunction"  # in the names of fields that hold Python functions, as {"function": ..., "type": ...}
+
+
+def items(mbs: Any) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the kind and the fields of every item, without its looks and its automatic name."""
+    for kind in KINDS:
+        count = getattr(mbs.systemData, f"NumberOf{kind}s")()
+        for number in range(count):
+            fields = getattr(mbs, f"Get{kind}")(number)
+            if "trianglePoints" in fields:  # Exudyn 1.13 calls a sphere on a triangle a sphere on a sphere
+                fields["objectType"] = "ContactSphereTriangle"
+            yield kind, {key: value for key, value in fields.items() if key != "name" and not key.startswith("V")}
+
+
+def calls_python(mbs: Any) -> bool:
+    """Return whether an item calls a Python function."""
+    named = (value for _, fields in items(mbs) for key, value in fields.items() if NAMED in key)
+    return any(isinstance(value, dict) for value in named)
+
+
+def text(value: Any) -> str:
+    """Return Python text of a field."""
+    kind = type(value).__name__
+    if kind in ("Matrix3DList", "Vector3DList"):
+        return f"exu.{kind}({literal([np.array(one) for one in value.GetPythonObject()])})"
+    if kind == "MatrixContainer":
+        return f"np.array({literal(value.Convert2DenseMatrix())})"
+    if hasattr(value, "GetIndex"):  # of a node, an object, a marker
+        return str(value.GetIndex())
+    if hasattr(type(value), "__members__"):
+        return f"exu.{kind}.{value.name}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(text, value))}]"
+    return literal(value)
+
+
+def lines(mbs: Any) -> Iterator[str]:
+    """Yield the calls that build the system."""
+    for kind, fields in items(mbs):
+        yield f"mbs.Add{kind}({{{', '.join(f'{key!r}: {text(value)}' for key, value in fields.items())}}})"
+
+
+def changed(options: Any, default: Any, path: str = "options") -> Iterator[str]:
+    """Yield the assignments that turn Exudyn's default settings into others."""
+    given, usual = options.GetDictionary(), default.GetDictionary()
+    yield from _changed(given, usual, path)
+
+
+def _changed(given: dict[str, Any], usual: dict[str, Any], path: str) -> Iterator[str]:
+    for name, value in given.items():
+        if isinstance(value, dict):
+            yield from _changed(value, usual[name], f"{path}.{name}")
+        elif not np.array_equal(value, usual[name]):
+            yield f"{path}.{name} = {text(value)}"
+
+
+class Recorder:
+    """Records the calls by which an adapter adds a general contact to a system.
+
+    Exudyn does not report the parts of a general contact. Its markers are among the system's items.
+    """
+
+    def __init__(self, first_marker: int) -> None:
+        self.first = self.next = first_marker
+        self.calls: list[str] = []
+
+    def AddMarker(self, item: Any) -> int:
+        self.next += 1
+        return self.next - 1
+
+    def AddGeneralContact(self) -> _General:
+        self.calls.append("general = mbs.AddGeneralContact()")
+        return _General(self.calls)
+
+
+class _General:
+    """Records calls and assignments."""
+
+    _calls: list[str]
+
+    def __init__(self, calls: list[str]) -> None:
+        object.__setattr__(self, "_calls", calls)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._calls.append(f"general.{name} = {text(value)}")
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        def call(*values: Any, **named: Any) -> None:
+            given = [*map(_array, values), *(f"{key}={_array(value)}" for key, value in named.items())]
+            self._calls.append(f"general.{name}({', '.join(given)})")
+
+        return call
+
+
+def _array(value: Any) -> str:
+    return f"np.array({literal(value)})" if isinstance(value, np.ndarray) else text(value)
+
+
+def general_contact(model: Any, add: Callable[[Any], None]) -> list[str]:
+    """Return the calls by which `add` gave the model its general contact, whose markers are the model's last."""
+    counted = Recorder(0)
+    add(replace(model, mbs=counted))
+    recorded = Recorder(model.mbs.systemData.NumberOfMarkers() - counted.next)
+    add(replace(model, mbs=recorded))
+    return recorded.calls
 
 
 def write_exudyn(scene: Scene, settings: Settings) -> str:
@@ -24,7 +132,7 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
     """
     get("exudyn")  # raises EngineMissing before the adapter's modules are imported
     from cross_checks.engines.exudyn_.contact import add_contacts
-    from cross_checks.engines.exudyn_.methods import CONTACT, SOLVERS
+    from cross_checks.engines.exudyn_.run import CONTACT, SOLVERS
 
     job = job_of(scene, settings, "exudyn")
     model, plan = job.built.model, job.plan

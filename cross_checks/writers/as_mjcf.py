@@ -11,8 +11,7 @@ import numpy as np
 from markupsafe import escape
 
 from cross_checks.linkage.links import linkage_of
-from cross_checks.writers.form import Form, Job, NotWritable, job_of, refuse_shared
-from cross_checks.writers.script import indented, script, template, turns_of
+from cross_checks.writers.script import Form, Job, NotWritable, job_of, refuse_shared, script, turns_of, xml
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -45,7 +44,7 @@ def mjcf_of(job: Job) -> str:
     off = {word: "disable" for bit, word in DISABLED.items() if model.opt.disableflags & bit}
     flags = off | {word: "enable" for bit, word in ENABLED.items() if model.opt.enableflags & bit}
     named = {"name": _name, "text": _text, "title": job.scene.name}
-    text = indented(template("model.xml.j2").render(m=model, start=job.built.data, flags=flags, **named))
+    text = xml("model.xml.j2", m=model, start=job.built.data, flags=flags, **named)
     different = sorted(_differences(model, type(model).from_xml_string(text)))
     if different:
         raise NotWritable(f"{job.scene.name} as MJCF reads back with other {', '.join(different)}")

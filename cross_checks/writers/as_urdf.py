@@ -11,8 +11,7 @@ import numpy as np
 
 from cross_checks.linkage.links import Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
-from cross_checks.writers.form import Form, refuse
-from cross_checks.writers.script import indented, template
+from cross_checks.writers.script import Form, refuse, xml
 from mbs_ref.scene import Bushing, Drive, Scene, TorsionSpring
 from mbs_ref.settings import Settings
 
@@ -34,12 +33,13 @@ def write_urdf(scene: Scene, settings: Settings) -> str:
     floating = any(link.kind in ("free", "planar") for link in linkage.links)
     names = {link.body: link.name for link in linkage.links} | {FIXED: WORLD}
     turn = _turn(scene)
-    return indented(template("robot.urdf.j2").render(
+    return xml(
+        "robot.urdf.j2",
         linkage=linkage, dampers=_dampers(linkage), names=names, world=WORLD, kinds=KINDS, joint_name=_joint_name,
         remarks=list(_remarks(linkage, floating=floating)), floating=floating,
         place=lambda vector: " ".join(repr(float(x) + 0.0) for x in turn @ vector),
         inertia_of=lambda link: (turn @ link.inertia @ turn.T).tolist(),
-    ))  # fmt: skip
+    )  # fmt: skip
 
 
 def _untold(scene: Scene) -> Iterator[str]:

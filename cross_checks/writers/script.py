@@ -1,18 +1,78 @@
-"""Scripts in Python from templates, and numbers as source text."""
+"""What a scene is written from, scripts in Python from templates, and numbers as source text."""
 
 import enum
-from functools import cache
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from cross_checks import engines
+from cross_checks.engine import Engine, Plan, plan_run
 from cross_checks.linkage.links import linkage_of
-from cross_checks.writers.form import Job
 from mbs_ref.scene import Scene
-from mbs_ref.trajectory import COLUMNS
+from mbs_ref.settings import Settings
+from mbs_ref.trajectory import COLUMNS, Trajectory
+
+
+class NotWritable(ValueError):
+    """A scene cannot be written in a form; the sentence names each element that stands in the way."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """One form that scenes are written in."""
+
+    name: str
+    suffix: str  # of the files
+    about: str
+    write: Callable[[Scene, Settings], str]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene, an engine, and what its adapter makes of the settings and the scene."""
+
+    scene: Scene
+    engine: Engine
+    plan: Plan
+    built: Any  # the adapter's own model, from which the written one is taken
+
+    @property
+    def title(self) -> str:
+        """Return one sentence of what runs how."""
+        plan = self.plan
+        how = f"a step of {float(plan.step)!r} s" if plan.counts else f"rtol = {plan.rtol!r}, atol = {plan.atol!r}"
+        return f"{self.scene.name} in {self.engine.name} {self.engine.version()}: {plan.method.name} with {how}."
+
+
+def job_of(scene: Scene, settings: Settings, engine: str) -> Job:
+    """Return what the engine's adapter would run.
+
+    Raises EngineMissing, NotWritable with the adapter's own refusals, or ValueError for settings that it does not take.
+    """
+    adapter = engines.get(engine)
+    plan = plan_run(adapter, scene, settings, None)
+    if isinstance(plan, Trajectory):
+        raise NotWritable(f"{scene.name} is not run by {engine}: {plan.message}")
+    return Job(scene, adapter, plan, adapter.build(scene, plan))
+
+
+def refuse(scene: Scene, form: str, reasons: Iterable[str]) -> None:
+    """Raise NotWritable where there is a reason."""
+    named = list(reasons)
+    if named:
+        raise NotWritable(f"{scene.name} cannot be written as {form}: {'; '.join(named)}")
+
+
+def refuse_shared(job: Job) -> None:
+    """Refuse loads and contacts whose forces our code computes for the engine; each is named."""
+    parts = [f"{kind} {p.name!r} ({p.type})" for kind in ("load", "contact") for p in getattr(job.scene, f"{kind}s")]
+    sentence = f"mbs-ref computes the forces of these, and {job.engine.name} alone cannot: {', '.join(parts)}"
+    refuse(job.scene, job.engine.name, [sentence])
 
 
 def literal(value: Any) -> str:
@@ -53,21 +113,15 @@ def counts_text(counts: tuple[int, ...]) -> str:
     return literal(list(counts))
 
 
-@cache
-def _templates() -> Environment:
-    return Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
+TEMPLATES = Environment(
+    loader=FileSystemLoader(Path(__file__).parent / "templates"),
+    undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True,
+)  # fmt: skip
 
 
-def template(name: str) -> Template:
-    """Return the text that an engine's script is made from, or a part of it."""
-    return _templates().get_template(name)
-
-
-def indented(text: str) -> str:
-    """Return XML with a line for each element, without elements that are empty at its top."""
+def xml(template: str, **values: Any) -> str:
+    """Return a template as XML with a line for each element, without elements that are empty at its top."""
+    text = TEMPLATES.get_template(template).render(values)
     root = ElementTree.fromstring(text, ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True)))
     for empty in [part for part in root if not len(part) and not part.attrib and not (part.text or "").strip()]:
         root.remove(empty)
@@ -78,24 +132,16 @@ def indented(text: str) -> str:
 def script(job: Job, needs: str, **tables: Any) -> str:
     """Return the script of the engine's template; `needs` names the packages it runs with."""
     scene, plan = job.scene, job.plan
-    return (
-        template(f"{job.engine.name}.py.j2")
-        .render(
-            job=job, plan=plan, needs=needs, planar=is_planar(scene), columns=list(COLUMNS[scene.dimension]),
-            bodies=scene.body_names, times=times_text(plan.times),
-            counts=counts_text(plan.counts) if plan.counts else "",
-            literal=literal, rows=rows, **tables,
-        )
+    return TEMPLATES.get_template(f"{job.engine.name}.py.j2").render(
+        job=job, plan=plan, needs=needs, planar=scene.dimension == 2, columns=list(COLUMNS[scene.dimension]),
+        bodies=scene.body_names, times=times_text(plan.times), literal=literal, rows=rows,
+        counts=counts_text(plan.counts) if plan.counts else "", **tables,
     )  # fmt: skip
-
-
-def is_planar(scene: Scene) -> bool:
-    return scene.dimension == 2
 
 
 def turns_of(scene: Scene) -> list[tuple[float, list[int]]] | None:
     """Return each planar body's angle at t = 0 (rad), and the linkage's coordinates that turn it; None in space."""
-    if not is_planar(scene):
+    if scene.dimension == 3:
         return None
     linkage = linkage_of(scene)
     each = zip(linkage.angle, linkage.turns, strict=True)

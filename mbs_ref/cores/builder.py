@@ -28,7 +28,7 @@ class Place(NamedTuple):
     slot: int
     row: int
     side: int  # of its first end
-    count: int
+    n_rows: int
 
 
 class PlacedRow(NamedTuple):
@@ -82,7 +82,7 @@ class Builder(ABC):
         joint, at = self.scene.joints[k], self.place[k]
         result = []
         for row in self.joint_rows[k]:
-            result.append(PlacedRow(row, joint, *joint.ends, at._replace(count=row.count)))
+            result.append(PlacedRow(row, joint, *joint.ends, at._replace(n_rows=row.count)))
             at = at._replace(row=at.row + row.count)
         return result
 

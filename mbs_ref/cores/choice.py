@@ -1,16 +1,15 @@
-"""Which core a scene needs: it pays for that one alone."""
+"""Select the core of a scene; only that core is compiled."""
 
 import numpy as np
 
 from mbs_ref.cores.particles import ParticleSystem
 from mbs_ref.cores.planar import PlanarSystem
-from mbs_ref.cores.relative.system import RelativePlanarSystem, RelativeSpatialSystem
-from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.relative import RelativePlanarSystem, RelativeSpatialSystem
+from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.cores.system import System
 from mbs_ref.scene import Scene
-from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.scales import Scales, is_celestial
 from mbs_ref.scene.traits import Coordinates
-from mbs_ref.scene.units import is_celestial
 
 _CORES = {  # by the coordinates and the scene's dimension
     "cartesian": {2: PlanarSystem, 3: SpatialSystem},
@@ -19,9 +18,9 @@ _CORES = {  # by the coordinates and the scene's dimension
 
 
 def compile_scene(scene: Scene, coordinates: Coordinates = "cartesian") -> System:
-    """Return the scene compiled for the core its bodies call for, in the coordinates asked for.
+    """Return the scene compiled for the core of its bodies, in the requested coordinates.
 
-    Raises ValueError where relative coordinates are asked for and the scene is no tree of joints that they know.
+    Raises ValueError if relative coordinates are requested and the scene is no tree of joints that they support.
     """
     return _core(scene, coordinates)(scene)
 

@@ -10,7 +10,7 @@ from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.model import ContactPairs
 from mbs_ref.scene import Scene
-from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.base.rows import Axes
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
 from mbs_ref.scene.traits import deflecting

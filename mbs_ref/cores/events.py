@@ -93,6 +93,7 @@ def springs(scene: Scene, places: Axes) -> Springs:
         stiffness=floats(x.stiffness for x in loads),
         damping=floats(x.damping for x in loads),
         rest_length=floats(rest),
+        limit=floats(getattr(x, "limit", None) or math.inf for x in loads),
         isotropic=ints([isinstance(x, PointBushing) for x in loads]),
         place=ints([modes.get(x.name, -1) for x in loads]),
     )

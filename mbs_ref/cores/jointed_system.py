@@ -127,7 +127,6 @@ class JointedSystem(ContactSystem):
         """Return a body's place (mbs_ref.scene.joints.COORDINATES) at the state in the scratch; see `UserRow`."""
 
     def set_mode_time(self, t: float) -> None:
-        """Choose the signals' segments: the ones that contain t (s)."""
         self.groups.world.control[CONTROL_MODE_TIME] = t
 
     def steady_course(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -141,7 +140,6 @@ class JointedSystem(ContactSystem):
         return np.zeros(0)
 
     def set_baumgarte(self, gain: float) -> None:
-        """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
         self.groups.world.control[CONTROL_VELOCITY_GAIN] = 2.0 * gain
         self.groups.world.control[CONTROL_POSITION_GAIN] = gain * gain
 
@@ -163,7 +161,7 @@ class JointedSystem(ContactSystem):
         """
         slots, modes = self.groups.contact_laws.slot, self.groups.contact_modes.mode
         held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
-        joints = [(k, at.slot, at.row + r) for k, at in sorted(self.place.items()) for r in range(at.count)]
+        joints = [(k, at.slot, at.row + r) for k, at in sorted(self.place.items()) for r in range(at.n_rows)]
         return joints + [(-1, int(slot), 0) for slot in held]
 
     def row_joints(self) -> list[str]:
@@ -172,12 +170,11 @@ class JointedSystem(ContactSystem):
         return [self.scene.joints[k].name if k >= 0 else contacts[slot] for k, slot, _ in self.rows()]
 
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Return C and C_dot of every joint by name."""
         self.compliance(t, y)
         rows = self.scratch.rows
         result = {}
         for k, at in sorted(self.place.items()):
-            here = at.slot, slice(at.row, at.row + at.count)
+            here = at.slot, slice(at.row, at.row + at.n_rows)
             result[self.scene.joints[k].name] = (rows.residual[here].copy(), rows.rate[here].copy())
         return result
 
@@ -229,7 +226,7 @@ class JointedSystem(ContactSystem):
         return np.array([values[slot, row] for _, slot, row in self.rows()])
 
     def _multipliers_by_slot(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return lambda (n_slots, rows a slot), as the rows are kept; leave C_q at (t, y) in the scratch."""
+        """Return lambda (n_slots, rows a slot) as the arrays have the rows; leave C_q at (t, y) in the scratch."""
         dy = self.derivative(t, y)
         result = self.scratch.rows.multiplier.copy()
         if not len(self.groups.loops.slot) or self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
@@ -244,25 +241,20 @@ class JointedSystem(ContactSystem):
     def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
         """Return Q - M a of the last derivative dy, in scene order."""
 
-    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        sample = np.empty((1, len(self._reporting.names), self.RATES))
-        axes = self._forces_on_bodies(t, y, sample[0])
-        return dict(zip(self._reporting.names, self._about_marks(axes[None], sample)[0], strict=True))
-
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         if not len(times):
             return {}
-        forces = np.empty((len(times), len(self.place), self.RATES))
+        of, forces = self._reporting, np.empty((len(times), len(self.place), self.RATES))
         each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
         fill = self._fill_in_modes if self.event_sources or self.n_closure_rows else self._fill_of_tree
         for start in range(0, len(times), each):
             block = slice(start, start + each)
             axes = fill(times[block], states[block], forces[block])
-            forces[block] = self._about_marks(axes, forces[block])
-        return {name: forces[:, k].copy() for k, name in enumerate(self._reporting.names)}
+            forces[block] = self._about(self._world_arms(axes[:, of.body], of.arm), of.sign * forces[block])
+        return {name: forces[:, k].copy() for k, name in enumerate(of.names)}
 
     def _fill_of_tree(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Fill out (n_t, n_joints, rates) as `_forces_on_bodies` where no mode changes; return the bodies' axes."""
+        """Fill out (n_t, n_joints, rates) as `_fill_in_modes` where no mode changes; return the bodies' axes."""
         own, rows, times = self._own_axes, self.scratch.rows, np.ascontiguousarray(times)
         axes = np.empty((len(times), *own.shape))
         forces_of_tree(
@@ -272,28 +264,21 @@ class JointedSystem(ContactSystem):
         return self._axes_over(states, axes)
 
     def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Fill out (n_t, n_joints, rates) in the modes that held at each time; return the bodies' axes."""
+        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held at each time.
+
+        Return the bodies' axes.
+        """
         axes = []
         for t, y, sample in zip(times.tolist(), states, out, strict=True):
             self.set_mode_time(t)
             self.recall_modes(t)  # not the modes that the run ended in
-            axes.append(self._forces_on_bodies(t, y, sample))
+            forces_at_joints(self._reporting.rows, self._multipliers_by_slot(t, y), self.scratch.rows.jacobian, sample)
+            axes.append(self._axes(y))
         return np.array(axes)
-
-    def _forces_on_bodies(self, t: float, y: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Fill out (n_joints, rates) with the joints' forces on their bodies at (t, y); return the bodies' axes."""
-        of = self._reporting
-        forces_at_joints(of.rows, self._multipliers_by_slot(t, y), self.scratch.rows.jacobian, out)
-        return self._axes(y)
-
-    def _about_marks(self, axes: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """Return force (N) and torque (N m) about the joint points (n_t, n_joints, rates)."""
-        of = self._reporting
-        return self._about(self._world_arms(axes[:, of.body], of.arm), of.sign * forces)
 
     @cached_property
     def _reporting(self) -> Reporting:
-        """Whose forces tell each joint's reaction: ground has none and receives the opposite of the other body's."""
+        """The bodies whose forces give each joint's reaction: for ground, the opposite of the other body's."""
         parts: list[Any] = [self.scene.joints[k] for k in self.place]
         places = list(self.place.values())
         mirrored = np.array([part.ends[1] == GROUND for part in parts], dtype=bool)

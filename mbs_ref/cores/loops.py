@@ -21,7 +21,7 @@ class Closure(NamedTuple):
 
     slot: int
     bodies: tuple[int, int]
-    count: int
+    n_rows: int
 
 
 class _Paths(NamedTuple):
@@ -112,8 +112,8 @@ def _arranged(parent: list[int], closures: list[Closure], paths: list[_Paths], m
     entries = sorted((i, k) for k, path in enumerate(paths) for side in path.sides for i in side)
     return Loops(
         slot=ints([closure.slot for closure in closures]),
-        count=ints([closure.count for closure in closures]),
-        most=ints([closure.count for closure in closures]),
+        count=ints([closure.n_rows for closure in closures]),
+        most=ints([closure.n_rows for closure in closures]),
         place=ints(place),
         start=ints([at[k].get(i, -1) for k, closure in enumerate(closures) for i in closure.bodies]).reshape(-1, 2),
         summit=ints([at[k].get(path.apex, -1) for k, path in enumerate(paths)]),

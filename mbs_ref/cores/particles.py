@@ -8,15 +8,15 @@ from typing import Any, get_args
 import numpy as np
 
 from mbs_ref.cores.system import Poses, System
-from mbs_ref.kernels.border.groups import floats, ints
+from mbs_ref.kernels.border.groups import declared, floats, ints
 from mbs_ref.kernels.particles import model as arrays
 from mbs_ref.kernels.particles.model import particle_scratch
 from mbs_ref.scene import Scene, celestial
-from mbs_ref.scene.scales import Scales
-from mbs_ref.scene.units import free_fall_time
+from mbs_ref.scene.scales import Scales, free_fall_time
 
 _FORMS = {"central": 1, "eih": 2}
 _SOURCES = {"sun": 0, "moon": 1}
+_AIRS = {celestial.Drag: arrays.EXPONENTIAL, celestial.StandardDrag: arrays.STANDARD}
 PROFILE = ("density", "altitude", "scale_height")  # of an exponential atmosphere
 
 
@@ -26,46 +26,40 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
     by_kind: dict[type, list[Any]] = {kind: [] for kind in get_args(celestial.CelestialLoad)}
     for load in scene.loads:
         by_kind[type(load)].append(load)
-    zonals, figures, tides = by_kind[celestial.Oblateness], by_kind[celestial.LunarFigure], by_kind[celestial.Tide]
-    rings, third, lights = by_kind[celestial.Ring], by_kind[celestial.ThirdBody], by_kind[celestial.RadiationPressure]
+    zonals, rings, third = by_kind[celestial.Oblateness], by_kind[celestial.Ring], by_kind[celestial.ThirdBody]
     drags = [*by_kind[celestial.Drag], *by_kind[celestial.StandardDrag]]
-    relativity = _at_most_one(by_kind[celestial.Relativity])
+    lights, relativity = by_kind[celestial.RadiationPressure], _at_most_one(by_kind[celestial.Relativity])
+
+    def columns(group: type, parts: list[Any], **own: list[Any]) -> Any:
+        """Return a group of arrays named after the fields of its parts, names of bodies by place; `own` are others."""
+        values = {name: own[name] if name in own else [getattr(x, name) for x in parts] for name in declared(group)}
+        numbers = {name: [place(x) if isinstance(x, str) else x for x in column] for name, column in values.items()}
+        return group(**{
+            name: np.array(numbers[name], array.dtype).reshape(len(parts), *array.shape[1:])
+            for name, array in declared(group).items()
+        })  # fmt: skip
+
     return arrays.ParticleGroups(
         particles=_particles(scene, by_kind),
         relativity=arrays.RelativityArrays(
             ints([_FORMS[relativity.form] if relativity else 0]), floats([relativity.c**-2 if relativity else 0.0])
         ),
-        zonals=arrays.Zonals(
-            ints([place(x.body) for x in zonals]), floats([x.radius for x in zonals]),
-            floats([(*x.zonal, *(0.0,) * (5 - len(x.zonal))) for x in zonals], 5),
-            ints([int(x.pole != "fixed") for x in zonals]), floats([x.axis for x in zonals], 3),
+        zonals=columns(
+            arrays.Zonals, zonals, precesses=[x.pole != "fixed" for x in zonals],
+            harmonic=[(*x.zonal, *(0.0,) * (5 - len(x.zonal))) for x in zonals],
         ),
-        figures=arrays.Figures(
-            ints([place(x.body) for x in figures]), floats([x.radius for x in figures]),
-            floats([x.j2 for x in figures]), floats([x.c22 for x in figures]),
-        ),
-        tides=arrays.Tides(
-            ints([place(x.body) for x in tides]), ints([place(x.raiser) for x in tides]),
-            floats([x.radius for x in tides]), floats([x.love_number for x in tides]),
-            floats([x.lag for x in tides]), floats([x.spin for x in tides], 3),
-        ),
+        figures=columns(arrays.Figures, by_kind[celestial.LunarFigure]),
+        tides=columns(arrays.Tides, by_kind[celestial.Tide]),
         points=arrays.Points(
             floats([x.gm / x.count for x in rings for _ in range(x.count)]),
             np.concatenate([np.zeros((0, 3)), *map(_circle, rings)]),
         ),
-        third_bodies=arrays.ThirdBodies(
-            ints([place(x.body) for x in third]), ints([_SOURCES[x.source] for x in third]),
-            floats([x.gm for x in third]),
+        third_bodies=columns(arrays.ThirdBodies, third, source=[_SOURCES[x.source] for x in third]),
+        drags=columns(
+            arrays.Drags, drags, air=[_AIRS[type(x)] for x in drags],
+            number=[(x.coefficient, *(getattr(x, name, 0.0) for name in PROFILE), x.radius, x.spin) for x in drags],
         ),
-        drags=arrays.Drags(
-            ints([place(x.body) for x in drags]), ints([place(x.planet) for x in drags]),
-            ints([arrays.STANDARD if isinstance(x, celestial.StandardDrag) else arrays.EXPONENTIAL for x in drags]),
-            floats([(x.coefficient, *(getattr(x, name, 0.0) for name in PROFILE), x.radius, x.spin) for x in drags], 6),
-        ),
-        lights=arrays.Lights(
-            ints([place(x.body) for x in lights]), ints([place(x.planet) for x in lights]),
-            floats([(x.coefficient, x.radius, x.pressure) for x in lights], 3),
-        ),
+        lights=columns(arrays.Lights, lights, number=[(x.coefficient, x.radius, x.pressure) for x in lights]),
     )  # fmt: skip
 
 
@@ -129,7 +123,6 @@ class ParticleSystem(System):
         return ParticleSystem(self.scene)
 
     def initial_state(self) -> np.ndarray:
-        """Return y (6 n_bodies,) at t = 0."""
         q = [body.position for body in self.scene.bodies]
         v = [body.velocity for body in self.scene.bodies]
         return np.concatenate((np.ravel(q), np.ravel(v))).astype(float)
@@ -152,7 +145,6 @@ class ParticleSystem(System):
         return Poses(q, turn, v, np.zeros_like(v))
 
     def states_of(self, poses: Poses) -> np.ndarray:
-        """Return states (n_t, 6 n_bodies)."""
         count = len(poses.position)
         return np.concatenate((poses.position.reshape(count, -1), poses.velocity.reshape(count, -1)), axis=1)
 

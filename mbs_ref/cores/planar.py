@@ -1,7 +1,6 @@
 """A planar scene compiled: three coordinates a body, joint rows, reactions; callable from Python."""
 
 import math
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -90,7 +89,6 @@ class PlanarSystem(JointedSystem):
         return scratch
 
     def initial_state(self) -> np.ndarray:
-        """Return y (6 n_bodies,) at t = 0."""
         q, v = np.zeros((2, self.n_bodies, 3))
         for k, body in enumerate(self.scene.bodies):
             q[k, :2], v[k, :2] = body.position, body.velocity
@@ -113,13 +111,11 @@ class PlanarSystem(JointedSystem):
         return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
     def poses(self, states: np.ndarray) -> Poses:
-        """Turn states (n_t, 6 n_bodies) into world poses and velocities."""
         n = self.n_bodies
         q, v = states.reshape(-1, 2, n, 3).transpose(1, 0, 2, 3)
         return Poses(q[:, :, :2].copy(), q[:, :, 2].copy(), v[:, :, :2].copy(), v[:, :, 2].copy())
 
     def states_of(self, poses: Poses) -> np.ndarray:
-        """Return states (n_t, 6 n_bodies)."""
         q = np.concatenate((poses.position, poses.orientation[:, :, None]), axis=2)
         v = np.concatenate((poses.velocity, poses.angular_velocity[:, :, None]), axis=2)
         return np.concatenate((q.reshape(len(q), -1), v.reshape(len(v), -1)), axis=1)
@@ -135,7 +131,7 @@ class PlanarSystem(JointedSystem):
         scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
         return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
 
-    @cached_property
+    @property
     def n_coordinates(self) -> int:
         """Coordinates in use: three a rigid body, two a point mass."""
         return sum(2 if isinstance(b, PointMass) else 3 for b in self.scene.bodies)

@@ -46,7 +46,7 @@ class System(ABC):
     is_twin: bool = False  # a copy of a system that was checked
     user_error: BaseException | None = None  # what a user's force law raised, if it did
 
-    # Connected when first asked for: who merely has a scene checked need not wait for the compiler.
+    # Connected at first use: checking a scene does not wait for the compiler.
     @cached_property
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """Handles of the scene's arrays and of the scratch, by which the core answers (kernels/border/calls.py)."""
@@ -143,7 +143,7 @@ class System(ABC):
 
     @property
     def n_positions(self) -> int:
-        """Entries of the state that are positions and orientations; the rates follow. Half of it unless said."""
+        """Entries of the state that are positions and orientations; the rates follow. Half of it by default."""
         return len(self.initial_state()) // 2
 
     def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
@@ -222,7 +222,7 @@ class System(ABC):
 
     @abstractmethod
     def states_of(self, poses: Poses) -> np.ndarray:
-        """Return states (n_t, n_state) of world poses and velocities; whether they keep the joints is not asked."""
+        """Return states (n_t, n_state) of world poses and velocities, which need not satisfy the joints."""
 
     @abstractmethod
     def set_mode_time(self, t: float) -> None:
@@ -236,12 +236,11 @@ class System(ABC):
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Return C and C_dot of every joint by name."""
 
-    def reactions(self, t: float, y: np.ndarray) -> dict[str, np.ndarray]:
-        """Return each joint's force and torque (3 or 6,) on its last body, at the joint point, in world axes."""
-        return {}
-
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        """Return the reactions (n_t, 3 or 6) at times of the last run, in the modes that held then."""
+        """Return the force and torque (n_t, 3 or 6) of each joint on its last body, at the joint point, in world axes.
+
+        The times are those of the last run, whose modes hold.
+        """
         return {}
 
     def rank(self, t: float, y: np.ndarray) -> int:

@@ -26,10 +26,27 @@ TABLE_POINTS = 41  # of the pulse as a breakpoint table
 PAPER = "Fox 1999 (the mechanism, forces and pulse); parameters and their origin in mbs_ref/crash/data/{}.json"
 
 
+_BELTS = read_data("believable")["belts"]
+# What model = "paper" and model = "believable" stand for
+BARE: dict[str, Any] = {
+    "stops": False, "body_contacts": False, "toe_board": False, "head_restraint": "integral", "slack": 0.0,
+    "belt_limit": 0.0,
+}  # fmt: skip
+BELIEVABLE: dict[str, Any] = {
+    "stops": True, "body_contacts": True, "toe_board": True, "head_restraint": "separate", "slack": _BELTS["slack"],
+    "belt_limit": _BELTS["limit"],
+}  # fmt: skip
+Restraint = Literal["integral", "separate", "none"]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Crash:
-    """The parameters of a crash: those of the scenes android_simplified and android_vertebral."""
+    """The parameters of a crash: those of the scenes android_simplified and android_vertebral.
 
+    ValueError where model = "paper" and a value that only the believable model has go together.
+    """
+
+    model: Literal["believable", "paper"] = "believable"
     peak_force: Annotated[float, Field(ge=500.0, le=100_000.0)] = 15_000.0  # N
     speed_change_km_h: Annotated[float, Field(gt=0.0, le=200.0)] = 50.0
     impact: Literal["front", "rear"] = "front"
@@ -40,9 +57,21 @@ class Crash:
     seat: Literal["fixed", "driven"] = "fixed"
     pulse: Literal["half_sine", "table"] = "half_sine"
     lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # m
-    stops: bool = False
-    body_contacts: bool = False
-    head_restraint: Literal["integral", "separate", "none"] = "integral"
+    slack: Annotated[float, Field(ge=0.0, le=0.2)] = BELIEVABLE["slack"]  # m
+    belt_limit: NonNegative = BELIEVABLE["belt_limit"]  # N
+    stops: bool = BELIEVABLE["stops"]
+    body_contacts: bool = BELIEVABLE["body_contacts"]
+    toe_board: bool = BELIEVABLE["toe_board"]
+    head_restraint: Restraint = BELIEVABLE["head_restraint"]
+
+    def __post_init__(self) -> None:
+        if self.model == "believable":
+            return
+        for name, bare in BARE.items():
+            given = getattr(self, name)
+            if given not in (bare, BELIEVABLE[name]):
+                raise ValueError(f"{name} = {given!r} does not go with model = 'paper', which has {bare!r}")
+            object.__setattr__(self, name, bare)
 
     @property
     def pulse_duration(self) -> float:
@@ -58,9 +87,11 @@ class Crash:
 PARAMETERS = """peak_force (N) and speed_change_km_h fix a half sine (or its breakpoint table) with impulse m dv; front
 or rear impact; mass (kg) scales masses and inertias; belts, and their stiffness and damping times
 belt_stiffness; contact law, or a constraint in its place; seat fixed with mass-proportional forces, or driven; lift
-(m) off the seat. What the paper's bare model does not have: stops of the joints at a person's ranges of motion;
-body_contacts of head, chin, chest, arms and shanks with thighs, chest and seat, by a force whatever the law; and a
-head_restraint that is part of the seat back (integral, the paper's), separate at a gap behind the head, or none."""
+(m) off the seat. What the papers' bare model, model = "paper", does not have: slack (m) of both belts; belt_limit (N)
+of the shoulder belt's load limiter, which caps what its strands pull by together (0: none); stops of the joints at a
+person's ranges of motion; body_contacts of head, chin, chest, arms and shanks with thighs, chest and seat, by a force
+whatever the law; a toe_board ahead of the feet; and a head_restraint that is separate at a gap behind the head, part of
+the seat back (integral, the papers'), or none."""
 
 
 def scene_builder(module: str, name: str, summary: str, description: str) -> Callable[..., Scene]:
@@ -93,7 +124,10 @@ def android(name: str, description: str, crash: Crash) -> Scene:
 
 
 def _consequences(crash: Crash) -> list[str]:
-    has = {"joint stops": crash.stops, "contacts of its parts with one another": crash.body_contacts}
+    has = {
+        "joint stops": crash.stops, "contacts of its parts with one another": crash.body_contacts,
+        "toe-board": crash.toe_board,
+    }  # fmt: skip
     lacks = [what for what, there in {"friction": False, **has}.items() if not there]
     notes = [f"It has no {', no '.join(lacks)}."]
     if crash.head_restraint != "integral":
@@ -184,17 +218,33 @@ class _Model:
     def belts(self) -> list[parts.SpringDamper]:
         if not self.crash.belts:
             return []
-        factor = self.crash.belt_stiffness
+        strands = [(b, *self._strand(b)) for b in self.data["belts"]]
         return [
             parts.SpringDamper(
                 name=f"belt.{b['name']}", body_a=b["anchor_body"], body_b=b["body"],
                 point_a=self.places.point(b["anchor_body"], b["anchor_point"]),
                 point_b=self.places.point(b["body"], b["point"]),
-                stiffness=factor * b["k"], damping=factor * b["c"], rest_length=b["rest_length"] + b["slack"],
-                tension_only=True,
+                stiffness=factor * b["k"], damping=factor * b["c"],
+                rest_length=b["rest_length"] + b["slack"] + self.crash.slack, tension_only=True, limit=limit,
             )
-            for b in self.data["belts"]
+            for b, factor, limit in strands
         ]  # fmt: skip
+
+    def _strand(self, belt: dict[str, Any]) -> tuple[float, float | None]:
+        """Return what a belt's stiffness and damping are times the data's, and its limit (N).
+
+        The strands of the shoulder belt share its stiffness and its limit: as the data have it, or in the believable
+        model with a fixed share for the clavicle, where there is one.
+        """
+        shoulder = [b for b in self.data["belts"] if b["name"].startswith("thorax")]
+        if belt not in shoulder:
+            return self.crash.belt_stiffness, None
+        total = sum(b["k"] for b in shoulder)
+        share = belt["k"] / total
+        if self.crash.model == "believable" and len(shoulder) > 1:
+            clavicle = self.more["belts"]["clavicle_share"]
+            share = clavicle if belt["body"] == "clavicle" else (1.0 - clavicle) / (len(shoulder) - 1)
+        return self.crash.belt_stiffness * share * total / belt["k"], share * self.crash.belt_limit or None
 
     def crash_forces(self) -> list[parts.Load]:
         """m_i a(t) on every part of the android, in the frame of a fixed seat (d'Alembert)."""
@@ -229,7 +279,19 @@ class _Model:
         return self._contact(entry, "seat_back", *ends, center=head)
 
     def floor_contacts(self) -> list[Contact]:
-        return [self._contact(c, GROUND, (0.0, 0.0), (1.0, 0.0)) for c in self.data["floor"]]
+        level = [self._contact(c, GROUND, (0.0, 0.0), (1.0, 0.0)) for c in self.data["floor"]]
+        return [*level, *(self._toe_board() if self.crash.toe_board else [])]
+
+    def _toe_board(self) -> list[Contact]:
+        """A plane of the vehicle that rises ahead of the feet: the ball of the foot touches it at t = 0."""
+        board = self.more["toe_board"]
+        slope = math.radians(board["slope_deg"])
+        ball = next(c for c in self.data["floor"] if c["point"] == "ball")
+        x, y = self.places.point(ball["body"], ball["point"])
+        first = (x + ball["radius"] * math.sin(slope), y - ball["radius"] * math.cos(slope))
+        second = (first[0] + math.cos(slope), first[1] + math.sin(slope))
+        pad = board["pad"] | {"where": "toe_board"}
+        return [self._contact(c | pad, "seat_base", first, second) for c in self.data["floor"]]
 
     def stops(self) -> list[parts.Load]:
         return [*joint_stops(self.data["joints"], self.more["stops"], self.places)] if self.crash.stops else []
@@ -240,7 +302,7 @@ class _Model:
     def _contact(
         self, entry: dict[str, Any], surface: str, first: Point, second: Point, center: Point | None = None
     ) -> CircleOnLine:
-        where = "floor" if surface == GROUND else surface
+        where = entry.get("where") or ("floor" if surface == GROUND else surface)
         return CircleOnLine(
             name=f"{entry['body']}.{entry['point']}.{where}", body_a=entry["body"],
             center=center or self.places.point(entry["body"], entry["point"]), radius=entry["radius"], body_b=surface,

@@ -207,6 +207,7 @@ def _thorax_measures(
     mass = sum(b.mass for b in motion.scene.bodies if not b.name.startswith("seat"))
     figures = {
         "thorax 3 ms clip, g": injury.clip(motion.times, thorax),
+        "TTI(d), g": injury.TTI_LOAD * float(rib.max() + t12.max()),  # of 49 CFR 571.214, without age and mass
         f"TTI at {AGE:g} years, g": injury.thoracic_trauma_index(AGE, float(rib.max()), float(t12.max()), mass),
     }
     if chest is not None:

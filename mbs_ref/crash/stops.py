@@ -12,7 +12,7 @@ import numpy as np
 
 from mbs_ref.crash.places import Places, Point
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.springs import length_of
+from mbs_ref.observables.springs import length_of, pull_of
 from mbs_ref.scene import SpringDamper
 
 STOP = "stop."
@@ -61,9 +61,8 @@ def _at(hinge: Point, lever: float, angle: float) -> Point:
 
 
 def tension(motion: Motion, string: SpringDamper) -> np.ndarray:
-    """Return the pull (n_t,), N, of a spring that only pulls."""
-    _, stretch, rate = length_of(motion, string)
-    return np.where(stretch > 0.0, np.maximum(string.stiffness * stretch + string.damping * rate, 0.0), 0.0)
+    """Return the pull (n_t,), N, of a spring."""
+    return pull_of(string, *length_of(motion, string)[1:])[0]
 
 
 def stop_load(motion: Motion, hinge: tuple[float, ...], upper: str, lower: str) -> tuple[np.ndarray, np.ndarray]:

@@ -32,9 +32,8 @@ from mbs_ref.kernels.rigid import (
     loads,
     model,
 )
-from mbs_ref.kernels.spatial import descriptor as spatial_form
+from mbs_ref.kernels.spatial import contacts as spatial_contacts
 from mbs_ref.kernels.spatial import dynamics as spatial
-from mbs_ref.kernels.spatial import grips as spatial_grips
 
 MOTION = "motion"  # what every run asks
 EVENTS, UNEVENTFUL = "events", "uneventful"  # of contacts, one-sided springs and declared events; of scenes without
@@ -63,7 +62,7 @@ HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a m
 _RIGID = (contact_events, contact_forces, descriptor, dynamics, events, grips, joints, loads, model)
 _OWN = {  # core -> the first words of its answers' names, and their modules
     "planar": (("planar", "rigid"), (planar, *_RIGID)),
-    "spatial": (("spatial", "rigid"), (spatial, spatial_form, spatial_grips, *_RIGID)),
+    "spatial": (("spatial", "rigid"), (spatial, spatial_contacts, *_RIGID)),
     "relative_planar": (("relative_planar", "relative"), (relative_planar, relative)),
     "relative_spatial": (("relative_spatial", "relative"), (relative_spatial, relative)),
     "particles": (("particle",), (particles,)),

@@ -62,7 +62,7 @@ def _source(module: str) -> tuple[bytes, frozenset[str]]:
     if file is None:
         return b"", frozenset()
     content = file.read_bytes()
-    home = _home_of(module, file)
+    home = file.parents[module.count(".") + (file.name == "__init__.py")]  # of the module's top-level package
     found: set[str] = set()
     for parent, names, plain in _IMPORT.findall(content.decode()):
         if plain:
@@ -70,12 +70,6 @@ def _source(module: str) -> tuple[bytes, frozenset[str]]:
         else:
             found |= {parent, *(f"{parent}.{name}" for name in re.findall(r"(\w+)(?: as \w+)?", names))}
     return content, frozenset(name for name in found if _lies_in(home, name) or _lies_in(_PROJECT, name))
-
-
-def _home_of(module: str, file: Path) -> Path:
-    """Return the folder that holds a module's top-level package."""
-    depth = module.count(".") + (file.name == "__init__.py")
-    return file.parents[depth]
 
 
 @cache

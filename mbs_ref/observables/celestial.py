@@ -5,25 +5,13 @@ import itertools
 import numpy as np
 
 from mbs_ref.scene import Scene
-from mbs_ref.scene.celestial import Newton
-from mbs_ref.scene.units import attraction
+from mbs_ref.scene.scales import attraction
 from mbs_ref.trajectory import Trajectory
 
 
 def is_newtonian(scene: Scene) -> bool:
     """Return whether Newton's attraction is all that acts."""
     return all(load.type in ("newton", "epoch") for load in scene.loads)
-
-
-def is_attracted(scene: Scene) -> bool:
-    """Return whether bodies attract each other."""
-    return any(isinstance(load, Newton) for load in scene.loads)
-
-
-def not_newtonian(scene: Scene) -> str:
-    """Return why there is no energy balance."""
-    others = ", ".join(load.type for load in scene.loads if load.type not in ("newton", "epoch"))
-    return f"the energy balance supports Newton's attraction alone, and {others} act here, too"
 
 
 def energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:

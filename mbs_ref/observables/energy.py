@@ -10,13 +10,13 @@ from mbs_ref import scene as parts
 from mbs_ref.observables import celestial
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.powers import powers
-from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
+from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, pull_of, twist_of
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
-from mbs_ref.scene.celestial import GravityGradient
+from mbs_ref.scene.celestial import GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive, UserConstraint
+from mbs_ref.scene.scales import is_celestial
 from mbs_ref.scene.signals import Constant, Signal
-from mbs_ref.scene.units import is_celestial
 from mbs_ref.trajectory import Trajectory
 
 OVERFLOWN = "the run has diverged: its energy is beyond all numbers"
@@ -82,10 +82,12 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     """
     if is_celestial(scene):
         if not celestial.is_newtonian(scene):
-            return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, celestial.not_newtonian(scene))
+            others = ", ".join(load.type for load in scene.loads if load.type not in ("newton", "epoch"))
+            reason = f"the energy balance supports Newton's attraction alone, and {others} act here, too"
+            return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, reason)
         energy = celestial.energy(scene, trajectory).astype(float)
         return EnergyBalance(energy, np.zeros_like(energy), celestial.drift(scene, trajectory), 0.0)
-    if celestial.is_attracted(scene):
+    if any(isinstance(load, Newton) for load in scene.loads):
         return _attracted(scene, trajectory)
     energy = kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory)
     reason = OVERFLOWN if not np.isfinite(energy).all() else _undefined(scene, trajectory)
@@ -182,7 +184,10 @@ def _antiderivative(times: np.ndarray, power: np.ndarray) -> np.ndarray:
 
 def _spring(motion: Motion, load: parts.SpringDamper) -> np.ndarray:
     _, stretch, _ = length_of(motion, load)
-    return 0.5 * load.stiffness * (np.maximum(stretch, 0.0) if load.tension_only else stretch) ** 2
+    if load.tension_only:
+        stretch = np.maximum(stretch, 0.0)
+    _, elastic = pull_of(load, stretch, np.zeros_like(stretch))
+    return elastic * stretch - 0.5 * elastic**2 / load.stiffness if load.stiffness else elastic
 
 
 def _force(motion: Motion, load: parts.Force) -> np.ndarray:

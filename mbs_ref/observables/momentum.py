@@ -5,7 +5,7 @@ import numpy as np
 from mbs_ref.observables import celestial
 from mbs_ref.scene import GROUND, PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.scene.units import is_celestial
+from mbs_ref.scene.scales import is_celestial
 from mbs_ref.trajectory import Trajectory
 
 

@@ -9,7 +9,7 @@ from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
-from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, twist_of
+from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, pull_of, twist_of
 from mbs_ref.scene.contact import Contact
 
 
@@ -35,11 +35,8 @@ def _works(load, is_conservative: Callable) -> bool:
 
 def _damper(motion: Motion, load: parts.SpringDamper) -> np.ndarray:
     _, stretch, rate = length_of(motion, load)
-    force = load.damping * rate
-    if load.tension_only:  # the total pull, which is never a push, less the elastic part
-        elastic = load.stiffness * np.maximum(stretch, 0.0)
-        force = np.where(stretch > 0.0, np.maximum(elastic + force, 0.0) - elastic, 0.0)
-    return -force * rate
+    pull, elastic = pull_of(load, stretch, rate)
+    return -(pull - elastic) * rate
 
 
 def _force(motion: Motion, load: parts.Force) -> np.ndarray:

@@ -18,6 +18,15 @@ def length_of(motion: Motion, spring: SpringDamper) -> tuple[np.ndarray, np.ndar
     return length, length - rest, np.sum(along * (b_rate - a_rate), axis=1)
 
 
+def pull_of(spring: SpringDamper, stretch: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the pull (n_t,), N, of a spring, and the part of it without its damper."""
+    elastic, pull = spring.stiffness * stretch, spring.stiffness * stretch + spring.damping * rate
+    if not spring.tension_only:
+        return pull, elastic
+    most = np.inf if spring.limit is None else spring.limit
+    return np.where(stretch > 0.0, np.clip(pull, 0.0, most), 0.0), np.clip(elastic, 0.0, most)
+
+
 def twist_of(motion: Motion, spring: TorsionSpring) -> tuple[np.ndarray, np.ndarray]:
     """Return the relative angle beyond the rest angle (rad) and its rate (rad/s); each (n_t,)."""
     if spring.axis is not None:

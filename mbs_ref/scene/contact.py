@@ -11,8 +11,17 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from mbs_ref.scene.base.attached import Attached
-from mbs_ref.scene.base.directions import require_perpendicular
-from mbs_ref.scene.base.part import Direction, Direction3, EndName, NonNegative, Part, Point, Point3, Positive
+from mbs_ref.scene.base.part import (
+    Direction,
+    Direction3,
+    EndName,
+    NonNegative,
+    Part,
+    Point,
+    Point3,
+    Positive,
+    require_perpendicular,
+)
 from mbs_ref.scene.joints import axis_complaints
 
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -86,6 +95,31 @@ class HuntCrossleyLaw(Law):
         return LawNumbers(self.stiffness, self.damping, self.exponent, self.exponent)
 
 
+class BekkerLaw(Law):
+    """F = b l (k_c / b + k_phi) d^n + c d d': a foot of width b and length l sinks into soil (Bekker 1956).
+
+    Pressure and sinkage of soil that is pressed once. It has no memory: no rut stays where the load has passed.
+    """
+
+    type: Literal["bekker_law"] = "bekker_law"
+    cohesive: NonNegative  # N/m^(n + 1), k_c
+    frictional: NonNegative  # N/m^(n + 2), k_phi
+    exponent: Annotated[float, Field(ge=0.1, le=3.0)]  # -, n
+    width: Positive  # m, b, of the track or plate that the foot is part of
+    length: Positive  # m, l
+    damping: NonNegative = 0.0  # N s/m^2
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.cohesive == self.frictional == 0.0:
+            raise ValueError("cohesive and frictional are both 0; one must be positive")
+        return self
+
+    def numbers(self) -> LawNumbers:
+        stiffness = self.length * (self.cohesive + self.width * self.frictional)
+        return LawNumbers(stiffness, self.damping, self.exponent, 1.0)
+
+
 class LankaraniNikraveshLaw(Law):
     """F = k d^n (1 + 3 (1 - e^2)/4 d'/v0), v0 the speed at touch-down (Lankarani and Nikravesh 1990).
 
@@ -157,7 +191,14 @@ class ConstraintLaw(Law):
 
 
 ContactLaw = Annotated[
-    SpringDamperLaw | ProgressiveLaw | HuntCrossleyLaw | LankaraniNikraveshLaw | FloresLaw | RigidLaw | ConstraintLaw,
+    SpringDamperLaw
+    | ProgressiveLaw
+    | HuntCrossleyLaw
+    | BekkerLaw
+    | LankaraniNikraveshLaw
+    | FloresLaw
+    | RigidLaw
+    | ConstraintLaw,
     Field(discriminator="type"),
 ]
 

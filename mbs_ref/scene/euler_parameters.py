@@ -53,14 +53,14 @@ def rotation_matrices(theta) -> np.ndarray:
 
 def from_matrix(matrix) -> np.ndarray:
     """Return theta (4,) of a rotation matrix (3, 3), theta0 >= 0; by the largest parameter (Shepperd 1978)."""
-    m = np.asarray(matrix, dtype=float)
+    m = floats(matrix)
     squares = np.array([m.trace(), *m.diagonal()])
     k = int(np.argmax(squares))
     if k == 0:
         theta = np.array([1.0 + m.trace(), m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
     else:
         i, j, n = k - 1, k % 3, (k + 1) % 3
-        theta = np.empty(4)
+        theta = np.empty(4, dtype=m.dtype)
         theta[0] = m[n, j] - m[j, n]
         theta[1 + i] = 1.0 + m[i, i] - m[j, j] - m[n, n]
         theta[1 + j] = m[j, i] + m[i, j]

@@ -10,9 +10,19 @@ from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.scene.base import rows
 from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached, coordinate_complaints
-from mbs_ref.scene.base.directions import normals, require_perpendicular, unit
 from mbs_ref.scene.base.expression import Read, read
-from mbs_ref.scene.base.part import BodyName, Direction, Direction3, EndName, Point, Point3, Positive
+from mbs_ref.scene.base.part import (
+    BodyName,
+    Direction,
+    Direction3,
+    EndName,
+    Point,
+    Point3,
+    Positive,
+    normals,
+    require_perpendicular,
+    unit,
+)
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.signals import Level, Signal
 

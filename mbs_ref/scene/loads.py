@@ -7,7 +7,7 @@ from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.scene.base import part
 from mbs_ref.scene.base.attached import Attached, AttachedPair
-from mbs_ref.scene.base.directions import require_perpendicular
+from mbs_ref.scene.base.part import require_perpendicular
 from mbs_ref.scene.celestial import CelestialLoad
 from mbs_ref.scene.joints import axis_complaints
 from mbs_ref.scene.signals import Constant, Signal
@@ -52,7 +52,11 @@ class TorqueVector(Attached):
 
 
 class SpringDamper(AttachedPair):
-    """A point-to-point spring and damper: F = k (l - l0) + c dl/dt, optionally in tension only."""
+    """A point-to-point spring and damper: F = k (l - l0) + c dl/dt, optionally in tension only.
+
+    `limit` caps the pull, as a belt's load limiter does. It has no memory: what it pays out it winds up again, so that
+    the spring returns what it would have stored at the limited force.
+    """
 
     type: Literal["spring_damper"] = "spring_damper"
     point_a: part.Point  # m, world, t = 0
@@ -61,6 +65,13 @@ class SpringDamper(AttachedPair):
     damping: part.NonNegative = 0.0  # N s/m
     rest_length: part.NonNegative | None = None  # m; the distance at t = 0 unless given
     tension_only: bool = False  # slack below the rest length, and never pushing
+    limit: part.Positive | None = None  # N, the largest pull, of a spring that pulls only; none unless given
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.limit is not None and not self.tension_only:
+            raise ValueError(f"limit = {self.limit} N requires tension_only = true")
+        return self
 
 
 class TorsionSpring(AttachedPair):

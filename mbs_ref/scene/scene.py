@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mbs_ref.display import facts, listing
-from mbs_ref.scene.base.complaints import complaints
+from mbs_ref.scene.base.attached import complaints
 from mbs_ref.scene.base.part import Name, Part, Positive, Vector
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
 from mbs_ref.scene.contact import Contact

@@ -5,9 +5,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from mbs_ref.crash.android import scene_builder
+from mbs_ref.crash.android import BELIEVABLE, Restraint, scene_builder
 from mbs_ref.crash.in_space import in_space
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.part import NonNegative
 
 android_simplified = scene_builder(
     __name__,
@@ -27,6 +28,7 @@ BREADTH = 0.5  # m, of cushions and of the pair of limbs that a part stands for:
 
 def android_spatial(
     *,
+    model: Literal["believable", "paper"] = "believable",
     oblique: Annotated[float, Field(ge=-45.0, le=45.0)] = 15.0,
     peak_force: Annotated[float, Field(ge=500.0, le=100_000.0)] = 15_000.0,
     speed_change_km_h: Annotated[float, Field(gt=0.0, le=200.0)] = 50.0,
@@ -34,24 +36,28 @@ def android_spatial(
     mass: Annotated[float, Field(ge=50.0, le=100.0)] = 75.0,
     belts: bool = True,
     law: Literal["progressive", "spring_damper"] = "progressive",
-    stops: bool = False,
-    body_contacts: bool = False,
-    head_restraint: Literal["integral", "separate", "none"] = "integral",
+    slack: Annotated[float, Field(ge=0.0, le=0.2)] = BELIEVABLE["slack"],
+    belt_limit: NonNegative = BELIEVABLE["belt_limit"],
+    stops: bool = BELIEVABLE["stops"],
+    body_contacts: bool = BELIEVABLE["body_contacts"],
+    toe_board: bool = BELIEVABLE["toe_board"],
+    head_restraint: Restraint = BELIEVABLE["head_restraint"],
 ) -> Scene:
     """Crash the simplified android in space, with ball joints, the pulse coming from straight ahead or obliquely.
 
     oblique (deg, of the pulse, towards the right); peak_force (N) and speed_change_km_h fix a half sine with impulse
-    m dv; front or rear impact; mass (kg) scales masses and inertias; belts; contact law; stops, body_contacts and
-    head_restraint as in the plane, stops about the plane's axis alone. At oblique = 0 it moves as the planar android
-    does. Left and right limbs are one body each; inertias about x and y and the breadth of limbs and cushions are
-    estimates. From the rear with stops alone: without them the arms turn by more than the 3 rad that a spring in space
-    can measure.
+    m dv; front or rear impact; mass (kg) scales masses and inertias; belts; contact law; model, slack, belt_limit,
+    stops, body_contacts, toe_board and head_restraint as in the plane, stops about the plane's axis alone. At
+    oblique = 0 it moves as the planar android does. Left and right limbs are one body each; inertias about x and y and
+    the breadth of limbs and cushions are estimates. From the rear with stops alone: without them the arms turn by more
+    than the 3 rad that a spring in space can measure.
     """
-    if impact == "rear" and not stops:
+    if impact == "rear" and (model == "paper" or not stops):
         raise ValueError("impact = 'rear' needs stops = true: without them the arms turn by more than 3 rad")
     planar = android_simplified(
-        peak_force=peak_force, speed_change_km_h=speed_change_km_h, impact=impact, mass=mass, belts=belts, law=law,
-        stops=stops, body_contacts=body_contacts, head_restraint=head_restraint,
+        model=model, peak_force=peak_force, speed_change_km_h=speed_change_km_h, impact=impact, mass=mass, belts=belts,
+        law=law, slack=slack, belt_limit=belt_limit, stops=stops, body_contacts=body_contacts, toe_board=toe_board,
+        head_restraint=head_restraint,
     )  # fmt: skip
     ahead = "straight ahead" if impact == "front" else "straight from behind"
     described = f"13 bodies with ball joints, the pulse {oblique:g} degrees off {ahead}. It has no friction."

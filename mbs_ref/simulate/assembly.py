@@ -12,7 +12,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.simulate.diagnosis import singular_passage, unseen_forces
 from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
 from mbs_ref.simulate.legs import Run
-from mbs_ref.simulate.linearised.stiffness import unstable_passage
+from mbs_ref.simulate.linearised import unstable_passage
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start.consistent import InconsistentScene
 from mbs_ref.simulate.start.soundness import UnsoundScene

@@ -281,10 +281,8 @@ def _shrinkage(before: np.ndarray, after: np.ndarray, floor: float) -> np.ndarra
 
 
 def _first(system: System, plan: Plan) -> _Request:
-    return _half(system, plan) if plan.options.step else _tighter(plan, _tolerance_ratio(plan))
-
-
-def _half(system: System, plan: Plan) -> _Request:
+    if not plan.options.step:
+        return _tighter(plan, _tolerance_ratio(plan))
     options = plan.options._replace(max_steps=2 * plan.options.max_steps)
     return _Request("half of the step", options, 2, float(_richardson(_error_ratio(system, plan))))
 

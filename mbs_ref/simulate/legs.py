@@ -1,9 +1,13 @@
 """Integrate a plan leg by leg, a leg ending at a declared breakpoint, and report how the run ended."""
 
+from __future__ import annotations
+
 import itertools
+import os
 import signal
 import threading
 import time
+from functools import cache
 from types import FrameType
 from typing import Any, NamedTuple, Self
 
@@ -20,16 +24,18 @@ GOLDEN = 0.5 * (3.0 - 5.0**0.5)  # of an interval: the golden section
 
 
 class Interrupts:
-    """While entered, the first SIGINT sets the step count to `max_steps`, so that the compiled loop returns its states.
+    """While entered, the first SIGINT sets the step count to `max_steps`, so that the run ends after its next step.
 
-    Python receives the signal between two chunks of a compiled loop. A second SIGINT raises KeyboardInterrupt. In other
-    threads than the main one, and where another handler is installed, nothing changes.
+    Python receives the signal once compiled code has returned, in a large scene after minutes; a thread that waits for
+    its number does at once. A second SIGINT raises KeyboardInterrupt. In other threads than the main one, and where
+    another handler is installed, nothing changes.
     """
 
     def __init__(self, run: Progress, max_steps: int) -> None:
         self.received = False
         self._run, self._max_steps, self._steps_before = run, max_steps, 0
         self._previous: Any = None
+        self._descriptor = -1
 
     @property
     def steps(self) -> int:
@@ -41,16 +47,42 @@ class Interrupts:
         in_main_thread = threading.current_thread() is threading.main_thread()
         if in_main_thread and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             self._previous = signal.signal(signal.SIGINT, self._receive)
+            descriptor, entered = _waiting_thread()
+            entered.append(self)
+            self._descriptor = signal.set_wakeup_fd(descriptor, warn_on_full_buffer=False)
         return self
 
     def __exit__(self, *_: object) -> None:
         if self._previous is not None:
+            signal.set_wakeup_fd(self._descriptor)
+            _waiting_thread()[1].remove(self)
             signal.signal(signal.SIGINT, self._previous)
 
     def _receive(self, _number: int, _frame: FrameType | None) -> None:
-        self.received, self._steps_before = True, int(self._run.steps)
-        self._run.steps = self._max_steps
+        self.stop()
         signal.signal(signal.SIGINT, self._previous)
+
+    def stop(self) -> None:
+        """Set the step count."""
+        if self._run.steps < self._max_steps:
+            self.received, self._steps_before = True, int(self._run.steps)
+            self._run.steps = self._max_steps
+
+
+@cache
+def _waiting_thread() -> tuple[int, list[Interrupts]]:
+    """Start a thread that waits for numbers of signals; return where Python is to write them, and what SIGINT stops."""
+    source, target = os.pipe()
+    os.set_blocking(target, False)
+    entered: list[Interrupts] = []
+
+    def wait() -> None:
+        while number := os.read(source, 1):
+            for one in tuple(entered) if number[0] == signal.SIGINT else ():
+                one.stop()
+
+    threading.Thread(target=wait, daemon=True).start()
+    return target, entered
 
 
 class Counts(NamedTuple):

@@ -24,7 +24,7 @@ from mbs_ref.integrators import DEFAULT, STIFF, integrators
 from mbs_ref.integrators.loop.leg import Integrator, progress
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.linearised.stiffness import fastest_contact
+from mbs_ref.simulate.linearised import fastest_contact
 from mbs_ref.simulate.plan import DEFAULT_TOLERANCE, Plan, make_plan
 from mbs_ref.trajectory import Status
 
@@ -123,8 +123,10 @@ def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
     loaded = system.scene.loads or system.scene.contacts
     if plan.settings.method != AUTO or plan.options.step or not plan.integrator.stability or not loaded:
         return plan
-    span, now = float(plan.times[-1]), stable_step(system, plan, y)
-    closed = stability_radius(plan.integrator) / max(fastest_contact(system, y), TINY / span)
+    span, radius = float(plan.times[-1]), stability_radius(plan.integrator)
+    fastest = largest_eigenvalue(system, plan.options.units, y)
+    now = radius / fastest if fastest > 0.0 else np.inf
+    closed = radius / max(fastest_contact(system, y), TINY / span)
     allowed = min(now, closed)
     bounded = span / allowed  # steps
     if bounded <= 2 * len(plan.times) or bounded * plan.integrator.order * EVALUATION * len(y) < WORTH:
@@ -162,12 +164,6 @@ def _tried(system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: f
                 f"takes {other.run.h:.2g} s after t = {now:.2g} s"
             ))  # fmt: skip
     return plan
-
-
-def stable_step(system: System, plan: Plan, y: np.ndarray) -> float:
-    """Return the largest stable step (s) of the explicit method, with the largest |lambda| at y taken as negative."""
-    fastest = largest_eigenvalue(system, plan.options.units, y)
-    return stability_radius(plan.integrator) / fastest if fastest > 0.0 else np.inf
 
 
 def stability_radius(integrator: Integrator) -> float:

@@ -12,7 +12,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.assembly import empty, sampled, trajectory, with_estimate
 from mbs_ref.simulate.legs import Run, finite_part, run_legs, start_run
-from mbs_ref.simulate.linearised.stiffness import unstable_step
+from mbs_ref.simulate.linearised import unstable_step
 from mbs_ref.simulate.method_choice import after_first_steps, choose_plan, without
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start.consistent import consistent_start, rank_at_start, redundancy

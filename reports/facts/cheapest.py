@@ -10,8 +10,7 @@ from statistics import median
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Answer, Cell
-from cross_checks.records.cost import loop_time
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, loop_time
 from reports.facts.report_data import ReportData
 
 NEAR = 1.5  # times the cheapest first run: settings that near are timed, too, since first runs are noisy

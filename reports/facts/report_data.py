@@ -16,8 +16,7 @@ from cross_checks.judge.capabilities import Capability
 from cross_checks.judge.vocabulary import OURS, Cell, Verdict
 from cross_checks.records.record import Record
 from reports.facts.curves import Measured
-from reports.facts.scene_facts import SceneFacts
-from reports.facts.truth_facts import TruthFacts
+from reports.facts.scene_facts import SceneFacts, TruthFacts
 
 
 @dataclass(frozen=True)

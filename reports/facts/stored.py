@@ -31,13 +31,13 @@ def adapter(kind: Any) -> TypeAdapter[Any]:
 
 
 def recall[Fact](store: Store, key: str, kind: type[Fact]) -> Fact | None:
-    """Return what is kept under a key; None where nothing is."""
+    """Return the facts stored under a key; None without any."""
     held = store.arrays(key)
     return None if held is None else adapter(kind).validate_python(held[0]["facts"])
 
 
 def keep[Fact](store: Store, key: str, kind: type[Fact], result: Fact) -> Fact:
-    """Keep facts under a key; ValueError where they hold NaN or infinity."""
+    """Store facts under a key; ValueError where they hold NaN or infinity."""
     plain = adapter(kind).dump_python(result, mode="json")
     json.dumps(plain, allow_nan=False)
     store.keep_arrays(key, {"facts": plain}, {})
@@ -45,7 +45,7 @@ def keep[Fact](store: Store, key: str, kind: type[Fact], result: Fact) -> Fact:
 
 
 def remembered[Fact](store: Store, key: str, kind: type[Fact], make: Callable[[], Fact]) -> Fact:
-    """Return what is kept under a key, else what `make` returns, which is kept."""
+    """Return the facts stored under a key, else what `make` returns, which is stored."""
     held = recall(store, key, kind)
     return keep(store, key, kind, make()) if held is None else held
 
@@ -64,7 +64,7 @@ class Stored:
 
 def truth_key(scene: Scene) -> str:
     """Return the key of the facts of a scene's truth."""
-    code = code_of("reports.facts.truth_facts")
+    code = code_of("reports.facts.scene_facts")
     return digest_of(["truth facts", *_physics(scene), engine_keys(), _judge(), code])
 
 

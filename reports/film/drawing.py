@@ -11,7 +11,7 @@ import numpy as np
 
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import GROUND, CoordinateDrive, Scene
-from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
 from mbs_ref.trajectory import Trajectory
 

@@ -52,18 +52,18 @@ def as_gif(pictures: list[Image.Image], seconds: float) -> bytes:
 
 def as_page(title: str, pictures: list[Image.Image], times: np.ndarray, seconds: float) -> bytes:
     """Return an HTML page that plays pictures of `times` (s) for `seconds`, stops, and goes to any of them."""
+    shown = [base64.b64encode(_png(picture.quantize(COLOURS))).decode() for picture in pictures]
     whole = Template(PLAYER.read_text(encoding="utf-8"), autoescape=True).render(
-        title=title, width=pictures[0].width, pictures=[_as_text(picture) for picture in pictures],
+        title=title, width=pictures[0].width, pictures=shown,
         times=[clock(float(t), float(times[-1])) for t in times], pause=round(1000.0 * seconds / len(pictures)),
     )  # fmt: skip
     return whole.encode()
 
 
-def _as_text(picture: Image.Image) -> str:
-    """Return a PNG of few colours in base64."""
+def _png(picture: Image.Image) -> bytes:
     buffer = io.BytesIO()
-    picture.quantize(COLOURS).save(buffer, "PNG", optimize=True)
-    return base64.b64encode(buffer.getvalue()).decode()
+    picture.save(buffer, "PNG", optimize=True)
+    return buffer.getvalue()
 
 
 def video_library() -> Any:
@@ -101,6 +101,4 @@ def filmstrip(scene: Scene, trajectory: Trajectory, count: int = 8) -> bytes:
     picks = np.linspace(0, len(scenery.times) - 1, count, endpoint=False).round().astype(int)
     for place, k in enumerate(picks):
         sheet.paste(camera.picture(scenery, int(k)), (wide * (place % columns), high * (place // columns)))
-    buffer = io.BytesIO()
-    sheet.save(buffer, "PNG", optimize=True)
-    return buffer.getvalue()
+    return _png(sheet)

@@ -88,7 +88,7 @@ MISSED = {
 
 
 def _limit(data: ReportData, engine: str) -> str:
-    """Say which scenes it does not bring to MIDDLE, and why."""
+    """Return which scenes it does not solve to MIDDLE, and why."""
     able = modelled(data, engine)
     if not able:
         return ""

@@ -10,8 +10,9 @@ from mbs_ref.atomic_file import write_atomic
 from reports.facts.report_data import ReportData
 from reports.facts.stored import adapter
 from reports.page.browser import drawn
-from reports.page.files import csv_table, document, jsonl
+from reports.page.files import document, jsonl, record_columns
 from reports.page.render import ALL, INDEX, render, single
+from reports.poses_file import csv_table
 
 HTML = "html"
 PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
@@ -63,7 +64,7 @@ def _pdf(data: ReportData) -> bytes:
 
 
 MARKDOWN = {"report.md": partial(document, template="report.md")}
-TABLE = {"records.csv": lambda data: csv_table(data.records).encode()}
+TABLE = {"records.csv": lambda data: csv_table(record_columns(data.records)).encode()}
 FORMS: dict[str, dict[str, Callable[[ReportData], bytes]]] = {  # each with the files beside the pages, or alone
     HTML: {"records.jsonl": lambda data: jsonl(data.records), **TABLE, **MARKDOWN},
     "single": {"report.html": single}, "pdf": {"report.pdf": _pdf}, "md": MARKDOWN, "csv": TABLE,

@@ -1,16 +1,13 @@
 """The report's plain companions: Markdown, CSV and JSON lines."""
 
-import csv
-import io
 import json
 from collections.abc import Iterable
 from typing import Any
 
 from cross_checks import metrics
 from cross_checks.metrics.errors import COMPONENTS
-from cross_checks.records.cost import is_busy
 from cross_checks.records.numbers import ABSENT, setting
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, is_busy
 from reports.facts.report_data import ReportData
 from reports.facts.stored import adapter
 from reports.page.advice import advice
@@ -39,24 +36,10 @@ def jsonl(records: tuple[Record, ...]) -> bytes:
     return b"".join(adapter(Record).dump_json(record) + b"\n" for record in records)
 
 
-def csv_table(records: tuple[Record, ...]) -> str:
-    """Return one row a record: the figures without the histories. SI units; an empty field is not known."""
-    out = io.StringIO()
+def record_columns(records: Iterable[Record]) -> dict[str, list[Any]]:
+    """Return the figures of records without the histories, by column. SI units; None where a figure is unknown."""
     table = [csv_row(record) for record in records]
-    writer = csv.DictWriter(out, fieldnames=list(table[0]) if table else ["scene"], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(table)
-    return out.getvalue()
-
-
-def parquet(records: Iterable[Record]) -> bytes:
-    """Return the rows of `csv_table` as a Parquet file; ImportError where pyarrow is not installed."""
-    import pyarrow  # pyright: ignore[reportMissingImports]  # an optional extra
-    import pyarrow.parquet  # pyright: ignore[reportMissingImports]
-
-    out = io.BytesIO()
-    pyarrow.parquet.write_table(pyarrow.Table.from_pylist([csv_row(record) for record in records]), out)
-    return out.getvalue()
+    return {name: [row[name] for row in table] for name in (table[0] if table else ("scene",))}
 
 
 def csv_row(record: Record) -> dict[str, Any]:

@@ -73,7 +73,7 @@ def grouped(data: ReportData, word: Verdict) -> Iterator[tuple[str, str, list[Ce
 
 
 def _sentence(text: str) -> str:
-    """Give a reason its capital and its full stop."""
+    """Return a reason as a sentence, with its capital and full stop."""
     return text[:1].upper() + text[1:] + ("" if not text or text.endswith((".", "!", "?")) else ".")
 
 

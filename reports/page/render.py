@@ -10,7 +10,7 @@ from functools import cache
 from itertools import groupby
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemBytecodeCache, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
@@ -38,7 +38,7 @@ class Images:
     files: dict[str, bytes] = field(default_factory=dict)
 
     def add(self, name: str, content: str) -> str:
-        """Keep a picture given in base64; return where the page finds it."""
+        """Store a picture given in base64; return the page's address of it."""
         if self.inside:
             return f"data:image/{name.rpartition('.')[2]};base64,{content}"
         self.files[name] = base64.b64decode(content)
@@ -48,9 +48,8 @@ class Images:
 @cache
 def templates() -> Environment:
     """Return the templates, whose compiled form is kept beside the kernels' where that folder can be written."""
-    templates = Environment(
-        loader=FileSystemLoader((TEMPLATES, STUDIES)), autoescape=_is_page, undefined=StrictUndefined
-    )
+    loader, pages = FileSystemLoader((TEMPLATES, STUDIES)), select_autoescape(("html",), default_for_string=False)
+    templates = Environment(loader=loader, autoescape=pages, undefined=StrictUndefined)
     templates.filters |= {"plain": plain, "tex": tex}
     templates.globals |= {"style_of": style_of, "slug": slug, "repeat": command, "numbers": numbers}
     folder = cache_folder().parent / "templates"
@@ -58,10 +57,6 @@ def templates() -> Environment:
         folder.mkdir(parents=True, exist_ok=True)
         templates.bytecode_cache = FileSystemBytecodeCache(str(folder))
     return templates
-
-
-def _is_page(name: str | None) -> bool:
-    return name is not None and name.endswith(".html")
 
 
 def plain(text: object) -> str:

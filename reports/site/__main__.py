@@ -8,8 +8,7 @@ from pathlib import Path
 
 from mbs_ref import scenes
 from reports.query import open_runs
-from reports.site.gallery import gallery
-from reports.site.tables import capability_page, truth_page
+from reports.site.gallery import capability_page, gallery, truth_page
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 2.0  # s that a run of the gallery's plots may take; they have a store of their own

@@ -1,6 +1,6 @@
-"""The gallery: each scene's film, what it is made of, who can run it at what cost, how well its truth is known."""
+"""Pages of the site: the gallery of scenes, the capabilities of engines, and the truths."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable, Sequence
 from pathlib import Path
 
 from cross_checks import engines
@@ -9,18 +9,65 @@ from cross_checks.judge.cell import refused, truth_of
 from cross_checks.judge.consensus import LEVELS
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
-from cross_checks.records.cost import usable
 from cross_checks.records.figures import work_precision
-from cross_checks.records.record import Record
-from cross_checks.truths.certificate import stored
+from cross_checks.records.record import Record, usable
+from cross_checks.truths.certificate import every, stored
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scene.traits import traits
+from mbs_ref.scene.traits import PART_TYPES, traits
 from reports.facts.scene_facts import filmed
 from reports.film.files import as_gif, as_page, beside
 from reports.scene_summary import summary
-from reports.site.tables import table, who_can
+
+ABSENT = "-"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown; a bar in a cell does not end it."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
+
+
+def capability_page() -> str:
+    """Return which parts and scenes every installed engine takes, and why not where it refuses."""
+    result = [one for one in capabilities() if one.installed]
+    missing = [one for one in capabilities() if not one.installed]
+    names = [one.engine for one in result]
+    parts = ([f"`{kind}`", *("yes" if one.parts.get(kind) else ABSENT for one in result)] for kind in PART_TYPES)
+    scenes = sorted({scene for one in result for scene in one.scenes})
+    runs = ([f"`{scene}`", *("yes" if not one.scenes[scene] else ABSENT for one in result)] for scene in scenes)
+    methods = ([one.engine, one.version, ", ".join(method.name for method in one.methods)] for one in result)
+    return "\n".join(
+        [
+            "# What each engine can", "Derived from the adapters when these pages were built.\n",
+            "## Engines and methods", table(["engine", "version", "methods"], methods),
+            *(f"- `{one.engine}`: {one.reason}" for one in missing), "",
+            "## Parts", table(["part", *names], parts), "## Scenes as they come", table(["scene", *names], runs),
+            "`mbs-ref engines --engine NAME` says why a scene is refused.\n",
+        ]
+    )  # fmt: skip
+
+
+def who_can(scene: str, result: Iterable[Capability]) -> str:
+    """Return the engines that run a scene."""
+    return ", ".join(one.engine for one in result if one.installed and not one.scenes.get(scene, ("unknown",)))
+
+
+def truth_page() -> str:
+    """Return every kept certificate: how well a truth is known, and how that was found."""
+    rows = []
+    for one in every():
+        name = " ".join([f"`{one.scene}`", *(f"{key}={value}" for key, value in one.parameters.items())])
+        within = ABSENT if one.confirmed_to is None else f"{one.confirmed_to:.1e}"
+        rows.append([name, one.kind, f"{one.uncertainty:.1e}", within, one.how])
+    head = ["scene", "kind", "known to, m", "our solver within, m", "how"]
+    return (
+        "# Truths and how well they are known\n\nCertificates of the tree; `mbs-ref certify SCENE` computes one "
+        "again and exits with 1 where it differs. Scenes without one get their truth at its first use.\n\n"
+        + table(head, rows)
+    )
+
 
 TARGETS = (1e-3, 1e-6)  # over the scene's scales
 WORK = 50_000  # steps times bodies that a run of a plot may take

@@ -9,6 +9,7 @@ from cross_checks.judge import ladder
 from cross_checks.metrics.metric import off_truth
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import CrashResults, sign_changes
+from mbs_ref.crash.stops import tension
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -19,7 +20,7 @@ from reports.facts.curves import Curves, Value, curves
 SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
 IMPACTS = ("front", "rear")
 FINE = Settings(rtol=1e-8, samples=401, estimate="off")
-BELIEVABLE: dict[str, Any] = {"stops": True, "body_contacts": True}
+PAPER: dict[str, Any] = {"model": "paper"}
 COMPONENTS = (("x", "N"), ("y", "N"), ("torque", "N m"))
 
 
@@ -78,12 +79,28 @@ def figures(scene: Scene, path: Trajectory, result: CrashResults) -> dict[str, V
         "seat_force": float(result.seat_force.max()), "belt_force": float(result.belt_force.max()),
         "head_excursion": float(np.abs(result.head_excursion[:, 0]).max()),
         "head_reach": float(result.head_excursion[np.argmax(np.abs(result.head_excursion[:, 0])), 0]),
-        "hip_excursion": float(np.abs(result.hip_excursion[:, 0]).max()),
+        "hip_excursion": float(np.abs(result.hip_excursion[:, 0]).max()), **_trunk(scene, path),
         "head_pull_most": float(pull.max()), "head_pull_least": float(pull.min()),
         "largest_constraint_force": float(np.abs(result.forces.constraint[:, :, :2]).max()),
         "deepest": deepest(scene, path), "seats_imbalance": _seats_imbalance(scene, result),
         **{name: float(value) for name, value in result.measures.items()},
         **_head_contact(scene, path), **_neck(path, result),
+    }  # fmt: skip
+
+
+def _trunk(scene: Scene, path: Trajectory) -> dict[str, Value]:
+    """Return T1's excursion (m), how far (deg) head and trunk bend, and what the shoulder belt pulls (N)."""
+    motion = Motion(scene, path)
+    chest, neck = ("thorax", "neck") if "thorax" in scene.body_names else ("T1", "C6")
+    joint: Any = next(j for j in scene.joints if j.name == f"{chest}-{neck}")
+    t1 = motion.point(chest, joint.point)[0]
+    turned = {name: np.degrees(motion.angle(name)) for name in ("head", chest, "bottom")}
+    flexion, bend = turned[chest] - turned["head"], turned["bottom"] - turned[chest]
+    belt = [tension(motion, load) for load in scene.loads if load.name.startswith("belt.thorax")]  # type: ignore[arg-type]
+    return {
+        "t1_excursion": float(np.abs(t1[:, 0] - t1[0, 0]).max()), "neck_flexion": float(flexion.max()),
+        "neck_extension": float(-flexion.min()), "trunk_flexion": float(bend.max()),
+        "shoulder_belt": float(np.sum(belt, axis=0).max()),
     }  # fmt: skip
 
 

@@ -66,7 +66,8 @@ class Document:
         return tuple(Claim(**{**entry, "criteria": _criteria(entry, "criteria")}) for entry in self.claim)
 
     def _shown(self, facts: Measured, data: ReportData, blocks: list[Block], row: Figures) -> list[Block]:
-        figures = {**_figures(data), **row}
+        known = {name: value for facts in data.studies.values() for name, value in facts.figures.items()}
+        figures = {**known, **row}  # of all studies: one may name those of another
         return [self._block(facts, data, b, figures) for b in blocks if holds(_criteria(b, "where"), figures)]
 
     def _block(self, facts: Measured, data: ReportData, block: Block, figures: Figures) -> Block:
@@ -76,7 +77,8 @@ class Document:
         if kind == "claims":
             return layout | _claims(self.claims(), figures)
         if kind == "each":
-            return layout | {"items": [self._item(facts, data, block, e, figures) for e in _entries(facts, block)]}
+            entries = facts.tables.get(block[kind], ()) if isinstance(block[kind], str) else block[kind]
+            return layout | {"items": [self._item(facts, data, block, entry, figures) for entry in entries]}
         return layout | {"value": KINDS[kind](facts, block, figures)}
 
     def _item(self, facts: Measured, data: ReportData, block: Block, entry: Any, figures: Figures) -> Block:
@@ -86,15 +88,6 @@ class Document:
         title = filled(block.get("summary", ""), row)
         return {"title": title, "open": block.get("open", title) in title,
                 "blocks": self._shown(facts, data, block["blocks"], row)}  # fmt: skip
-
-
-def _entries(facts: Measured, block: Block) -> Any:
-    return facts.tables.get(block["each"], ()) if isinstance(block["each"], str) else block["each"]
-
-
-def _figures(data: ReportData) -> Figures:
-    """Return the figures of all studies by name: a study may name those of another."""
-    return {name: value for facts in data.studies.values() for name, value in facts.figures.items()}
 
 
 def _criteria(entry: dict[str, Any], key: str) -> tuple[Criterion, ...]:

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import click
@@ -17,6 +18,7 @@ from rich.table import Table
 
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
+from mbs_ref.atomic_file import write_atomic
 
 EVERY = 3.0  # s between lines of progress in a log
 PAUSE = 1.0  # s that nobody minds to wait
@@ -106,7 +108,7 @@ def interruptible(done: Callable[[], str]) -> Iterator[None]:
 
 @contextmanager
 def awaited(what: str) -> Iterator[None]:
-    """Say on stderr what is awaited, once it has taken longer than PAUSE."""
+    """Print on stderr what is awaited, once it has taken longer than PAUSE."""
     clock = threading.Timer(PAUSE, click.echo, [f"{what} ..."], {"err": True})
     clock.start()
     try:
@@ -117,7 +119,7 @@ def awaited(what: str) -> Iterator[None]:
 
 @contextmanager
 def compiling() -> Iterator[None]:
-    """Say on stderr, once, that the solver is being compiled: it would look as if it hung."""
+    """Print on stderr, once, that the solver is being compiled, which takes minutes."""
     from cross_checks.isolation.messages import compiling_reported
 
     stated: list[bool] = []
@@ -185,12 +187,53 @@ class NothingSelected(click.ClickException):
     exit_code = 5
 
 
+class Defect(click.ClickException):
+    """An error that no input should cause."""
+
+    exit_code = 6
+
+
 TABLE = """\b
 Exit codes:
   0  all is well
   1  a validation failed: a run did not succeed, a cell is wrong
   2  usage: unknown name, bad value, bad scene file
   3  a requested engine is not installed
-  4  incomplete: interrupted, or storage, memory, a package or a number failed; what was computed is stored
+  4  incomplete: interrupted, or storage, memory or a package failed; what was computed is stored
   5  nothing was selected
+  6  a defect of mbs-ref: please report it
 """
+
+
+ONLY = click.option("--only", metavar="TEXT", help="Only cases whose engine, method and scene hold this.")
+
+
+def table_file(name: str) -> Callable:
+    """Return the option of a file for the table that the page shows as benchmarks/<name>.json."""
+    return click.option(
+        "--table", "target", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE",
+        help=f"Write the results as JSON: the page shows benchmarks/{name}.json.",
+    )  # fmt: skip
+
+
+def named[Case](cases: Iterable[Case], only: str | None) -> list[Case]:
+    """Return the cases whose name holds the text; NothingSelected where none does."""
+    wanted = [case for case in cases if only is None or only in case.name]  # type: ignore[attr-defined]
+    if not wanted:
+        raise NothingSelected(f"no case of these engines is named like {only!r}")
+    return wanted
+
+
+def answer(facts: dict[str, Any], target: Path | None, as_json: bool, draw: Callable[[dict[str, Any]], None]) -> None:
+    """Write the facts to a file where one is asked for, and print them as JSON or as `draw` does."""
+    if target:
+        write_table(facts, target)
+    if as_json:
+        echo_json(facts)
+    else:
+        draw(facts)
+
+
+def write_table(facts: dict[str, Any], target: Path) -> None:
+    """Write what the page shows as JSON; ValueError where a number is not finite."""
+    write_atomic(target, (json.dumps(facts, indent=1, allow_nan=False) + "\n").encode())

@@ -1,12 +1,19 @@
-"""Failures of storage, memory, packages and numbers: each ends a command in one line with the next step."""
+"""Failures of storage, memory and packages, and defects of our own: each ends a command in one line."""
 
 from __future__ import annotations
 
 import errno
+import os
+import tempfile
+import traceback
+from contextlib import suppress
+from pathlib import Path
 
-from reports.terminal.console import Incomplete
+import click
 
-FAULTS = (OSError, MemoryError, ImportError, ArithmeticError)  # that a command cannot answer for
+from reports.terminal.console import Defect, Incomplete
+
+FAULTS = (OSError, MemoryError, ImportError)  # that a command cannot answer for
 NEXT = {
     errno.ENOSPC: "free space", errno.EDQUOT: "free space", errno.EMFILE: "allow more open files (ulimit -n)",
     **dict.fromkeys(
@@ -16,8 +23,10 @@ NEXT = {
 }  # fmt: skip
 
 
-def fault(error: BaseException) -> Incomplete:
+def fault(error: Exception) -> click.ClickException:
     """Return what the command line prints in place of a traceback, and exits with."""
+    if not isinstance(error, FAULTS):
+        return _defect(error)
     return Incomplete(" ".join(f"{_sentence(error)}, and repeat the command; what was computed is stored".split()))
 
 
@@ -30,7 +39,19 @@ def _sentence(error: BaseException) -> str:
             return f"{named}{error.strerror}: {NEXT.get(error.errno or 0, 'restore what is named')}"
         case ImportError():
             return f"{error}: install the module (`mbs-ref doctor` shows what is missing)"
-        case MemoryError():
-            return f"memory is exhausted {error}: request fewer samples or runs at once"
         case _:
-            return f"a number leaves the range of double precision ({error}): correct the scene's numbers"
+            return f"memory is exhausted {error}: request fewer samples or runs at once"
+
+
+def _defect(error: Exception) -> Defect:
+    """Return the line for an error that no input should cause; its traceback is stored."""
+    last, file = (
+        traceback.extract_tb(error.__traceback__)[-1],
+        Path(tempfile.gettempdir(), f"mbs-ref-{os.getpid()}.txt"),
+    )
+    with suppress(OSError):
+        file.write_text("".join(traceback.format_exception(error)))
+    where = f"{type(error).__name__} at {last.filename}:{last.lineno}: {error}"
+    return Defect(
+        f"this is a defect of mbs-ref; please report it with the command and {file}: {' '.join(where.split())}"
+    )

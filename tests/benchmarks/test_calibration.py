@@ -24,7 +24,7 @@ def test_a_run_is_judged_where_the_truth_tells_which_is_larger():
 
 def test_only_a_well_known_error_measures_by_how_much_the_estimate_is_above():
     assert made(2.0, 6.0).overestimate == 3.0
-    assert made(2.0, 6.0, 0.1).overestimate is None  # known to a twentieth alone
+    assert made(2.0, 6.0, 0.3).overestimate is None  # known to a seventh alone
     assert made(0.0, 6.0).overestimate is None
 
 

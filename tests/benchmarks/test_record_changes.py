@@ -28,7 +28,7 @@ def erring(value: float, uncertainty: float = 1e-12) -> Record:
         (erring(1.5e-6), Move.SAME),
         (erring(3e-6), Move.WORSE),
         (erring(1e-7), Move.BETTER),
-        (erring(3e-6, uncertainty=2e-7), Move.SAME),  # the truth judges no error below 6e-6 m
+        (erring(3e-6, uncertainty=4e-6), Move.SAME),  # both are within the truth's uncertainty
         (replace(RECORD, measures={"compliance_position": 1e-9, "compliance_velocity": 0.0}), Move.WORSE),
         (replace(RECORD, measures={"compliance_position": 9e-12, "compliance_velocity": 0.0}), Move.SAME),
         (replace(RECORD, status="diverged"), Move.WORSE),

@@ -46,7 +46,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref/observables": ("tests/mbs_ref/observables", *CRASH, *CONTACT, "tests/mbs_ref/cores"),
     "mbs_ref/simulate": SIMULATE,
     "mbs_ref/simulate/many/ensemble": ("tests/mbs_ref/simulate/many/ensemble",),
-    "mbs_ref/simulate/linearised/stiffness": ("tests/mbs_ref/kernels/contact/test_contact.py", *SIMULATE),
+    "mbs_ref/simulate/linearised": ("tests/mbs_ref/kernels/contact/test_contact.py", *SIMULATE),
     "cross_checks": ("tests/cross_checks",),
     "cross_checks/certify": TRUTHS,
     "cross_checks/robots": ("tests/cross_checks/robots",),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+import tempfile
 from collections.abc import Iterator
 from contextlib import closing, nullcontext
 from pathlib import Path
@@ -81,6 +82,18 @@ def broken(command: str, filled: Path, folder: Path, most: int) -> Iterator[tupl
 @pytest.mark.parametrize("command", ["simulate", "judge"])
 def test_a_few_faults_end_in_a_line(command, filled, tmp_path):
     assert dict(broken(command, filled, tmp_path, QUICK)) == {}
+
+
+def test_a_defect_of_our_own_is_reported_as_one(filled, monkeypatch):
+    monkeypatch.setattr("reports.commands.run.simulate.summary", lambda scene: 1 / 0)
+    done = run("simulate", filled)
+    assert done.exit_code == 6
+    (line,) = [line for line in done.stderr.splitlines() if line.startswith("Error")]
+    assert "defect of mbs-ref" in line
+    assert "ZeroDivisionError" in line
+    (file,) = [Path(word.rstrip(":")) for word in line.split() if word.startswith(tempfile.gettempdir())]
+    assert "1 / 0" in file.read_text()
+    file.unlink()
 
 
 @pytest.mark.slow

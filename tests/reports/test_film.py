@@ -15,7 +15,7 @@ from PIL import Image, ImageChops
 
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scene.base.directions import unit
+from mbs_ref.scene.base.part import unit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory

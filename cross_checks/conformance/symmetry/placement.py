@@ -58,6 +58,8 @@ def dimension(part: Any, field: str) -> tuple[float, float, float]:
     """Return the powers of kg, m and s of a field of a part; zeros where it is a number."""
     if part.type in TABLES["parts"]["power_laws"] and field in ("stiffness", "damping"):
         return (1, 1 - part.exponent, -2) if field == "stiffness" else (1, -part.exponent, -1)
+    if field in ("cohesive", "frictional"):  # Bekker's moduli, N/m^(n + 1) and N/m^(n + 2)
+        return (1, -part.exponent - (field == "frictional"), -2)
     return POWERS.get(f"{part.type}.{field}") or POWERS.get(field, (0, 0, 0))
 
 

@@ -3,7 +3,7 @@
 from itertools import chain
 
 from mbs_ref.scene import Scene
-from mbs_ref.simulate.start.restated import restated
+from mbs_ref.simulate.start.equilibrium import restated
 from mbs_ref.trajectory import Trajectory
 
 KNOWN = frozenset({

@@ -14,7 +14,6 @@ from cross_checks.conformance.symmetry import restart
 from cross_checks.conformance.symmetry.placement import Placement, image, moved
 from cross_checks.engine import Engine
 from cross_checks.isolation.parent import Isolated, Lost
-from cross_checks.truths.truth import MARGIN
 from mbs_ref.observables.distance import Motion, Partial, point_distances
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -23,6 +22,7 @@ from mbs_ref.trajectory import Trajectory
 NUDGE = 2.0**-46  # of the scene's size: some roundings of a step's arithmetic
 SAMPLES = 5
 RTOL = 1e-8  # of an adaptive method that is told none
+PLAIN = 30.0  # times the change that a nudge, or a finer setting, causes: a larger one has another cause
 BACK = "there and back"
 PATIENCE = 300.0  # s of one case: some twelve runs
 
@@ -45,12 +45,12 @@ class Violation:
     def is_broken(self) -> bool:
         """Whether the symmetry is broken beyond roundoff; running back undoes nothing of the method's error."""
         allowed = max(self.noise, self.error) if self.symmetry == BACK else self.noise
-        return self.size is not None and self.size > MARGIN * allowed
+        return self.size is not None and self.size > PLAIN * allowed
 
     @property
     def exceeds_error(self) -> bool:
         """Whether it is broken by more than the method errs anyway: no smaller step will mend it."""
-        return self.is_broken and self.size is not None and self.size > MARGIN * self.error
+        return self.is_broken and self.size is not None and self.size > PLAIN * self.error
 
 
 def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violation]:

@@ -6,9 +6,7 @@ from typing import ClassVar
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant  # an optional extra
 
-from cross_checks.engine import Engine, Method, Refusal
-from cross_checks.engine.outcome import Loop, stopped
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Engine, Loop, Method, Plan, Refusal, stopped
 from cross_checks.engines.drake_.build import Reader, plant_of, tied_to_ground
 from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
@@ -53,7 +51,7 @@ class Drake(LinkageEngine):
         return reasons
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        """Make the runs that are known to end the process in a process of their own."""
+        """Execute the runs that are known to end the process in a process of their own."""
         if self.method(settings.method).name != WORLD:
             return super().run(scene, settings, times)
         with Isolated() as apart:

@@ -11,9 +11,7 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from cross_checks.engine.method import RTOLS, STEPS, Method, exponential, fixed
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import RTOLS, STEPS, End, Loop, Method, Plan, exponential, fixed
 from cross_checks.engines.drake_.build import Reader
 from mbs_ref.trajectory import Status
 
@@ -117,7 +115,10 @@ def advance(model: Simulated, plant: MultibodyPlant, plan: Plan) -> Loop:
             for t in landings:
                 simulator.AdvanceTo(t)
         except RuntimeError as error:
-            return Loop(states, End(k, _status(str(error)), _first_line(error)), *_counts(simulator, plan, k))
+            line = str(error).splitlines()[0]
+            short = "minimum" in str(error) or "step size" in str(error)
+            status = Status.STEP_TOO_SMALL if short else Status.ENGINE_ERROR
+            return Loop(states, End(k, status, f"drake stopped: {line}"), *_counts(simulator, plan, k))
         states[k] = plant.GetPositionsAndVelocities(context)
         if not is_discrete(plan) and simulator.get_integrator().get_num_steps_taken() > plan.max_steps:
             end = End(
@@ -150,11 +151,3 @@ def _counts(simulator: Simulator, plan: Plan, reached: int) -> tuple[int, int, i
     integrator = simulator.get_integrator()
     rejected = integrator.get_num_step_shrinkages_from_error_control()
     return integrator.get_num_steps_taken(), integrator.get_num_derivative_evaluations(), rejected
-
-
-def _first_line(error: RuntimeError) -> str:
-    return f"drake stopped: {str(error).splitlines()[0]}"
-
-
-def _status(message: str) -> Status:
-    return Status.STEP_TOO_SMALL if "minimum" in message or "step size" in message else Status.ENGINE_ERROR

@@ -6,16 +6,13 @@ from typing import Any, ClassVar
 import exudyn as exu
 import numpy as np
 
-from cross_checks.engine import Engine, Method, Poses, Refusal
-from cross_checks.engine.outcome import Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Engine, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engines.exudyn_ import run as solver
 from cross_checks.engines.exudyn_.build import ROTATION_VECTOR, build_redundant, takes_shared_forces
 from cross_checks.engines.exudyn_.contact import general_contact_refusals, pair_contact_refusals
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
-from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE
 from cross_checks.engines.exudyn_.parts import JOINTS
-from cross_checks.engines.exudyn_.run import Left
+from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
 from cross_checks.linkage.forces import PARTS, contact_refusals
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.traits import traits
@@ -61,7 +58,8 @@ class Exudyn(Engine):
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         exu.config.printToConsole = False
-        model = _build(scene, plan.method.name)
+        name = plan.method.name
+        model = build_tree(scene) if name.startswith(TREE) else build_redundant(scene, name)
         model.mbs.Assemble()
         options = solver.options_of(plan, scene, dense=solver.needs_dense(model.mbs, scene))
         return Built(model, options, "closed-loop" in traits(scene))
@@ -92,9 +90,3 @@ class Exudyn(Engine):
 
 
 ENGINE = Exudyn
-
-
-def _build(scene: Scene, method: str):
-    if method.startswith(TREE):
-        return build_tree(scene)
-    return build_redundant(scene, method)

@@ -5,9 +5,9 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engines.exudyn_.contact import add_contacts, add_pair_contacts
-from cross_checks.engines.exudyn_.methods import CONTACT, EXPLICIT_CONTACT
 from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, has_connector
+from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT
 from cross_checks.linkage.forces import BY_SHARED_CODE, Applied
 from cross_checks.linkage.links import lifted, linkage_of
 from cross_checks.linkage.tree import FIXED

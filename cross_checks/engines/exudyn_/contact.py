@@ -14,7 +14,7 @@ from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import GROUND, PlanarBody, Scene
-from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw
 
 REACH = 100.0  # m, how far floors and the search for contact extend

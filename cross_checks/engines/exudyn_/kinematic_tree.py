@@ -13,7 +13,7 @@ from cross_checks.linkage.links import Link, Linkage, linkage_of
 from cross_checks.linkage.motion import arrays_of, motion_of, poses_of
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import CoordinateDrive, Scene
-from mbs_ref.scene.base.directions import normals
+from mbs_ref.scene.base.part import normals
 
 
 @dataclass

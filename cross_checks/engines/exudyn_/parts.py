@@ -1,5 +1,8 @@
 """Joints and loads in redundant coordinates."""
 
+import math
+from collections.abc import Callable
+
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
@@ -9,7 +12,7 @@ from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.linkage.links import Z, lifted, rest_length, rest_turn
 from cross_checks.linkage.tree import FIXED
 from mbs_ref import scene
-from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.part import normals, unit
 
 PARALLEL = 1e-9  # sine of the angle between a spring's axis and a joint's
 CALLS = "{} {!r} calls Python at every residual"
@@ -94,7 +97,7 @@ def _add_drive(model: Redundant, joint: scene.CoordinateDrive) -> None:
 
 
 def _add_spring(model: Redundant, load: scene.SpringDamper) -> None:
-    law = {"springForceUserFunction": pull_only} if load.tension_only else {}
+    law = {"springForceUserFunction": _pull_only(load.limit or math.inf)} if load.tension_only else {}
     model.mbs.AddObject(
         item.ObjectConnectorSpringDamper(
             markerNumbers=model.pair(load, load.point_a, load.point_b), referenceLength=rest_length(load),
@@ -105,8 +108,11 @@ def _add_spring(model: Redundant, load: scene.SpringDamper) -> None:
         model.notes += (CALLS.format("load", load.name),)
 
 
-def pull_only(mbs, t, number, stretch, stretch_rate, stiffness, damping, force) -> float:
-    return max(0.0, stiffness * stretch + damping * stretch_rate) if stretch > 0.0 else 0.0
+def _pull_only(limit: float) -> Callable[..., float]:
+    def pull(mbs, t, number, stretch, stretch_rate, stiffness, damping, force) -> float:
+        return min(limit, max(0.0, stiffness * stretch + damping * stretch_rate)) if stretch > 0.0 else 0.0
+
+    return pull
 
 
 def _add_torsion(model: Redundant, load: scene.TorsionSpring) -> None:

@@ -6,17 +6,13 @@ from typing import ClassVar
 import mujoco
 import numpy as np
 
-from cross_checks.engine import Method, Poses, Refusal
-from cross_checks.engine.outcome import Loop, end_of
-from cross_checks.engine.plan import Plan
-from cross_checks.engines.mujoco_.build import compile_links
-from cross_checks.engines.mujoco_.forces import Callback, force_refusals, passive, shared_forces, takes_shared_forces
-from cross_checks.engines.mujoco_.observe import Observer
-from cross_checks.engines.mujoco_.run import METHODS, TIGHT, Left, advance, at_start, clock_end
+from cross_checks.engine import Loop, Method, Plan, Poses, Refusal, end_of
+from cross_checks.engines.mujoco_ import forces
+from cross_checks.engines.mujoco_.build import METHODS, TIGHT, Left, advance, at_start, clock_end, compile_links
+from cross_checks.engines.mujoco_.forces import Callback, Observer, passive
 from cross_checks.linkage.forces import SHARED, LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.motion import poses_of
-from cross_checks.linkage.reactions import tree_reactions
+from cross_checks.linkage.motion import poses_of, tree_reactions
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 
@@ -42,7 +38,7 @@ class MuJoCo(LinkageEngine):
     closes: ClassVar[frozenset[str]] = frozenset({"point", "hinge", "weld", "rod"})
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        return closure_refusals(self.name, scene, self.closes) + force_refusals(linkage_of(scene))
+        return closure_refusals(self.name, scene, self.closes) + forces.force_refusals(linkage_of(scene))
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
@@ -53,9 +49,9 @@ class MuJoCo(LinkageEngine):
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         linkage = linkage_of(scene)
-        shared = takes_shared_forces(linkage)
+        shared = forces.takes_shared_forces(linkage)
         model = compile_links(linkage, plan, shared)
-        return Built(linkage, model, at_start(model, linkage), shared_forces(model, linkage) if shared else None)
+        return Built(linkage, model, at_start(model, linkage), forces.shared_forces(model, linkage) if shared else None)
 
     def first_call(self, model: Built, plan: Plan) -> None:
         with passive(model.act):

@@ -10,7 +10,7 @@ which makes velocities of differences of positions over a step, so that rounding
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import cross_checks.engines.newton_.warp_set_up  # noqa: F401 - sets Warp up before Newton imports it
+from cross_checks.engines.newton_.model import DEVICE, Reader, model_of, row_of  # sets Warp up before Newton imports it
 
 # isort: split
 import newton
@@ -18,11 +18,7 @@ import numpy as np
 import warp
 from numba.core.event import trigger_event
 
-from cross_checks.engine import Method
-from cross_checks.engine.method import SINGLE, STEPS
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
-from cross_checks.engines.newton_.model import DEVICE, Reader, model_of, row_of
+from cross_checks.engine import SINGLE, STEPS, End, Loop, Method, Plan
 from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, linkage_of
 from mbs_ref.scene import Scene

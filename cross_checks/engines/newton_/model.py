@@ -2,15 +2,27 @@
 
 # The extra has no type information here.
 # pyright: reportMissingImports=false
-# isort: split
 
+from importlib.metadata import version
 from typing import Any
+
+version("newton")  # its absence means engine-missing, and is reported before that of Warp
+
+import warp
+
+from mbs_ref.kernels.jit import cache_folder
+
+# Newton's modules read these settings of Warp when they are imported.
+warp.config.log_level = warp.LOG_ERROR  # else it writes to stdout
+warp.config.kernel_cache_dir = str(cache_folder() / "warp")
+warp.config.enable_backward = False  # derivatives of kernels, unused: without them compiling takes a tenth
+
+# ruff: noqa: E402
+# isort: split
 
 import newton
 import numpy as np
-import warp
 
-from cross_checks.engines.newton_ import warp_set_up  # noqa: F401 - first
 from cross_checks.linkage.links import Link, Linkage
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene.euler_parameters import rotation_matrices

@@ -6,9 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 import opensim  # an optional extra
 
-from cross_checks.engine import Method, Refusal
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import End, Loop, Method, Plan, Refusal
 from cross_checks.engines.opensim_ import reader
 from cross_checks.engines.opensim_.build import model_of
 from cross_checks.engines.opensim_.reader import Counts, Reader

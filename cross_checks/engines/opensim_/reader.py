@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import opensim
 
-from cross_checks.engine.method import RTOLS, STEPS, Method
+from cross_checks.engine import RTOLS, STEPS, Method
 from cross_checks.linkage.links import Linkage
 
 FIXED = "_fixed"

@@ -6,12 +6,10 @@ from typing import Any, ClassVar
 import numpy as np
 import pinocchio as pin
 
-from cross_checks.engine import Method, Poses, Refusal
-from cross_checks.engine.outcome import Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import Loop, Method, Plan, Poses, Refusal
 from cross_checks.engines.pinocchio_ import loop
 from cross_checks.engines.pinocchio_.build import Mechanism, mechanism_of
-from cross_checks.engines.pinocchio_.observe import motions_of, reactions_of
+from cross_checks.engines.pinocchio_.loop import motions_of, reactions_of
 from cross_checks.linkage.forces import SHARED, LinkageEngine
 from cross_checks.linkage.links import linkage_of
 from cross_checks.linkage.motion import poses_of

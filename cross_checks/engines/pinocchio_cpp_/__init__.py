@@ -3,10 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from cross_checks.engine import Method, Refusal, exponential
-from cross_checks.engine.method import RTOLS, STEPS
-from cross_checks.engine.outcome import Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import RTOLS, STEPS, Loop, Method, Plan, Refusal, exponential
 from cross_checks.engines.pinocchio_ import Built, Pinocchio
 from cross_checks.engines.pinocchio_cpp_.compiler import described, obstacle
 from cross_checks.engines.pinocchio_cpp_.native import Tree

@@ -10,8 +10,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.integrate import DOP853
 
-from cross_checks.engine.outcome import End, Loop
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import End, Loop, Plan
 from cross_checks.engines.pinocchio_.loop import GAINS, PROXIMAL
 from cross_checks.engines.pinocchio_cpp_.compiler import library
 from mbs_ref.trajectory import Status

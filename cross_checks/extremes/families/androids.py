@@ -7,7 +7,7 @@ import numpy as np
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid, kinds
 from cross_checks.truths.made_by.agreement import Formulation
 from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
-from cross_checks.truths.made_by.numerics.scipy_solvers import runge_kutta
+from cross_checks.truths.made_by.numerics.solvers import runge_kutta
 from mbs_ref import scenes
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import PlanarBody, Scene
@@ -21,7 +21,7 @@ BELTS = ("both belts", "no belts", "no belts, seat reclined by a rear impact")
 
 
 def _android(**parameters: Any) -> Case:
-    return _case(scenes.make("android_simplified", **parameters))
+    return _case(scenes.make("android_simplified", model="paper", **parameters))
 
 
 def _case(scene: Scene) -> Case:
@@ -54,7 +54,7 @@ def _scaled(body: PlanarBody, factor: float) -> PlanarBody:
 
 def _massive(factor: float) -> Case:
     """The occupant's masses and inertias times a factor; belts, seat and pulse as they are."""
-    scene = scenes.make("android_simplified")
+    scene = scenes.make("android_simplified", model="paper")
     planar = [body for body in scene.bodies if isinstance(body, PlanarBody)]
     bodies = tuple(body if body.name.startswith("seat") else _scaled(body, factor) for body in planar)
     return _case(scene.model_copy(update={"name": "android_scaled", "parameters": {}, "bodies": bodies}))

@@ -9,7 +9,7 @@ from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, decades, grid
 from cross_checks.extremes.parts import GRAVITY, rod_chain
 from cross_checks.truths.made_by.mechanisms.rod_chain import Rods, lagrange
-from cross_checks.truths.made_by.numerics.scipy_solvers import runge_kutta
+from cross_checks.truths.made_by.numerics.solvers import runge_kutta
 from mbs_ref import scenes
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene

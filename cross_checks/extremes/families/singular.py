@@ -7,7 +7,7 @@ import numpy as np
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, decades, grid
 from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, ROD_RATE, hanging, pin, rod, swing, tip
-from cross_checks.truths.of import loops
+from cross_checks.truths.of import linkages
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.signals import Constant
@@ -104,7 +104,7 @@ EXTREMES = (
     Extreme("n-four-bar", "singular poses",
             "Parallelogram loops in a row fall through their flat pose, where branches cross.",
             Axis("loops", "", (1.0, 2.0, 4.0, 8.0, 16.0), full=(32.0, 64.0)),
-            lambda n: Case(scenes.make("n_four_bar", loops=round(n)), grid(2.0), measures.truth(loops.n_four_bar))),
+            lambda n: Case(scenes.make("n_four_bar", loops=round(n)), grid(2.0), measures.truth(linkages.n_four_bar))),
     Extreme("near-flat-start", "singular poses",
             "A parallelogram released at rest ever closer to flat, and flat at last.",
             Axis("angle to flat", "rad", (*decades(1e-1, 1e-15, 2.0), 0.0)), _near_flat),

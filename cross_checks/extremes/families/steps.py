@@ -7,7 +7,7 @@ import numpy as np
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import STEP, Axis, Case, Extreme, Measure, decades, grid
 from cross_checks.extremes.parts import GRAVITY, half_sine_push, sled
-from cross_checks.truths.of import loops, pendulums, sky
+from cross_checks.truths.of import linkages, pendulums, sky
 from mbs_ref import scenes
 from mbs_ref.scene.signals import HalfSine
 
@@ -17,7 +17,7 @@ TIGHT, LOOSE = Axis("rtol", "", decades(1e-6, 1e-20, 2.0)), Axis("rtol", "", dec
 TOLERANCES = {  # what runs at a tolerance alone: a scene with its parameters, its end (s) and its truth
     "pendulum": ({}, 5.0, PENDULUM),
     "kepler": ({"orbits": 3.0}, 6.0 * math.pi, measures.truth(sky.kepler)),
-    "n_four_bar": ({"loops": 1}, 3.0, measures.truth(loops.n_four_bar)),
+    "n_four_bar": ({"loops": 1}, 3.0, measures.truth(linkages.n_four_bar)),
 }
 
 

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.judge.convergence.ladder import Ladder
+from cross_checks.truths.truth import ONE_FIGURE
 
 # Priors. Calibrated on synthetic ladders (docs/theory.md); none refers to a scene or an engine.
 PRIORS = {"right": 0.62, "limit": 0.25, "plateau": 0.04, "stalled": 0.07, "lost": 0.02}
@@ -41,7 +42,6 @@ AMPLITUDES = np.arange(-18.0, 6.0, 0.25)  # log10 of the law at the finest run
 DISTANCES = np.arange(-10.0, 0.8, 0.125)  # log10 of d
 LEVELS = np.arange(-16.0, 4.0, 0.25)  # log10 of the level at which errors stall
 TINY = 1e-18  # over the scene's scales: an error or gap below is below any rounding
-HIDDEN = 10.0  # times the truth's uncertainty: an error below is only known to lie below
 COMMON = 1e-2  # of the smallest error: rounding above this matters, and its size and growth are uncertain
 KNOWN = 0.25  # of the order, or of 1: a wider interval shows no order
 ROUNDINGS = ((0.03, 1.0), (0.3, 1.0), (3.0, 1.0), (0.1, 0.5), (1.0, 0.5), (10.0, 0.5))  # factor, power of the steps
@@ -72,9 +72,9 @@ class Posterior:
 
     @property
     def limit_distance(self) -> float:
-        """The median distance of the method's own limit from the truth, if it has one."""
-        place = min(int(np.searchsorted(np.cumsum(self.distance), 0.5)), len(DISTANCES) - 1)
-        return float(10.0 ** DISTANCES[place])
+        """The distance of the method's own limit from the truth, if it has one: the median."""
+        ends = DISTANCES + 0.5 * (DISTANCES[1] - DISTANCES[0])  # of the grid's cells
+        return float(10.0 ** np.interp(0.5, np.cumsum(self.distance), ends))
 
     def order_range(self, share: float = 0.68) -> tuple[float, float]:
         """Return the central interval of the order that holds a share of its probability."""
@@ -183,7 +183,7 @@ class _Data:
         self.log_setting = np.log10(ladder.settings)
         reach = self.orders[:, None] * (self.log_setting - self.log_setting[-1])  # (p, i)
         amplitude = saturated(self.amplitudes[None, :, None] + reach[:, None, :], ladder.bound)  # (p, b, i)
-        self.hidden = HIDDEN * ladder.uncertainty
+        self.hidden = ONE_FIGURE * ladder.uncertainty  # a smaller error is only known to lie below
         self.errors = np.fmax(ladder.errors, max(TINY, self.hidden))
         self.log_error = np.log10(self.errors)
         self.is_hidden = ladder.errors <= self.hidden

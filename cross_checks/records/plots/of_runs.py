@@ -3,11 +3,10 @@
 import math
 from typing import Any
 
-from cross_checks.records.cost import best_of_engines, floor, is_timed, loop_time, usable
 from cross_checks.records.numbers import duration, metres, setting, short
 from cross_checks.records.plots import plot
 from cross_checks.records.plots.plot import Figure
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, best_of_engines, floor, is_timed, loop_time, usable
 
 
 def compliance(records: list[Record]) -> dict[str, Any] | None:

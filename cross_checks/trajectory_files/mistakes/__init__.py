@@ -31,17 +31,14 @@ def suspicions(case: Case, limit: float) -> list[str]:
             sentences += filter(None, [integration_errors(case)])
             break
         least = min(one.case.error for one in every)
-        alike = sorted((one for one in every if one.case.error <= max(ALIKE * least, limit)), key=_simplicity)
+        alike = [one for one in every if one.case.error <= max(ALIKE * least, limit)]
+        alike.sort(key=lambda one: (one.numbers, one.case.error))  # the simplest first
         best = alike[0]
         said = dict.fromkeys(one.sentence for one in alike if one.numbers == best.numbers)
         remains = f"without that the error is {best.case.error:.2g} of the scene, not {case.error:.2g}"
         sentences.append(f"{', or '.join(said)}: {remains}")
         case = best.case
     return sentences
-
-
-def _simplicity(one: Explanation) -> tuple[float, float]:
-    return one.numbers, one.case.error
 
 
 def _every(case: Case) -> Iterator[Explanation]:

@@ -74,7 +74,7 @@ def _world(x: np.ndarray, units: np.ndarray) -> str:
 
 
 def _turning_world(case: Case, spin: np.ndarray) -> Case:
-    """Take off a steady rotation about the scene's origin that the file's axes take part in, as Earth-fixed axes do."""
+    """Remove a steady rotation of the file's axes, such as Earth-fixed ones, about the scene's origin."""
     path = _turned(case.path, Rotation.from_rotvec(case.path.times[:, None] * spin))
     return replace(case, path=replace(path, velocity=path.velocity + np.cross(spin, path.position)))
 
@@ -104,7 +104,7 @@ def _turn(turn: Rotation) -> str:
 
 
 def _other_points(case: Case, x: np.ndarray, rates: bool) -> Case:
-    """Take off the arms (m, body axes) from the centres of mass to the points whose positions the file has."""
+    """Subtract the arms (m, body axes) from the centres of mass to the points whose positions the file has."""
     arms, spin, path = x.reshape(len(case.scene.bodies), -1), case.truth.angular_velocity, case.path
     turns, velocity = case.truth.orientation, path.velocity
     if case.planar:

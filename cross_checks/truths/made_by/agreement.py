@@ -6,10 +6,9 @@ from functools import partial
 
 import numpy as np
 
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate, extrapolate_branches
 from cross_checks.truths.made_by.numerics.rates import along
-from cross_checks.truths.made_by.numerics.scipy_solvers import lsoda, radau, runge_kutta
-from cross_checks.truths.truth import ALIKE, Truth
+from cross_checks.truths.made_by.numerics.solvers import extrapolate, extrapolate_branches, lsoda, radau, runge_kutta
+from cross_checks.truths.truth import ALIKE, EPS, Truth
 from mbs_ref.observables.distance import Partial, unmasked_distances
 
 NUDGE = 1e-8  # of the start, to measure how the motion magnifies an error
@@ -18,7 +17,6 @@ LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is no
 LOOKS = 0.01  # s: both solvers stop so often where forces set in and let go, or a long step leaps over a branch
 RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
 ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
-DOUBLE_EPS = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
@@ -61,13 +59,13 @@ def agree(
     coarse, rates = _poses(first, grid, states), _rates(first, grid, states)
     sensitivity = _sensitivity(first, grid, coarse, solve)
     fine, best, difference = coarse, rates, float("nan")
-    uncertainty, doubt = DOUBLE_EPS * sensitivity, np.full(len(grid), np.inf)
+    uncertainty, doubt = EPS * sensitivity, np.full(len(grid), np.inf)
     if not uncertainty > LARGEST_UNCERTAINTY:
         start = second.start.astype(kind)
         again = partial(radau, second.derivative) if is_stiff else partial(_extrapolated, second)
         solved = again(start, grid, tolerance)
         fine, best = _poses(second, grid, solved), _rates(second, grid, solved)
-        difference, roundoff = _gap(fine, coarse), DOUBLE_EPS * max(1.0, sensitivity)
+        difference, roundoff = _gap(fine, coarse), EPS * max(1.0, sensitivity)
         apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
         factor = 1.0 if extended else ALIKE
         uncertainty = factor * difference + roundoff

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from cross_checks.truths.made_by.mechanisms.unilateral import line_motion, line_of, one_sided
-from cross_checks.truths.made_by.numerics.quadrature import integral
+from cross_checks.truths.made_by.numerics.closed_forms import integral
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturned
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -143,13 +143,15 @@ def bouncing_ball(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         raise OutsideDomainError(f"the ball passes through the plate: it would sink {rebound.penetration:.3g} m")
     clear = touch + rebound.duration
     inside = (times > touch) & (times < clear)
-    if np.any(inside) and not _swings(contact.law, ball.mass):
+    law = contact.law
+    swings = isinstance(law, SpringDamperLaw) and law.damping**2 < 4.0 * law.stiffness * ball.mass
+    if np.any(inside) and not swings:
         return NoTruth("the closed form gives the motion before and after contact; a requested time lies inside")
     y = np.where(times <= touch, height - speed * times, rebound.restitution * speed * (times - min(clear, times[-1])))
-    if isinstance(contact.law, SpringDamperLaw) and contact.law.release == "force":
-        y = np.where(times <= touch, y, y - _left_inside(contact.law, ball.mass, speed, rebound))
+    if isinstance(law, SpringDamperLaw) and law.release == "force":
+        y[times > touch] -= law.damping * rebound.restitution * speed / law.stiffness  # the depth where F = 0
     if np.any(inside):
-        y[inside] = -_depth(contact.law, ball.mass, speed, times[inside] - touch)
+        y[inside] = -_depth(law, ball.mass, speed, times[inside] - touch)
     how = "closed form of the free impact; the duration of a power law by quadrature"
     return _motion(scene, y + contact.radius, ROUNDOFF + speed * rebound.doubt, how)
 
@@ -200,20 +202,11 @@ def bounce_heights(restitution: float, height: float, rate: float, gravity: floa
     return result
 
 
-def _swings(law: Any, mass: float) -> bool:
-    return isinstance(law, SpringDamperLaw) and law.damping**2 < 4.0 * law.stiffness * mass
-
-
 def _depth(law: SpringDamperLaw, mass: float, speed: float, since: np.ndarray) -> np.ndarray:
     """Return the underdamped oscillation from d = 0 at `speed`."""
     decay = 0.5 * law.damping / mass
     turn = math.sqrt(law.stiffness / mass - decay**2)
     return speed / turn * np.exp(-decay * since) * np.sin(turn * since)
-
-
-def _left_inside(law: SpringDamperLaw, mass: float, speed: float, rebound: Impact) -> float:
-    """Return the depth where F = 0: k d = c e v0."""
-    return law.damping * rebound.restitution * speed / law.stiffness
 
 
 def bouncing_sphere(scene: Scene, times: np.ndarray) -> Truth | NoTruth:

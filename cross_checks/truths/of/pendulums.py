@@ -3,8 +3,8 @@
 import numpy as np
 
 from cross_checks.truths.made_by.agreement import Formulation, agree
-from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, rounding_error
-from cross_checks.truths.made_by.numerics.quadrature import TOLERANCE, running_integral
+from cross_checks.truths.made_by.numerics import closed_forms
+from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, running_integral
 from cross_checks.truths.truth import Truth, unturned
 from mbs_ref.scene import Scene
 
@@ -30,7 +30,7 @@ def spherical_pendulum(scene: Scene, times: np.ndarray) -> Truth:
     names = ("length", "gravity", "angle", "speed")
     data, grid = np.array([scene.parameters[name] for name in names], dtype=np.longdouble), times.astype(np.longdouble)
     position, error = _spherical_motion(data, grid)
-    uncertainty = error + rounding_error(lambda near, few: _spherical_motion(near, few)[0], data, grid)
+    uncertainty = error + closed_forms.rounding_error(lambda near, few: _spherical_motion(near, few)[0], data, grid)
     how = "elliptic functions by the arithmetic-geometric mean, azimuth by quadrature, extended precision"
     place = position[:, None].astype(float)
     return Truth(place, unturned(place), uncertainty, "exact", how)
@@ -61,7 +61,9 @@ def _spherical_motion(data: np.ndarray, grid: np.ndarray) -> tuple[np.ndarray, f
     steep = float(1 / min(1 - u1**2, 1 - u2**2))  # how the azimuth magnifies the rounding of u
     noise = steep * float(np.finfo(np.longdouble).eps)
     piece = float(quarter / p) / 16
-    phi, error = running_integral(lambda t: h / (1 - height(t) ** 2), grid, piece, max(TOLERANCE, 16 * noise))
+    phi, error = running_integral(
+        lambda t: h / (1 - height(t) ** 2), grid, piece, max(closed_forms.TOLERANCE, 16 * noise)
+    )
     u = height(grid)
     radius = np.sqrt(1 - u**2)
     position = length * np.stack([radius * np.cos(phi), radius * np.sin(phi), u], axis=1)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths import seek_truth
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.made_by.sky.particles import converge
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
@@ -37,9 +37,10 @@ def _eccentric_anomaly(mean: np.ndarray, e) -> np.ndarray:
     turns = np.rint(mean / (2 * np.pi))
     whole = turns * (2 * np.longdouble("3.14159265358979323846264338327950288"))
     rest = mean - whole
-    anomaly = rest + e * np.sign(rest)
+    new = rest + e * np.sign(rest)
     low, high = rest - e, rest + e  # E - M = e sin E lies between
     for _ in range(200):
+        anomaly = new
         residual = anomaly - e * np.sin(anomaly) - rest
         high, low = np.where(residual > 0, anomaly, high), np.where(residual > 0, low, anomaly)
         newton = anomaly - residual / (1 - e * np.cos(anomaly))
@@ -47,7 +48,6 @@ def _eccentric_anomaly(mean: np.ndarray, e) -> np.ndarray:
         new = np.where(inside, newton, (low + high) / 2)
         if np.all(np.abs(new - anomaly) <= 1e-19 * (1 + np.abs(new))):
             break
-        anomaly = new
     return new + whole
 
 
@@ -98,10 +98,7 @@ def _turned(scene: Scene, times: np.ndarray) -> np.ndarray:
         assert isinstance(body, SpatialBody)
         rate = np.linalg.norm(body.angular_velocity)
         if rate > 0.0:
-            half = 0.5 * rate * times
-            result[:, k] = np.column_stack(
-                (np.cos(half), np.outer(np.sin(half), np.array(body.angular_velocity) / rate))
-            )
+            result[:, k] = from_axis_angle(body.angular_velocity, rate * times)
     return result
 
 

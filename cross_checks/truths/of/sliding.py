@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, parameter_matrix, product

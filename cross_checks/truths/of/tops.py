@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths.made_by.numerics import closed_forms
-from cross_checks.truths.made_by.numerics.closed_forms import DOUBLE_EPS, amplitude, quarter_period
-from cross_checks.truths.made_by.numerics.quadrature import periodic_integral, running_integral
-from cross_checks.truths.truth import NoConvergenceError, Truth
+from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, running_integral
+from cross_checks.truths.truth import EPS, NoConvergenceError, Truth
 from mbs_ref.scene import Scene
-from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices
+from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, product, rotation_matrices
 from mbs_ref.scenes.tops import ARM, ARM_MASS, steady_precession
 from mbs_ref.scenes.tops import TOP_AXIAL as AXIAL
 from mbs_ref.scenes.tops import TOP_TRANSVERSE as TRANSVERSE
@@ -33,7 +32,7 @@ def heavy_top(scene: Scene, times: np.ndarray) -> Truth:
         rate = np.longdouble(steady_precession(spin, tilt, gravity))
         theta, phi = np.full(len(times), np.longdouble(tilt)), rate * grid
         psi = (spin - rate * np.cos(theta)) * grid
-        error = DOUBLE_EPS * (abs(float(rate)) + abs(spin)) * float(times[-1])
+        error = EPS * (abs(float(rate)) + abs(spin)) * float(times[-1])
     else:
         *angles, error = _nutation(data, grid)
         theta, phi, psi = angles
@@ -153,7 +152,7 @@ def _orientations(
     size = np.sqrt(np.sum((moments * omega) ** 2))
     period = 4 * quarter_period(rates.m) / rates.speed
     piece = min(float(period), 2 * np.pi / float(size / moments.min())) / 8
-    turned, error = periodic_integral(precession, times.astype(np.longdouble), piece, period)
+    turned, error = closed_forms.periodic_integral(precession, times.astype(np.longdouble), piece, period)
     up = start @ (moments * omega) / size  # the momentum in the world
     e = np.zeros(3, dtype=np.longdouble)
     e[axis] = 1
@@ -162,13 +161,9 @@ def _orientations(
     across = across / np.sqrt(across @ across)
     result = []
     for body_momentum, angle in zip(rates.at(times.astype(np.longdouble)) * moments, turned, strict=True):
-        direction = across * np.cos(angle) + _cross(up, across) * np.sin(angle)
-        result.append(_parameters(_triad(up, direction) @ _triad(body_momentum / size, e).T))
+        direction = across * np.cos(angle) + np.cross(up, across) * np.sin(angle)
+        result.append(from_matrix(_triad(up, direction) @ _triad(body_momentum / size, e).T))
     return np.array(result), error
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def _triad(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -176,22 +171,7 @@ def _triad(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     first = first / np.sqrt(first @ first)
     second = second - first * (first @ second)
     second = second / np.sqrt(second @ second)
-    return np.stack([first, second, _cross(first, second)], axis=1)
-
-
-def _parameters(m: np.ndarray) -> np.ndarray:
-    """Euler parameters by the largest one (Shepperd 1978), in the matrix's precision."""
-    trace = m[0, 0] + m[1, 1] + m[2, 2]
-    k = int(np.argmax([trace, m[0, 0], m[1, 1], m[2, 2]]))
-    if k == 0:
-        theta = np.array([1 + trace, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
-    else:
-        i, j, n = k - 1, k % 3, (k + 1) % 3
-        theta = np.zeros(4, dtype=m.dtype)
-        theta[0] = m[n, j] - m[j, n]
-        theta[1 + i], theta[1 + j], theta[1 + n] = 1 + m[i, i] - m[j, j] - m[n, n], m[j, i] + m[i, j], m[n, i] + m[i, n]
-    theta = theta / np.sqrt(theta @ theta)
-    return -theta if theta[0] < 0 else theta
+    return np.stack([first, second, np.cross(first, second)], axis=1)
 
 
 TRUTHS = {"nesc_tumbling_brick": torque_free_top}

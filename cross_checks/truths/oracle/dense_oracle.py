@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cross_checks.engine.initial_state import initial_sample
 from mbs_ref import observables
 from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion
@@ -43,10 +44,6 @@ class Solution:
     redundant: int  # rows
 
 
-# By dimension: the angular velocity and orientation of a particle, and the name of a body's orientation.
-AT_REST = {2: (0.0, 0.0, "angle"), 3: ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), "orientation")}
-
-
 @dataclass(frozen=True)
 class Moment:
     """A scene at one pose, with its velocities."""
@@ -67,12 +64,7 @@ class Moment:
     @staticmethod
     def start(scene: Scene) -> Moment:
         """Return the scene at t = 0."""
-        bodies: list[Any] = list(scene.bodies)
-        still, level, name = AT_REST[scene.dimension]
-        turn = [getattr(b, name, level) for b in bodies]
-        spin = np.array([getattr(b, "angular_velocity", still) for b in bodies]).reshape(len(bodies), -1)
-        rate = np.concatenate((np.array([b.velocity for b in bodies]), spin), axis=1)
-        return Moment(scene, 0.0, np.array([b.position for b in bodies]), np.array(turn), rate)
+        return Moment.of(scene, initial_sample(scene), 0)
 
     @property
     def planar(self) -> bool:
@@ -343,6 +335,8 @@ def _spring(moment: Moment, now: Motion, units: Motion, load: parts.SpringDamper
     tension = load.stiffness * stretch + load.damping * rate
     if load.tension_only and (stretch <= 0.0 or tension < 0.0):
         tension = 0.0
+    if load.limit is not None and tension > load.limit:
+        tension = load.limit
     return -tension * length_of(units, load)[2][:-1]
 
 

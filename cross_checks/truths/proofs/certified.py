@@ -11,7 +11,6 @@ import numpy as np
 
 from cross_checks.truths import EPS, seek_truth
 from cross_checks.truths.proofs.checker.balls import Refused
-from cross_checks.truths.proofs.checker.model import TURNS
 from cross_checks.truths.proofs.checker.proof import check
 from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove
@@ -19,6 +18,7 @@ from cross_checks.truths.truth import NoTruth, Truth, unturned
 from mbs_ref import scenes
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import Scene
+from mbs_ref.scene.euler_parameters import product
 
 Enclosures = list[list[list[Any]]]  # at every time and of every body: balls of place, turn, velocity and spin
 
@@ -34,28 +34,25 @@ def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[
     try:
         proven = prove(scene, times.tolist(), aim, limit=limit)
         data, began = json.dumps(proven.log, separators=(",", ":")).encode(), time.process_time()
-        checked, enclosures = check(json.loads(data))
+        checked = check(json.loads(data))
     except (NotCovered, Refused) as error:
         return row | {"truth": "not proven", "reason": str(error)}, None
     row |= {
         "t_end": float(times[-1]), "reached": min(proven.reached, float(times[-1])), "radius": checked.radius,
-        "steps": checked.steps, "prover_s": proven.seconds, "checker_s": time.process_time() - began,
+        "steps": len(proven.log["steps"]), "prover_s": proven.seconds, "checker_s": time.process_time() - began,
         "log_bytes": len(gzip.compress(data, mtime=0)), "reason": proven.reason,
     }  # fmt: skip
     if proven.reason:
         return row | {"truth": "not proven"}, None
-    proof, truth = as_truth(scene, enclosures, hashlib.sha256(data).hexdigest()), seek_truth(scene, times, afresh=True)
+    truth = seek_truth(scene, times, afresh=True)
+    proof = as_truth(scene, checked.enclosures, hashlib.sha256(data).hexdigest())
+    unique = None if checked.model.is_exhibited else proof
     if isinstance(truth, NoTruth):
-        return row | {"truth": "none"}, proof if checked.unique else None
+        return row | {"truth": "none"}, unique
     (apart, turned, *_), allowed = farthest(scene, proof, truth), truth.uncertainty + proof.uncertainty
     outside = apart > allowed or turned > allowed + EPS * np.abs(proof.orientation).max()  # NaN of particles
     word = "outside" if outside else "inside"
-    return row | {
-        "truth": word,
-        "distance": apart,
-        "turned": turned,
-        "uncertainty": allowed,
-    }, proof if checked.unique else None
+    return row | {"truth": word, "distance": apart, "turned": turned, "uncertainty": allowed}, unique
 
 
 def as_truth(scene: Scene, enclosures: Enclosures, digest: str = "") -> Truth:
@@ -68,25 +65,18 @@ def as_truth(scene: Scene, enclosures: Enclosures, digest: str = "") -> Truth:
     bodies: tuple[Any, ...] = scene.bodies
     for j, body in enumerate(bodies):
         own = np.array([[float(x.mid()) for x in at[j]] for at in enclosures])
-        turns = TURNS[body.type]
-        position[:, j], velocity[:, j] = own[:, :dimension], own[:, dimension + turns : 2 * dimension + turns]
-        if turns == 1:
-            orientation[:, j], spin[:, j] = own[:, 2] + body.angle, own[:, 5]
-        elif turns == 4:
+        position[:, j], velocity[:, j] = own[:, :dimension], own[:, 8 : 8 + dimension]
+        if body.type == "planar":
+            orientation[:, j], spin[:, j] = own[:, 3] + body.angle, own[:, 13]
+        elif body.type == "spatial":
             first = np.array(body.orientation) / np.linalg.norm(body.orientation)
-            orientation[:, j], spin[:, j] = _product(own[:, 3:7], first), own[:, 10:]
+            orientation[:, j], spin[:, j] = product(own[:, 4:8], first), own[:, 11:]
     rounding = EPS * np.abs(np.concatenate([velocity.reshape(count, -1), spin.reshape(count, -1)], 1)).max(1)
     how = f"enclosed by a proof to {radius:.1e} (m, rad, m/s, rad/s), log sha256 {digest[:16]}"
     return Truth(
         position, orientation, radius + EPS * float(np.abs(position).max()), "proven", how, None, False, velocity,
         spin, radius + rounding,
     )  # fmt: skip
-
-
-def _product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return the Euler parameters (n, 4) of the turn q followed by the turns p."""
-    scalar = p[:, :1] * q[0] - p[:, 1:] @ q[1:, None]
-    return np.hstack([scalar, p[:, :1] * q[1:] + q[0] * p[:, 1:] + np.cross(p[:, 1:], q[1:])])
 
 
 def varied(scene: Scene, seed: int) -> Scene:

@@ -5,23 +5,24 @@ of one joint: what the bodies beyond it need, along its freedom. Closures enter 
 the start alone decides where they are closed.
 """
 
-import math
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+
 from cross_checks.truths.proofs import kinematics
-from cross_checks.truths.proofs.checker.coverage import DRIVES, complaints
+from cross_checks.truths.proofs.coverage import DRIVES, complaints
 from cross_checks.truths.proofs.derivation import Derivation, Exact, NotCovered, Units
 from cross_checks.truths.proofs.family import Varied
 from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
 from cross_checks.truths.proofs.loads import LAWS, Marks
-from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, times
+from cross_checks.truths.proofs.tape import Formula, Vector, constants, cross, dot, minus, plus, times
 from mbs_ref.scene import GROUND
 
 IDENTICAL = 1e-12  # of a closure in units of the scene's length that holds at any angle; the checker decides
-AT_START = {"sin": lambda x: 0, "cos": lambda x: 1, "root": lambda x: 1}  # at angles 0; a root's size does not matter
 NO_COORDINATES = ("distance", "universal", *DRIVES)  # joints that close a loop wherever they are
 LOOPS = ("revolute", "spherical", *NO_COORDINATES)
 
@@ -31,8 +32,7 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
 
     Raises NotCovered with every reason.
     """
-    reasons = list(complaints(scene))
-    if reasons:
+    if reasons := list(complaints(scene)):
         raise NotCovered("; ".join(reasons))
     work = Derivation(scene, exact, units, parallel=True)
     loops = _tree(work)
@@ -94,7 +94,7 @@ def _is_closed(work: Derivation, loops: list[Any]) -> bool:
         return False
     rows = [x.place for joint in loops for x in minus(*(mark[0] for mark in vars(Marks.of(work, joint)).values()))]
     y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
-    return max(map(abs, work.tape.values(rows, y, {"sin": math.sin, "cos": math.cos}))) < IDENTICAL
+    return float(np.abs(work.tape.values(rows, y)).max()) < IDENTICAL
 
 
 def _add(work: Derivation, parent: str, name: str, joint: Any) -> None:
@@ -114,9 +114,7 @@ def _free(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
         moves[k] = (moves[k][0] + work.number(body.position[k], work.units.length), *moves[k][1:])
     zero = work.tape.number(0)
     place, velocity, rate = (tuple([m[k] for m in moves] + [zero] * (3 - len(moves))) for k in range(3))
-    own = _spinning(work, name)
-    turning = (own.turn, own.spin, own.spin_rate, own.angle, own.e)
-    return Frame(place, velocity, rate, *turning)  # type: ignore[arg-type]
+    return _spinning(work, name).at(place, velocity, rate)  # type: ignore[arg-type]
 
 
 def _spinning(work: Derivation, name: str) -> Frame:
@@ -138,15 +136,14 @@ def _spinning(work: Derivation, name: str) -> Frame:
         unknowns.follow(one, change * Fraction(1, 2))
     for one, change in zip(w, rate, strict=True):
         unknowns.follow(one, change)
-    still = base.place
-    return Frame(still, still, still, space_turn(e), w, rate, None, e)  # type: ignore[arg-type]
+    return replace(base, turn=space_turn(e), spin=w, spin_rate=rate, angle=None, e=e)
 
 
 def _planar_spin(work: Derivation, motion: tuple[Formula, Formula, Formula]) -> Frame:
-    base, zero = work.frames[GROUND], work.tape.number(0)
-    angle, rate, acceleration = motion
-    still, turn = base.place, plane_turn(work.tape, angle)
-    return Frame(still, still, still, turn, (zero, zero, rate), (zero, zero, acceleration), angle)
+    angle, *rates = motion
+    zero, turn = work.tape.number(0), plane_turn(work.tape, angle)
+    spin, spin_rate = ((zero, zero, x) for x in rates)
+    return replace(work.frames[GROUND], turn=turn, spin=spin, spin_rate=spin_rate, angle=angle, e=())
 
 
 def _spherical(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
@@ -157,35 +154,30 @@ def _spherical(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
 def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     if joint.axis is None:
         return _spherical(work, parent, name, joint)
-    base, unknowns = work.frames[parent], work.unknowns
+    base = work.frames[parent]
     axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
-    relative = [b - a for a, b in zip(work.rate(parent)[1], work.rate(name)[1], strict=True)]
-    speed = sum((n.constant or 0) * x for n, x in zip(axis, relative, strict=True))
-    angle, rate, acceleration = unknowns.motion(Fraction(0), Fraction(speed))
+    speed = dot(constants(axis), minus(work.rate(name)[1], work.rate(parent)[1]))
+    angle, rate, acceleration = work.unknowns.motion(Fraction(0), speed)
     s, c = (angle * Fraction(1, 2)).sin_cos()
     e = product(base.e, (c, *times(axis, s)))
     along = turned(base.turn, axis)
     spin_rate = plus(base.spin_rate, times(along, acceleration), times(cross(base.spin, along), rate))
-    own = Frame(
-        base.place, base.place, base.place, space_turn(e), plus(base.spin, times(along, rate)), spin_rate, None, e
-    )
+    spin = plus(base.spin, times(along, rate))
+    own = replace(base, turn=space_turn(e), spin=spin, spin_rate=spin_rate, angle=None, e=e)
     return hung(base.carried(work.offset(parent, joint.point)), work.offset(name, joint.point), own)
 
 
 def _prismatic(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     offset, axis = work.offset(parent, work.bodies[name].position), work.vector(joint.axis)
-    direction, arm = ([x.constant or Fraction(0) for x in one] for one in (axis, offset))
-    (va, wa), (vb, _) = work.rate(parent), work.rate(name)
-    swept = [wa[1] * arm[2] - wa[2] * arm[1], wa[2] * arm[0] - wa[0] * arm[2], wa[0] * arm[1] - wa[1] * arm[0]]
-    along = sum(n * (b - a - w) for n, a, b, w in zip(direction, va, vb, swept, strict=True))
-    motion = work.unknowns.motion(Fraction(0), Fraction(along) / sum(n * n for n in direction))
+    direction, (va, wa), (vb, _) = constants(axis), work.rate(parent), work.rate(name)
+    along = dot(direction, minus(minus(vb, va), cross(wa, constants(offset))))
+    motion = work.unknowns.motion(Fraction(0), along / dot(direction, direction))
     return slid(work.frames[parent], offset, axis, motion)
 
 
 def _weld(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     base = work.frames[parent]
-    moved = base.carried(work.offset(parent, work.bodies[name].position))
-    return Frame(*moved, base.turn, base.spin, base.spin_rate, base.angle, base.e)
+    return base.at(*base.carried(work.offset(parent, work.bodies[name].position)))
 
 
 _ADD: dict[str, Callable[[Derivation, str, str, Any], Frame]] = {
@@ -218,9 +210,9 @@ def _inertia_at_start(work: Derivation, body: Any, unit: Fraction) -> Any:
     xx, yy, zz, xy, xz, yz = (work.number(x, unit) for x in body.inertia)
     inertia = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
     parameters = [work.exact(x) for x in body.orientation]
-    size = sum(x * x for x in parameters)
+    size = dot(parameters, parameters)
     turn = space_turn(tuple(work.tape.number(x) for x in parameters))
-    turn = tuple(tuple(x * (1 / Fraction(size)) for x in row) for row in turn)
+    turn = tuple(tuple(x * (1 / size) for x in row) for row in turn)
     return tuple(turned(turn, tuple(turned(inertia, row))) for row in turn)  # type: ignore[arg-type]
 
 
@@ -230,21 +222,18 @@ def _close(work: Derivation, joint: Any) -> None:
         work.residuals.append(_drive(work, joint))
         return
     marks = Marks.of(work, joint)
+    gap, speed, bend = map(minus, marks.b, marks.a)
     if joint.type == "distance":
-        gap = minus(marks.b[0], marks.a[0])
         pull = times(gap, work.unknowns.dependent())
-        speed = minus(marks.b[1], marks.a[1])
-        rows = [dot(gap, minus(marks.b[2], marks.a[2])) + dot(speed, speed)]
+        work.residuals.append(dot(gap, bend) + dot(speed, speed))
         work.closing.append(dot(gap, speed))
     else:
-        bend = minus(marks.b[2], marks.a[2])
-        rows = list(bend[: work.scene.dimension])
-        work.closing += minus(marks.b[1], marks.a[1])[: work.scene.dimension]
-        zero = [work.tape.number(0)] * (3 - len(rows))
-        pull = tuple([work.unknowns.dependent() for _ in rows] + zero)
+        count = work.scene.dimension
+        pull = tuple(work.unknowns.dependent() if k < count else work.tape.number(0) for k in range(3))
+        work.residuals += bend[:count]
+        work.closing += speed[:count]
     work.apply(joint.body_b, marks.b[0], pull)  # type: ignore[arg-type]
     work.apply(joint.body_a, marks.a[0], times(pull, -1))  # type: ignore[arg-type]
-    work.residuals += rows
     for first, second in _square(joint, work.scene.dimension):
         work.residuals.append(_keep_square(work, joint, work.vector(first), work.vector(second)))
 
@@ -291,8 +280,8 @@ def _keep_square(work: Derivation, joint: Any, first: Vector, second: Vector) ->
     work.apply(joint.body_a, still, still, couple)
     work.apply(joint.body_b, still, still, times(couple, -1))
     work.closing.append(dot(one_rate, other) + dot(one, other_rate))
-    one_bend = plus(cross(a.spin_rate, one), cross(a.spin, one_rate))
-    other_bend = plus(cross(b.spin_rate, other), cross(b.spin, other_rate))
+    bends = ((a, one, one_rate), (b, other, other_rate))
+    one_bend, other_bend = (plus(cross(own.spin_rate, x), cross(own.spin, rate)) for own, x, rate in bends)
     return dot(one_bend, other) + dot(one_rate, other_rate) * 2 + dot(one, other_bend)
 
 
@@ -333,33 +322,24 @@ def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, m
 
 def _leave_rates_to_closures(work: Derivation) -> None:
     """Clear the start rates that closures of loops decide: the last ones that are independent in them."""
-    starts, lines = work.unknowns.starts, work.tape.lines
+    starts, lines, places = work.unknowns.starts, work.tape.lines, [row.place for row in work.closing]
     rates = [k for k, rate in enumerate(work.unknowns.rates) if lines[rate.place][0] == "z"]
-    basis: list[tuple[int, list[Fraction]]] = []
-    places, still = (
-        [row.place for row in work.closing],
-        [Fraction(0 if j in rates else s or 0) for j, s in enumerate(starts)],
-    )
-    base = work.tape.values(places, still, AT_START)
-    for k in reversed(rates if any(starts[k] for k in rates) or any(base) else []):
-        y = [Fraction(1) if j == k else value for j, value in enumerate(still)]
-        column = [x - b for x, b in zip(work.tape.values(places, y, AT_START), base, strict=True)]
-        for pivot, other in basis:
-            factor = column[pivot] / other[pivot]
-            column = [x - factor * o for x, o in zip(column, other, strict=True)]
-        pivot = max(range(len(column)), key=lambda j: abs(column[j]), default=None)
-        if pivot is not None and column[pivot]:
-            basis.append((pivot, column))
+    still = np.array([0.0 if k in rates else float(start or 0) for k, start in enumerate(starts)])
+    base, chosen = work.tape.values(places, still), []
+    for k in reversed(rates if any(starts[k] for k in rates) or base.any() else []):
+        chosen.append(work.tape.values(places, still + np.eye(len(starts))[k]) - base)
+        if np.linalg.matrix_rank(chosen) == len(chosen):
             starts[k] = None
+        else:
+            chosen.pop()
 
 
 def _output(work: Derivation, body: Any) -> list[Formula]:
-    """Return place, turn since t = 0, velocity and spin of a body; a particle has no turn."""
-    frame, count = work.frames[body.name], len(body.position)
-    place, velocity = list(frame.place[:count]), list(frame.velocity[:count])
-    if body.type == "point_mass":
-        return place + velocity
+    """Return place, angle in the plane, Euler parameters since t = 0, velocity and spin; a particle does not turn."""
+    frame, ground = work.frames[body.name], work.frames[GROUND]
+    turning = ground if body.type == "point_mass" else frame
+    angle, e = (turning.angle if body.type == "planar" else None) or work.tape.number(0), turning.e
     if body.type == "planar":
-        assert frame.angle is not None
-        return [*place, frame.angle, *velocity, frame.spin[2]]
-    return [*place, *frame.e, *velocity, *frame.spin]
+        s, c = (angle * Fraction(1, 2)).sin_cos()
+        e = (c, *ground.place[:2], s)
+    return [*frame.place, angle, *e, *frame.velocity, *turning.spin]

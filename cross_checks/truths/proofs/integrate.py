@@ -13,14 +13,14 @@ from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
-from cross_checks.truths.proofs.taylor import NoConvergence, Series, radius, rescaled
+from cross_checks.truths.proofs.taylor import NoConvergence, Series, rescaled
 from cross_checks.truths.proofs.touch import first_touch
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 
 DEGREE, DIGITS = 40, 45  # of the polynomials, at least
-DIGITS_PROVEN = 18.0  # of a radius, that DEGREE and DIGITS reach in most motions
-SAFETY = 7.0  # radii of convergence in a step
+DIGITS_PROVEN = 20.0  # of a radius, that DEGREE and DIGITS reach in most motions
+SAFETY = 5.5  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
@@ -76,19 +76,10 @@ def prove_family(
     """
     began, proofs = time.process_time(), []
     for parts in PARTS:
-        edges = [*(low + (high - low) * k / parts for k in range(parts)), high]
-        proofs = [
-            prove(
-                make(0.5 * (a + b)),
-                times,
-                math.inf,
-                inputs,
-                began + limit - time.process_time(),
-                report,
-                (make(a), make(b)),
-            )
-            for a, b in pairwise(edges)
-        ]
+        proofs, edges = [], [low + (high - low) * k / parts for k in range(parts + 1)]
+        for a, b in pairwise(edges):
+            left, middle = began + limit - time.process_time(), make(0.5 * (a + b))
+            proofs.append(prove(middle, times, math.inf, inputs, left, report, (make(a), make(b))))
         if time.process_time() - began > limit or not any(one.reason for one in proofs):
             break
     return proofs
@@ -121,9 +112,8 @@ def _attempt(
         except (NoConvergence, ZeroDivisionError) as error:
             reason = f"no polynomial: {error}"
             break
-        length = radius(rows, bits) * 2.0**exponent * share
-        h = Fraction(max(1, int(length * 64))) / 64 if length > 0.25 else Fraction(length).limit_denominator(1 << 30)
-        h = _dyadic(min(h, proof.times[-1] - proof.t), h)
+        length = series.radius() * 2.0**exponent * share
+        h = _dyadic(min(Fraction(length), proof.times[-1] - proof.t))
         for attempt in range(ATTEMPTS):
             own, window = rescaled(rows, h / Fraction(2) ** exponent), Fraction(0)
             touch = first_touch(proof, h, own) if scene.contacts else None
@@ -139,7 +129,7 @@ def _attempt(
                 reason = f"a step is not proven: {error}" if is_last else ""
                 if is_last:
                     break
-                h, share = _dyadic(h * SHORTER, h), share * float(SHORTER)
+                h, share = _dyadic(h * SHORTER), share * float(SHORTER)
         if reason:
             break
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
@@ -156,10 +146,10 @@ def round_to(value: Any, bits: int) -> int:
     return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
 
 
-def _dyadic(h: Fraction, about: Fraction) -> Fraction:
+def _dyadic(h: Fraction) -> Fraction:
     """Return h rounded up to a dyadic with 20 significant bits."""
-    exponent = 20 - math.frexp(float(about))[1]
-    return Fraction(math.ceil(h * Fraction(2) ** exponent)) / Fraction(2) ** exponent
+    unit = Fraction(2) ** (math.frexp(float(h))[1] - 20)
+    return math.ceil(h / unit) * unit
 
 
 def _power(x: float) -> Fraction:
@@ -188,8 +178,8 @@ def _first_radius(proof: Proof, header: dict[str, Any], bits: int, degree: int) 
     series = Series(header["system"], bits, degree)
     for _ in range(4):
         y, z = ([round_to(x, bits) for x in values] for values in (proof.middle, proof.model.z_start))
-        rows = series.propose(y, z, exponent)
-        found = radius(rows, bits) * 2.0**exponent
+        series.propose(y, z, exponent)
+        found = series.radius() * 2.0**exponent
         if abs(math.log2(found) - exponent) < 2:
             break
         exponent = round(math.log2(found))

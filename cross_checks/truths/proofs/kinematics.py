@@ -1,6 +1,8 @@
 """Places, velocities and accelerations of bodies along a tree of joints, written on a tape."""
 
-from dataclasses import dataclass, field
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
 from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, dot, minus, plus, times
@@ -20,6 +22,10 @@ class Frame:
     spin_rate: Vector
     angle: Formula | None = None
     e: tuple[Formula, ...] = ()
+
+    def at(self, place: Vector, velocity: Vector, acceleration: Vector) -> Frame:
+        """Return a frame with this turn and spin, elsewhere."""
+        return replace(self, place=place, velocity=velocity, acceleration=acceleration)
 
     def carried(self, offset: Vector) -> tuple[Vector, Vector, Vector]:
         """Return place, velocity and acceleration of the point that was at an offset from the centre at t = 0."""
@@ -116,12 +122,9 @@ def hung(joint: tuple[Vector, Vector, Vector], offset: Vector, own: Frame) -> Fr
     """Return the frame of a body whose point at `offset` moves as `joint`; `own` states its turn and spin."""
     arm = turned(own.turn, offset)
     moved = cross(own.spin, arm)
-    place, velocity, acceleration = joint
-    return Frame(
-        minus(place, arm), minus(velocity, moved),
-        minus(acceleration, plus(cross(own.spin_rate, arm), cross(own.spin, moved))),
-        own.turn, own.spin, own.spin_rate, own.angle, own.e,
-    )  # fmt: skip
+    bend = plus(cross(own.spin_rate, arm), cross(own.spin, moved))
+    moves = (minus(mark, shift) for mark, shift in zip(joint, (arm, moved, bend), strict=True))
+    return own.at(*moves)
 
 
 def slid(base: Frame, offset: Vector, axis: Vector, motion: tuple[Formula, Formula, Formula]) -> Frame:
@@ -129,8 +132,5 @@ def slid(base: Frame, offset: Vector, axis: Vector, motion: tuple[Formula, Formu
     s, u, a = motion
     place, velocity, acceleration = base.carried(plus(offset, times(axis, s)))
     along = turned(base.turn, axis)
-    return Frame(
-        place, plus(velocity, times(along, u)),
-        plus(acceleration, times(along, a), times(cross(base.spin, along), u * 2)),
-        base.turn, base.spin, base.spin_rate, base.angle, base.e,
-    )  # fmt: skip
+    bend = plus(times(along, a), times(cross(base.spin, along), u * 2))
+    return base.at(place, plus(velocity, times(along, u)), plus(acceleration, bend))

@@ -10,6 +10,7 @@ from typing import Any
 
 from cross_checks.truths.proofs.derivation import Derivation
 from cross_checks.truths.proofs.tape import Formula, Vector, dot, minus, plus, times
+from mbs_ref.scene import GROUND
 
 Point = tuple[Vector, Vector, Vector]  # place, velocity, acceleration
 
@@ -57,31 +58,22 @@ def _spring(work: Derivation, load: Any) -> None:
 def _torsion(work: Derivation, load: Any) -> None:
     units = work.units
     unit = units.mass * units.length**2 / units.time**2
-    a, b = work.frames[load.body_a], work.frames[load.body_b]
-    assert a.angle is not None
-    assert b.angle is not None
-    angle = b.angle - a.angle
+    a, b = (work.frames[name] for name in load.ends)
+    angle = b.angle - a.angle  # type: ignore[operator]  # bodies in the plane have one
     if load.rest_angle is not None:
-        start = [Fraction(0) if n == "ground" else work.exact(work.bodies[n].angle) for n in (load.body_a, load.body_b)]
+        start = [Fraction(0) if name == GROUND else work.exact(work.bodies[name].angle) for name in load.ends]
         angle = angle + work.tape.number(start[1] - start[0] - work.exact(load.rest_angle))
     torque = angle * work.number(load.stiffness, unit)
     torque = torque + (b.spin[2] - a.spin[2]) * work.number(load.damping, unit * units.time)
-    _turn(work, load.body_b, -torque)
-    _turn(work, load.body_a, torque)
-
-
-def _turn(work: Derivation, body: str, torque: Formula) -> None:
-    zero = work.tape.number(0)
-    work.apply(body, (zero, zero, zero), (zero, zero, zero), (zero, zero, torque))
+    still = work.frames[GROUND].place
+    for name, moment in zip(load.ends, (torque, -torque), strict=True):
+        work.apply(name, still, still, (still[0], still[1], moment))
 
 
 def _torque(work: Derivation, load: Any) -> None:
-    units = work.units
-    unit = units.mass * units.length**2 / units.time**2
-    values = (0.0, 0.0, load.torque) if load.type == "torque" else load.vector
-    zero = work.tape.number(0)
-    moment = times(work.vector(values, unit), work.signal(load.factor))
-    work.apply(load.body, (zero, zero, zero), (zero, zero, zero), moment)
+    values, still = (0.0, 0.0, load.torque) if load.type == "torque" else load.vector, work.frames[GROUND].place
+    moment = work.vector(values, work.units.mass * work.units.length**2 / work.units.time**2)
+    work.apply(load.body, still, still, times(moment, work.signal(load.factor)))
 
 
 def _force(work: Derivation, load: Any) -> None:
@@ -91,53 +83,42 @@ def _force(work: Derivation, load: Any) -> None:
     work.apply(load.body, place, times(vector, work.signal(load.factor)))
 
 
+def _attract(work: Derivation, own: int, other: int, field: Vector) -> None:
+    """Attract a body by gm of another in a field of gm = 1."""
+    body, gm = work.scene.bodies[own], next(part for part in work.scene.loads if part.type == "newton").gm[other]
+    force = work.number(gm, work.units.length**3 / work.units.time**2) * work.number(body.mass, work.units.mass)
+    work.apply(body.name, work.frames[body.name].place, times(field, force))
+
+
 def _newton(work: Derivation, load: Any) -> None:
-    names, unit = work.scene.body_names, work.units.length**3 / work.units.time**2
-    for i, j in combinations(range(len(names)), 2):
-        if not (load.gm[i] or load.gm[j]):
-            continue
-        gap = minus(work.frames[names[j]].place, work.frames[names[i]].place)
-        inverse = _inverse_length(work, gap)
-        pull = times(gap, inverse * inverse * inverse)
-        for own, other, way in ((i, j, 1), (j, i, -1)):
-            mass = work.number(work.bodies[names[own]].mass, work.units.mass)
-            force = times(pull, work.number(load.gm[other], unit) * mass * way)
-            work.apply(names[own], work.frames[names[own]].place, force)
+    places = [work.frames[name].place for name in work.scene.body_names]
+    for i, j in combinations(range(len(places)), 2):
+        if load.gm[i] or load.gm[j]:
+            gap = minus(places[j], places[i])
+            inverse = _inverse_length(work, gap)
+            field = times(gap, inverse * inverse * inverse)
+            _attract(work, i, j, field)
+            _attract(work, j, i, times(field, -1))
 
 
 def _oblateness(work: Derivation, load: Any) -> None:
     """Attract by zonal harmonics: a = -gm sum J_n R^n / r^(n+2) (P_n' k - P_(n+1)' r / |r|)."""
-    newton = next(part for part in work.scene.loads if part.type == "newton")
-    names, units = work.scene.body_names, work.units
+    names, axis, radius = work.scene.body_names, work.vector(load.axis), work.number(load.radius, work.units.length)
     k = work.scene.body_index(load.body)
-    axis, radius = work.vector(load.axis), work.number(load.radius, units.length)
     for i, name in enumerate(names):
         if i == k:
             continue
         gap = minus(work.frames[name].place, work.frames[load.body].place)
         inverse = _inverse_length(work, gap)
         unit = times(gap, inverse)
-        sine = dot(unit, axis)
-        slopes = _legendre_slopes(sine, len(load.zonal) + 2)
-        power = inverse * inverse
-        total = work.frames["ground"].place
+        slopes, size = _legendre_slopes(dot(unit, axis), len(load.zonal) + 2), inverse * inverse * inverse * radius
+        total = work.frames[GROUND].place
         for n, harmonic in enumerate(load.zonal, start=2):
-            size = power * _power(inverse * radius, n) * work.number(harmonic)
-            total = plus(total, times(minus(times(axis, slopes[n]), times(unit, slopes[n + 1])), -size))
-        mass = work.number(work.bodies[name].mass, units.mass)
-        gm = units.length**3 / units.time**2
-        work.apply(name, work.frames[name].place, times(total, mass * work.number(newton.gm[k], gm)))
-        if newton.gm[i]:
-            mass = work.number(work.bodies[load.body].mass, units.mass)
-            back = times(total, -(mass * work.number(newton.gm[i], gm)))
-            work.apply(load.body, work.frames[load.body].place, back)
-
-
-def _power(base: Formula, exponent: int) -> Formula:
-    result = base
-    for _ in range(exponent - 1):
-        result = result * base
-    return result
+            size = size * (inverse * radius)
+            bend = minus(times(axis, slopes[n]), times(unit, slopes[n + 1]))
+            total = plus(total, times(bend, size * work.number(harmonic) * -1))
+        _attract(work, i, k, total)
+        _attract(work, k, i, times(total, -1))
 
 
 def _legendre_slopes(s: Formula, degree: int) -> list[Formula]:

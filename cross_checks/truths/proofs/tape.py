@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-Line = tuple[
-    str, int, int
-]  # operation and operands: c numerator denominator, y i, z i, + - * i j, sin i, cos i, root i
+import numpy as np
+
+Line = tuple[str, int, int]  # operation and operands: c, root numerator denominator; y, z, sin, cos i; + - * i j
 
 
 @dataclass
@@ -31,24 +32,18 @@ class Tape:
         """Return a rational constant."""
         return self.line("c", *Fraction(value).as_integer_ratio())
 
-    def values(self, places: Sequence[int], y: Sequence[Any], waves: dict[str, Callable[[Any], Any]]) -> list[Any]:
-        """Return the values of lines without z; `waves` has the sine, the cosine and the root as functions."""
-        value: list[Any] = []
-        for operation, a, b in self.lines[: max(places, default=-1) + 1]:
-            match operation:
-                case "c":
-                    value.append(Fraction(a, b))
-                case "y":
-                    value.append(y[a])
-                case "+" | "-":
-                    value.append(value[a] + value[b] if operation == "+" else value[a] - value[b])
-                case "*":
-                    value.append(value[a] * value[b])
-                case "z":
-                    value.append(Fraction(0))
-                case _:
-                    value.append(waves[operation](Fraction(a, b) if operation == "root" else value[a]))
-        return [value[place] for place in places]
+    def values(self, places: Sequence[int], y: Any) -> np.ndarray:
+        """Return the values of lines in floats, where z is 0."""
+        value: list[float] = []
+        run: dict[str, Callable[[int, int], float]] = {
+            "c": lambda a, b: a / b, "root": lambda a, b: math.sqrt(a / b), "y": lambda a, b: y[a],
+            "z": lambda a, b: 0.0, "sin": lambda a, b: math.sin(value[a]), "cos": lambda a, b: math.cos(value[a]),
+            "+": lambda a, b: value[a] + value[b], "-": lambda a, b: value[a] - value[b],
+            "*": lambda a, b: value[a] * value[b],
+        }  # fmt: skip
+        for operation, a, b in self.lines:
+            value.append(run[operation](a, b))
+        return np.array([value[place] for place in places])
 
 
 @dataclass(frozen=True)
@@ -108,7 +103,7 @@ def plus(*terms: Vector) -> Vector:
     return total
 
 
-def minus(a: Vector, b: Vector) -> Vector:
+def minus(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """Return a - b."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
@@ -118,7 +113,7 @@ def times(a: Vector, factor: Formula | Fraction | int) -> Vector:
     return a[0] * factor, a[1] * factor, a[2] * factor
 
 
-def dot(a: Sequence[Formula], b: Sequence[Formula]) -> Formula:
+def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """Return the sum of products."""
     total = a[0] * b[0]
     for x, y in zip(a[1:], b[1:], strict=True):
@@ -126,6 +121,11 @@ def dot(a: Sequence[Formula], b: Sequence[Formula]) -> Formula:
     return total
 
 
-def cross(a: Vector, b: Vector) -> Vector:
+def cross(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """Return the cross product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def constants(a: Vector) -> tuple[Fraction, ...]:
+    """Return the values of rational constants."""
+    return tuple(x.constant or Fraction(0) for x in a)

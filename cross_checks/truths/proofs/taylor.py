@@ -8,6 +8,7 @@ from typing import Any
 from flint import arb, arb_mat, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import precision
+from cross_checks.truths.proofs.checker.bounds import ORDER
 
 LAST = 6  # coefficients that state the radius of convergence: series may have gaps
 NEWTON = 8  # iterations for z at the start of a step; from the last polynomial it takes one or two
@@ -21,44 +22,67 @@ class Series:
     """The lines of a tape as power series, coefficient by coefficient, integers over 2^bits."""
 
     def __init__(self, system: dict[str, Any], bits: int, degree: int) -> None:
-        self.lines, self.f, self.g = system["lines"], system["f"], system["g"]
-        self.n, self.m, self.bits, self.degree = len(self.f), system["z"], bits, degree
-        needs_z: set[int] = set()
-        for place, (operation, a, b) in enumerate(self.lines):
-            if operation == "z" or (_operands(operation, a, b) & needs_z):
-                needs_z.add(place)
-        self.fixed = [k for k in range(len(self.lines)) if k not in needs_z]
-        self.moving = sorted(needs_z)
-        self.partner = {(op, a): k for k, (op, a, _) in enumerate(self.lines) if op in ("sin", "cos")}
-        self.terms: list[list[int]] = []
+        self.bits, self.degree, lines = bits, degree, system["lines"]
+        self.y, self.z = [[] for _ in system["f"]], [[] for _ in system["g"]]
+        self.terms: list[list[int]] = [[] for _ in lines]  # the line of a coordinate is that coordinate's own series
+        partner = {(operation, a): k for k, (operation, a, _) in enumerate(lines) if operation in ("sin", "cos")}
+        self.fixed, self.moving = [], []  # lines without and with z: operation, place, operands
+        with_z: set[int] = set()
+        for place, (operation, a, b) in enumerate(lines):
+            if operation in ("y", "z"):
+                self.terms[place] = (self.y if operation == "y" else self.z)[a]
+            elif operation in ("c", "root"):
+                with precision(bits + 64):
+                    value = arb(fmpq(a, b)) if operation == "c" else arb(fmpq(a, b)).sqrt()
+                    self.terms[place] = [self._integer(value), *[0] * degree]
+                continue
+            elif operation in ("sin", "cos"):
+                b = partner["cos" if operation == "sin" else "sin", a]
+            elif operation == "*" and {lines[a][0], lines[b][0]} & {"c", "root"}:
+                operation, a, b = "scale", *((a, b) if lines[a][0] in ("c", "root") else (b, a))
+            if operation == "z" or (operation != "y" and with_z & {a, b}):
+                with_z.add(place)
+            if operation not in ("y", "z"):
+                (self.moving if place in with_z else self.fixed).append((operation, place, a, b))
+        self.z_places = [(lines[k][1], k) for k in with_z if lines[k][0] == "z"]
+        self.f, self.g = ([self.terms[place] for place in system[name]] for name in "fg")
+        self.g_places = system["g"]
 
     def propose(self, y: Sequence[int], z: Sequence[int], exponent: int) -> list[list[int]]:
         """Return the coefficients of y and z in units of time 2^exponent, from y at the start and z near it."""
+        for _, place, *_ in (*self.fixed, *self.moving):
+            self.terms[place].clear()
+        for own, value in zip((*self.y, *self.z), (*y, *z), strict=True):
+            own[:] = [value]
         with precision(self.bits + 64):
-            return self._propose(y, z, exponent)
-
-    def _propose(self, y: Sequence[int], z: Sequence[int], exponent: int) -> list[list[int]]:
-        self.terms = [[] for _ in self.lines]
-        self.y, self.z = [[value] for value in y], [[value] for value in z]
-        self._constants()
-        self._run(self.fixed, 0)
-        inverse = self._solve_start()
-        for k in range(self.degree):
+            self._run(self.fixed, 0)
+            inverse = self._solve_start()
+        for k in range(self.degree + 1):
             if k:
                 self._run(self.fixed, k)
-                self._append_z(k, inverse)
-            for own, place in zip(self.y, self.f, strict=True):
-                rate = self._term(place, k)
-                own.append((rate << exponent if exponent >= 0 else rate >> -exponent) // (k + 1))
-        self._run(self.fixed, self.degree)
-        self._append_z(self.degree, inverse)
-        return self.y + self.z
+                for own in self.z:
+                    own.append(0)
+                self._run(self.moving, k)
+                self._move([-x for x in self._times(inverse, [g[k] for g in self.g])], True)
+            if k < self.degree:
+                for own, rates in zip(self.y, self.f, strict=True):
+                    rate = rates[k]
+                    own.append((rate << exponent if exponent >= 0 else rate >> -exponent) // (k + 1))
+        return [list(own) for own in (*self.y, *self.z)]
 
-    def _constants(self) -> None:
-        for place, (operation, a, b) in enumerate(self.lines):
-            if operation in ("c", "root"):
-                value = arb(fmpq(a, b))
-                self.terms[place] = [self._integer(value.sqrt() if operation == "root" else value)]
+    def radius(self) -> float:
+        """Return the radius of convergence in units of the polynomials' time.
+
+        It is the least by the last coefficients of y and z, and by those of all lines at ORDER, where the checker ends
+        the derivatives of the lines.
+        """
+        rates = [2.0**-4]
+        for series, end in ((self.terms, ORDER), ((*self.y, *self.z), self.degree + 1)):
+            for own in series:
+                unit = max(self.bits, own[0].bit_length())
+                sizes = ((k, own[k].bit_length()) for k in range(end - LAST, end))
+                rates += [2.0 ** ((size - unit) / k) for k, size in sizes if size > 1]
+        return 1.0 / max(rates)
 
     def _integer(self, value: Any) -> int:
         return int((value * arb((1, self.bits))).mid().floor().unique_fmpz())
@@ -66,100 +90,64 @@ class Series:
     def _solve_start(self) -> list[list[int]]:
         """Find z at the start by Newton's method; return the inverse of g_z."""
         inverse: list[list[int]] = []
-        for attempt in range(NEWTON if self.m else 1):
+        for attempt in range(NEWTON):
+            for _, place, *_ in self.moving:
+                self.terms[place].clear()
             self._run(self.moving, 0)
-            missing = [self.terms[place][0] for place in self.g]
-            if attempt and max(map(abs, missing)) < 1 << (self.bits // 8 + 24):
-                break
-            inverse = self._inverse()
+            missing = [g[0] for g in self.g]
+            if not missing or (attempt and max(map(abs, missing)) < 1 << (self.bits // 8 + 24)):
+                return inverse
+            columns = [self._move([int(j == k) << self.bits for j in range(len(self.z))]) for k in range(len(self.z))]
+            matrix = arb_mat([[arb((column[i], -self.bits)) for column in columns] for i in range(len(columns))])
+            inverse = [[self._integer(x) for x in row] for row in matrix.inv().tolist()]
             for own, change in zip(self.z, self._times(inverse, missing), strict=True):
                 own[0] -= change
-        else:
-            if self.m:
-                raise NoConvergence("z has no solution near the last polynomial")
-        self._run(self.moving, 0)
-        return inverse
-
-    def _inverse(self) -> list[list[int]]:
-        """Return the inverse of g_z: coefficient 1 of g is g_z times coefficient 1 of z where y is constant."""
-        for place in self.fixed:
-            self.terms[place].append(0)
-        for one in self.y:
-            one.append(0)
-        columns = []
-        for j in range(self.m):
-            for k, one in enumerate(self.z):
-                one[1:] = [int(k == j) << self.bits]
-            self._run(self.moving, 1)
-            columns.append([self.terms[place][1] for place in self.g])
-        for series in (*self.terms, *self.y, *self.z):
-            del series[1:]
-        matrix = arb_mat([[arb((columns[j][i], -self.bits)) for j in range(self.m)] for i in range(self.m)])
-        return [[self._integer(x) for x in row] for row in matrix.inv().tolist()]
+        raise NoConvergence("z has no solution near the last polynomial")
 
     def _times(self, matrix: list[list[int]], vector: list[int]) -> list[int]:
         return [sum(map(mul, row, vector)) >> self.bits for row in matrix]
 
-    def _append_z(self, k: int, inverse: list[list[int]]) -> None:
-        """Append coefficient k of z, which g has linearly."""
-        for own in self.z:
-            own.append(0)
-        self._run(self.moving, k)
-        if self.m:
-            missing = [self.terms[place][k] for place in self.g]
-            for own, change in zip(self.z, self._times(inverse, missing), strict=True):
-                own[k] = -change
-            self._run(self.moving, k)
-
-    def _run(self, places: list[int], k: int) -> None:
-        """Compute coefficient k of lines whose lower coefficients are known."""
-        terms, bits = self.terms, self.bits
-        for place in places:
-            operation, a, b = self.lines[place]
+    def _move(self, change: list[int], applied: bool = False) -> list[int]:
+        """Return how g's last coefficients change with those of z, to first order; apply the change if requested."""
+        terms, bits, moved = self.terms, self.bits, dict.fromkeys(range(len(self.terms)), 0)
+        for column, place in self.z_places:
+            moved[place] = change[column]
+        for operation, place, a, b in self.moving:
             if operation == "*":
-                if self.lines[a][0] in ("c", "root"):
-                    value = terms[a][0] * terms[b][k] >> bits
-                else:
-                    value = sum(map(mul, terms[a][: k + 1], reversed(terms[b][: k + 1]))) >> bits
-            elif operation in "+-":
-                first, second = (self._term(x, k) for x in (a, b))
-                value = first + second if operation == "+" else first - second
-            elif operation in "yz":
-                value = (self.y if operation == "y" else self.z)[a][k]
-            elif operation in ("c", "root"):
-                continue
+                moved[place] = terms[a][0] * moved[b] + moved[a] * terms[b][0] >> bits
+            elif operation == "+":
+                moved[place] = moved[a] + moved[b]
+            elif operation == "-":
+                moved[place] = moved[a] - moved[b]
             else:
-                value = self._wave(operation, a, k)
-            terms[place][k:] = [value]
+                factor = terms[a if operation == "scale" else b][0] * (-1 if operation == "cos" else 1)
+                moved[place] = factor * moved[b if operation == "scale" else a] >> bits
+            if applied:
+                terms[place][-1] += moved[place]
+        for column, place in self.z_places if applied else ():
+            terms[place][-1] += change[column]
+        return [moved[place] for place in self.g_places]
 
-    def _term(self, place: int, k: int) -> int:
-        series = self.terms[place]
-        return series[k] if k < len(series) else 0
-
-    def _wave(self, operation: str, a: int, k: int) -> int:
-        """Return a coefficient of a sine or cosine: s' = c u', c' = -s u'."""
-        if k == 0:
-            angle = arb((self.terms[a][0], -self.bits))
-            return self._integer(angle.sin() if operation == "sin" else angle.cos())
-        other = self.terms[self.partner["cos" if operation == "sin" else "sin", a]]
-        slope = [j * self.terms[a][j] for j in range(1, k + 1)]
-        total = sum(map(mul, slope, reversed(other[:k]))) // k >> self.bits
-        return total if operation == "sin" else -total
-
-
-def _operands(operation: str, a: int, b: int) -> set[int]:
-    return {a, b} if operation in "+-*" else {a} if operation in ("sin", "cos") else set()
-
-
-def radius(rows: list[list[int]], bits: int) -> float:
-    """Return the radius of convergence in units of the polynomial's time, from the last coefficients."""
-    degree = len(rows[0]) - 1
-    rates = []
-    for k in range(degree - LAST + 1, degree + 1):
-        most = max(abs(row[k]) for row in rows)
-        if most > 1:
-            rates.append(2.0 ** ((most.bit_length() - bits) / k))
-    return 1.0 / max(rates, default=2.0**-4)
+    def _run(self, lines: list[tuple[str, int, int, int]], k: int) -> None:
+        """Append coefficient k of lines, from all lower coefficients and those of the lines before."""
+        terms, bits = self.terms, self.bits
+        for operation, place, a, b in lines:
+            first, second = terms[a], terms[b]
+            if operation == "*":
+                value = sum(map(mul, first, reversed(second))) >> bits
+            elif operation == "+":
+                value = first[k] + second[k]
+            elif operation == "-":
+                value = first[k] - second[k]
+            elif operation == "scale":
+                value = first[0] * second[k] >> bits
+            elif k:  # s' = c u', c' = -s u'
+                value = sum(map(mul, map(mul, range(1, k + 1), first[1:]), reversed(second[:k]))) // k >> bits
+                value = value if operation == "sin" else -value
+            else:
+                angle = arb((first[0], -bits))
+                value = self._integer(angle.sin() if operation == "sin" else angle.cos())
+            terms[place].append(value)
 
 
 def rescaled(rows: list[list[int]], ratio: Fraction) -> list[list[int]]:

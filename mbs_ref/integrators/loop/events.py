@@ -59,12 +59,10 @@ def settle(model, work, t, y, table, run, most):
     scratch = np.empty_like(y)
     for _ in range(MOST_ROUNDS):
         roots(model, work, t, y, 0.0, table.low)
-        broken = np.sum(table.low[VALUE] < 0.0)
-        if broken == 0:
+        if not np.any(table.low[VALUE] < 0.0):
             return RUNNING
-        run.events += broken
-        code, contact = transition(model, work, t, run.span, y, table.low[VALUE], scratch)
-        run.event_source = contact
+        code, run.event_source = transition(model, work, t, run.span, y, table.low[VALUE], scratch)
+        run.events += np.sum(table.low[VALUE] < 0.0)  # those that are logged
         if code == STOP:
             return STOP_EVENT
         if code != 0 or run.events > most:
@@ -132,6 +130,13 @@ def _tighten(search, table, h, broken):
         table.high[:] = table.new
     else:
         table.low[:] = table.new
+
+
+@jit
+def give_up(model, work, t, y, search, table):
+    """End a search without an event: another step is to begin at (t, y)."""
+    search[ACTIVE] = IDLE
+    roots(model, work, t, y, FREEZE, table.low)
 
 
 @jit

@@ -22,8 +22,9 @@ import numpy as np
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
 from mbs_ref.kernels.algebra.dense import all_finite
+from mbs_ref.kernels.algebra.lanes import aligned, in_lanes
 from mbs_ref.kernels.border.handles import handle_class, make_handle
-from mbs_ref.kernels.jit import jit, loop_jit
+from mbs_ref.kernels.jit import bare, jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES
 from mbs_ref.kernels.particles.pair import combine, settle
@@ -98,10 +99,10 @@ def touching(radius, y, n):
     return False
 
 
-@jit
-def _extrapolate(g, ratio, stages):
+@bare
+def _extrapolate(g, ratio, lanes):
     """Predict the stage accelerations from the polynomial through the last step's (barycentric form)."""
-    table, total = stages.table, stages.lines[0]
+    table, total, f = lanes.table, lanes.lines[0], in_lanes(lanes.acceleration)
     for i in range(STAGES):
         total[i] = 0.0
     for j in range(STAGES):
@@ -111,38 +112,39 @@ def _extrapolate(g, ratio, stages):
     for j in range(STAGES):
         for i in range(STAGES):
             table[j, i] /= total[i]
-    for b in range(stages.f.shape[0]):
+    for b in range(lanes.acceleration.shape[0]):
         for c in range(3):
-            combine(stages.f, stages.zero, table, stages.old, b, c, 1.0)
+            combine(f, in_lanes(lanes.zero), in_lanes(table), lanes.old, b, c, 1.0)
 
 
-@jit
-def _place_stages(g, h, lanes, y, stages, moves):
+@bare
+def _place_stages(g, h, lanes, y, moves):
     """Set delta and velocity from the stage accelerations f; return the largest change of delta, scaled."""
-    f, start = stages.f, stages.start
+    f, start = lanes.acceleration, in_lanes(lanes.start)
+    delta, velocity, fixed = in_lanes(lanes.delta), in_lanes(lanes.velocity), in_lanes(lanes.fixed)
+    abar, a = in_lanes(g.abar), in_lanes(g.a)
     n = f.shape[0]
     h2 = h * h
     worst = 0.0
     for b in range(n):
-        change, size = settle(lanes.delta, stages.fixed, g.abar, f, b, h2)
+        change, size = settle(delta, fixed, abar, f, b, h2)
         if not change <= 0.0:
             worst = max(worst, change / size) if size > 0.0 and change < np.inf else np.inf
         if moves:
             for c in range(3):
-                for i in range(STAGES):
-                    start[b, c, i] = y[3 * (n + b) + c]
-                combine(lanes.velocity, start, g.a, f, b, c, h)
+                start[b, c] = y[3 * (n + b) + c]
+                combine(velocity, start, a, f, b, c, h)
     return worst
 
 
-@jit
-def _fix(g, h, y, low, stages):
+@bare
+def _fix(g, h, y, low, lanes):
     """Fill what no iteration changes: low + c_i h v + what rounding drops from h, h^2 and the coefficients.
 
     Where steps are equal those roundings are the same in every step: left alone, energy drifts steadily.
     """
-    f, fixed = stages.f, stages.fixed
-    hc, hc_low, lead, tail = stages.lines
+    f, fixed = lanes.acceleration, lanes.fixed
+    hc, hc_low, lead, tail = lanes.lines[0], lanes.lines[1], lanes.lines[2], lanes.lines[3]
     h2, h2_low = _two_product(h, h)
     for i in range(STAGES):
         hc[i], rest = _two_product(h, g.c[i])
@@ -158,7 +160,7 @@ def _fix(g, h, y, low, stages):
                 fixed[b, c, i] = hc[i] * v + (x_low + small)
 
 
-@jit
+@bare
 def _sums(g, f, b, c, lead, tail):
     """Set lead and tail (STAGES,) to the sums of abar_ij f_j and of what its rounding drops."""
     for i in range(STAGES):
@@ -171,20 +173,20 @@ def _sums(g, f, b, c, lead, tail):
 
 
 @jit
-def _iterate(model, work, g, t, h, y, low, stages, enough):
+def _iterate(model, work, g, t, h, y, low, enough):
     """Solve for the stage accelerations; return the evaluations made, negative where they do not settle."""
     lanes, moves = work.lanes, model.particles.uses_velocity[0] == 1
     for k in range(LANES):
         lanes.time[k] = t + g.c[k] * h
-    for b in range(stages.f.shape[0]):
+    for b in range(lanes.acceleration.shape[0]):
         for c in range(3):
             lanes.base[b, c] = y[3 * b + c]
-    _fix(g, h, y, low, stages)
-    _place_stages(g, h, lanes, y, stages, moves)
+    _fix(g, h, y, low, lanes)
+    _place_stages(g, h, lanes, y, moves)
     before = np.inf
     for count in range(1, MOST_ITERATIONS + 1):
         accelerate(model, work)
-        change = _place_stages(g, h, lanes, y, stages, moves)
+        change = _place_stages(g, h, lanes, y, moves)
         if not change < np.inf:
             return -count
         if change <= enough or (change >= before and before < 1e-12):
@@ -237,18 +239,6 @@ def _finish(g, h, y, low, f):
             y[n3 + k], low[n3 + k] = _two_sum(v, (low[n3 + k] + e + h * tail_v) + e1)
 
 
-class Stages(NamedTuple):
-    """What the steps of a leg share, each (n, 3, STAGES)."""
-
-    f: np.ndarray  # m/s^2, stage accelerations of the step under way: what `accelerate` fills
-    old: np.ndarray  # the same of the step before
-    fixed: np.ndarray  # m, the part of delta that no iteration changes
-    start: np.ndarray  # m/s, the velocity that the step began with, in every lane
-    zero: np.ndarray
-    table: np.ndarray  # (STAGES, STAGES) weights of the extrapolation
-    lines: tuple[np.ndarray, ...]  # four of (STAGES,), scratch
-
-
 class Groups(NamedTuple):
     gauss: Gauss  # abar, a and their low parts transposed: the stage is the last index
 
@@ -260,13 +250,13 @@ Coefficients = handle_class(__name__, "Coefficients", Groups)
 def _coefficients() -> tuple[Any, Groups, np.ndarray]:
     """Return the method's coefficients as compiled code receives them, and what keeps them alive."""
     g = gauss()
-    g = g._replace(abar=g.abar.T.copy(), a=g.a.T.copy(), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
+    g = g._replace(abar=aligned(g.abar.T), a=aligned(g.a.T), abar_low=g.abar_low.T.copy(), a_low=g.a_low.T.copy())
     groups = Groups(g)
     handle = make_handle(groups)
     return Coefficients(handle.ctypes.data), groups, handle
 
 
-@jit
+@bare
 def _copy(target, source):
     for b in range(source.shape[0]):
         for c in range(3):
@@ -300,13 +290,13 @@ def _propose(run, target, step):
 
 
 @jit
-def _attempt(model, work, g, t, h, y, low, stages, last, enough):
+def _attempt(model, work, g, t, h, y, low, last, enough):
     """Solve the step's equations from the extrapolated step before, `last` (s); as `_iterate`."""
     if last > 0.0:
-        _extrapolate(g, h / last, stages)
+        _extrapolate(g, h / last, work.lanes)
     else:
-        _copy(stages.f, stages.zero)
-    return _iterate(model, work, g, t, h, y, low, stages, enough)
+        _copy(work.lanes.acceleration, work.lanes.zero)
+    return _iterate(model, work, g, t, h, y, low, enough)
 
 
 @jit
@@ -331,49 +321,44 @@ def _broken(f):
 
 
 @jit
-def _one_step(model, work, g, options, run, y, low, stages, target, goal, enough):
+def _one_step(model, work, g, options, run, y, low, target, goal, enough):
     """Make one attempt; return a code, RUNNING where the run goes on, and whether it has reached the target."""
-    adaptive = options.step == 0.0
+    adaptive, f = options.step == 0.0, work.lanes.acceleration
     t_new, h, lands = _propose(run, target, options.step)
     if h <= 0.0 or (adaptive and not lands and run.h < SMALLEST * run.t):
         return leg.STEP_TOO_SMALL, False
-    made = _attempt(model, work, g, run.t, h, y, low, stages, run.h_before, enough)
+    made = _attempt(model, work, g, run.t, h, y, low, run.h_before, enough)
     run.rhs_calls += STAGES * abs(made)
     if made < 0 and not adaptive:
-        return _broken(stages.f), False
-    factor = _factor(g, stages.f, made, goal) if adaptive else 1.0
+        return _broken(f), False
+    factor = _factor(g, f, made, goal) if adaptive else 1.0
     if factor < 1.0 / ACCEPT:
         run.rejected += 1
         run.h = h * SAFETY * factor
-        run.h_before = run.h_before if made > 0 and all_finite(stages.f.ravel()) else 0.0
+        run.h_before = run.h_before if made > 0 and all_finite(f.ravel()) else 0.0
         return leg.RUNNING, False
-    _finish(g, h, y, low, stages.f)
+    _finish(g, h, y, low, f)
     if not all_finite(y):
         return leg.NON_FINITE, False
     run.t, run.h_before = t_new, h
     run.steps += 1
-    _copy(stages.old, stages.f)
+    _copy(work.lanes.old, f)
     if adaptive:
         _lengthen(run, h, factor)
-    return COLLISION if touching(model.particles.radius, y, stages.f.shape[0]) else leg.RUNNING, lands
+    return COLLISION if touching(model.particles.radius, y, f.shape[0]) else leg.RUNNING, lands
 
 
 @loop_jit
-def advance_gauss(model, work, method, options, run, y, low, scratch, times, states):
+def advance_gauss(model, work, method, options, run, y, low, times, states):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
     g = method.gauss
-    table, lines = np.zeros((STAGES, STAGES)), np.zeros((4, STAGES))
-    stages = Stages(
-        work.lanes.acceleration, scratch[0], scratch[1], scratch[2], scratch[3],
-        table, (lines[0], lines[1], lines[2], lines[3]),
-    )  # fmt: skip
     goal, enough = _targets(model, options)
     budget = run.steps + options.chunk
     if options.step == 0.0 and run.h == 0.0:
-        run.h = min(FIRST * free_fall(model.particles.gm, y, stages.f.shape[0]), times[-1] - times[0])
+        run.h = min(FIRST * free_fall(model.particles.gm, y, y.shape[0] // 6), times[-1] - times[0])
     while run.next_output < times.shape[0]:
         target = times[run.next_output]
-        code, lands = _one_step(model, work, g, options, run, y, low, stages, target, goal, enough)
+        code, lands = _one_step(model, work, g, options, run, y, low, target, goal, enough)
         if code != leg.RUNNING:
             return code
         if lands:
@@ -407,10 +392,10 @@ def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarr
     run.next_output = 1
     run.h_before = 0.0
     method, *_ = _coefficients()
-    low, scratch = np.zeros_like(y), np.zeros((4, len(y) // 6, 3, STAGES))
+    low = np.zeros_like(y)
     code = leg.RUNNING
     while code == leg.RUNNING:
-        code = advance_gauss(*system.own_handles, method, options, run, y, low, scratch, times, states)
+        code = advance_gauss(*system.own_handles, method, options, run, y, low, times, states)
     worst = np.zeros(len(times))
     if code == COLLISION:
         message = f"at t = {run.t:.9g} s two bodies collided: {_closest(system, y)}"

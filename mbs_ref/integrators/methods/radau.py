@@ -14,7 +14,7 @@ import numpy as np
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
 from mbs_ref.integrators.loop.crossing import NEAR, Crossing
-from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
+from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, give_up
 from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.integrators.stages import radau_newton as iteration
 from mbs_ref.kernels.border.questions import derivative, regularity
@@ -89,17 +89,22 @@ def _prepare(model, work, options, run, attempt, y, f, scratch, tolerances, newt
 
 
 @inlined
-def _recover(options, run, attempt, past):
-    """After a failure of Newton renew an old Jacobian, else halve the step; return a status code."""
+def _recover(model, work, options, run, attempt, y, past, search, table):
+    """After a failure of Newton renew an old Jacobian, else halve the step; return a status code.
+
+    Near an event where sliding ends, forces turn so fast that no step reaches it but one that begins nearby.
+    """
     past.values[H_LAST] = 0.0
     if past.marks[FRESH] == 0:
         past.marks[STALE] = 1
         return leg.RUNNING
     past.marks[FAILURES] += 1
-    if options.step > 0.0 or attempt.searching:
+    if options.step > 0.0:
         return leg.NOT_CONVERGED
     if past.marks[FAILURES] > MOST_FAILURES:
         return leg.NON_FINITE
+    if attempt.searching:
+        give_up(model, work, attempt.t, y, search, table)
     run.h = 0.5 * attempt.h
     run.rejected += 1
     return leg.RUNNING
@@ -186,7 +191,7 @@ def advance_radau(model, work, options, run, y, outputs):
         solved = iteration.solve_stages(model, work, attempt.t, attempt.h, y, newton, tolerances.newton)
         run.rhs_calls += 3 * solved.iterations
         if not solved.converged:
-            code = _recover(options, run, attempt, past)
+            code = _recover(model, work, options, run, attempt, y, past, search, table)
             continue
         judged = adaptive and not attempt.searching  # a shorter step than an accepted one is borne too
         if judged and not _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solved):

@@ -1,5 +1,9 @@
 """The right-hand side of a scene of particles; it is free of constraints."""
 
+# An intrinsic takes one argument fewer than its definition.
+# pyright: reportCallIssue=false
+
+from mbs_ref.kernels.algebra.lanes import in_lanes
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.figures import add_figures, add_tides, add_zonals
 from mbs_ref.kernels.particles.model import LANES
@@ -13,14 +17,13 @@ EIH = 2
 def accelerate(model, work):
     """Fill `acceleration` from time, base, delta and velocity in `work`; a field not in use costs a comparison."""
     particles, lanes, relativity = model.particles, work.lanes, model.relativity
-    out = lanes.acceleration
+    delta, out = in_lanes(lanes.delta), in_lanes(lanes.acceleration)
     for i in range(out.shape[0]):
         for c in range(3):
-            for k in range(LANES):
-                out[i, c, k] = particles.gravity[c]
-    newton_pairs(particles.gm, lanes.base, lanes.delta, out)
+            out[i, c] = particles.gravity[c]
+    newton_pairs(particles.gm, lanes.base, delta, out)
     if relativity.form[0] != 0:
-        _relativity(particles.gm, relativity.form[0], relativity.inverse_c2[0], lanes)
+        _relativity(particles.gm, relativity.form[0], relativity.inverse_c2[0], lanes, delta, out)
     if model.zonals.body.shape[0] > 0:
         add_zonals(model, work)
     if model.figures.body.shape[0] > 0:
@@ -38,17 +41,16 @@ def accelerate(model, work):
 
 
 @jit
-def _relativity(gm, form, inverse_c2, lanes):
-    out = lanes.acceleration
+def _relativity(gm, form, inverse_c2, lanes, delta, out):
+    velocity, newton = in_lanes(lanes.velocity), in_lanes(lanes.newton)
     if form != EIH:
-        central_relativity(gm, inverse_c2, lanes.base, lanes.delta, lanes.velocity, out)
+        central_relativity(gm, inverse_c2, lanes.base, delta, velocity, out)
         return
     for i in range(out.shape[0]):
         for c in range(3):
-            for k in range(LANES):
-                lanes.newton[i, c, k] = out[i, c, k]
+            newton[i, c] = out[i, c]
     einstein_infeld_hoffmann(
-        gm, inverse_c2, lanes.base, lanes.delta, lanes.velocity, lanes.newton, lanes.potential, lanes.speed, out
+        gm, inverse_c2, lanes.base, delta, velocity, newton, in_lanes(lanes.potential), in_lanes(lanes.speed), out
     )
 
 

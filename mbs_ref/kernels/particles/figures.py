@@ -5,92 +5,75 @@
 
 import numpy as np
 
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.algebra.lanes import in_every_lane, in_lanes, root_in_lanes
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.particles.directions import earth_pole, moon_axes
 from mbs_ref.kernels.particles.model import LANES
-from mbs_ref.kernels.particles.pair import bulge
+from mbs_ref.kernels.particles.pair import add_to, apart, apart_at, bulge, of_body, share
+from mbs_ref.kernels.spatial.marks import cross, dot, minus, plus, times
 
 DAY = 86_400.0  # s
 
 
-@jit
-def _share(gm, i, j, k, ax, ay, az, out):
-    """Give body j the acceleration gm_i a and body i the reaction -gm_j a."""
-    out[j, 0, k] += gm[i] * ax
-    out[j, 1, k] += gm[i] * ay
-    out[j, 2, k] += gm[i] * az
-    out[i, 0, k] -= gm[j] * ax
-    out[i, 1, k] -= gm[j] * ay
-    out[i, 2, k] -= gm[j] * az
-
-
-@jit
-def _zonal(z, radius, harmonic, px, py, pz, gm, i, lanes):
-    """Add J_n of body i: sum J_n (R/r)^n / r^2 [P'_(n+1)(s) r/|r| - P'_n(s) p]."""
-    base, delta, out = lanes.base, lanes.delta, lanes.acceleration
-    last = 0
-    for q in range(harmonic.shape[1]):
-        if harmonic[z, q] != 0.0:
-            last = q
-    for j in range(gm.shape[0]):
-        if j == i or (gm[i] == 0.0 and gm[j] == 0.0):
-            continue
-        for k in range(LANES):
-            x = base[j, 0] - base[i, 0] + (delta[j, 0, k] - delta[i, 0, k])
-            y = base[j, 1] - base[i, 1] + (delta[j, 1, k] - delta[i, 1, k])
-            w = base[j, 2] - base[i, 2] + (delta[j, 2, k] - delta[i, 2, k])
-            r2 = x * x + y * y + w * w
-            inverse = 1.0 / np.sqrt(r2)
-            s = (x * px[k] + y * py[k] + w * pz[k]) * inverse
-            ratio = radius[z] * inverse
-            power = ratio * ratio / r2
-            p_old, p = s, 1.5 * s * s - 0.5  # P_1, P_2
-            d_old, d = 1.0, 3.0 * s  # P'_1, P'_2
-            along, toward = 0.0, 0.0
-            for q in range(last + 1):
-                n = q + 2.0
-                d_next = d_old + (2.0 * n + 1.0) * p  # P'_(n+1) = P'_(n-1) + (2n+1) P_n
-                along += harmonic[z, q] * power * d_next
-                toward += harmonic[z, q] * power * d
-                p_next = ((2.0 * n + 1.0) * s * p - n * p_old) / (n + 1.0)
-                p_old, p, d_old, d = p, p_next, d, d_next
-                power *= ratio
-            along *= inverse
-            _share(gm, i, j, k, along * x - toward * px[k], along * y - toward * py[k], along * w - toward * pz[k], out)
-
-
-@jit
-def _j2_alone(factor, px, py, pz, gm, i, lanes):
-    """Add J2 of body i; `factor` is 3/2 J2 R^2, m^2."""
-    base = lanes.base
-    for j in range(gm.shape[0]):
-        if j == i or (gm[i] == 0.0 and gm[j] == 0.0):
-            continue
-        x, y, z = base[j, 0] - base[i, 0], base[j, 1] - base[i, 1], base[j, 2] - base[i, 2]
-        bulge(lanes.delta, lanes.acceleration, i, j, x, y, z, gm[i], gm[j], factor, px, py, pz)
+@bare
+def _zonal(base, delta, out, i, j, gm, radius, harmonic, last, pole):
+    """Add J_2 .. J_(last + 2) of body i: sum J_n (R/r)^n / r^2 [P'_(n+1)(s) r/|r| - P'_n(s) p]."""
+    d = apart(base, delta, i, j)
+    r2 = dot(d, d)
+    inverse = 1.0 / root_in_lanes(r2)
+    s = dot(d, pole) * inverse
+    ratio = radius * inverse
+    power = ratio * ratio / r2
+    p_old, p = s, 1.5 * s * s - 0.5  # P_1, P_2
+    d_old, slope = in_every_lane(1.0), 3.0 * s  # P'_1, P'_2
+    along, toward = in_every_lane(0.0), in_every_lane(0.0)
+    for q in range(last + 1):
+        n = q + 2.0
+        d_next = d_old + (2.0 * n + 1.0) * p  # P'_(n+1) = P'_(n-1) + (2n+1) P_n
+        along += harmonic[q] * power * d_next
+        toward += harmonic[q] * power * slope
+        p_next = ((2.0 * n + 1.0) * s * p - n * p_old) / (n + 1.0)
+        p_old, p, d_old, slope = p, p_next, slope, d_next
+        power *= ratio
+    share(out, i, j, gm, minus(times(along * inverse, d), times(toward, pole)))
 
 
 @jit
 def add_zonals(model, work):
+    """Add the zonal harmonics of every body that has them; J2 alone by its own formula."""
     zonals, particles, lanes = model.zonals, model.particles, work.lanes
-    px, py, pz = lanes.pair[0], lanes.pair[1], lanes.pair[2]
+    base, delta, out, gm = lanes.base, in_lanes(lanes.delta), in_lanes(lanes.acceleration), particles.gm
     for z in range(zonals.body.shape[0]):
-        axis = lanes.axes[0]
+        i, radius, harmonic, axis = zonals.body[z], zonals.radius[z], zonals.harmonic[z], lanes.axes[0]
         for k in range(LANES):
             if zonals.precesses[z] == 1:
                 earth_pole((particles.epoch[0] + lanes.time[k]) / DAY, axis)
             else:
                 for c in range(3):
                     axis[c] = zonals.axis[z, c]
-            px[k], py[k], pz[k] = axis[0], axis[1], axis[2]
-        higher = 0.0
-        for q in range(1, zonals.harmonic.shape[1]):
-            higher += abs(zonals.harmonic[z, q])
-        if higher == 0.0:
-            factor = 1.5 * zonals.harmonic[z, 0] * zonals.radius[z] * zonals.radius[z]
-            _j2_alone(factor, px, py, pz, particles.gm, zonals.body[z], lanes)
-            continue
-        _zonal(z, zonals.radius, zonals.harmonic, px, py, pz, particles.gm, zonals.body[z], lanes)
+            for c in range(3):
+                lanes.pole[c, k] = axis[c]
+        last = 0
+        for q in range(harmonic.shape[0]):
+            if harmonic[q] != 0.0:
+                last = q
+        seen = in_lanes(lanes.pole)
+        pole = (seen[0], seen[1], seen[2])
+        for j in range(gm.shape[0]):
+            if j == i or (gm[i] == 0.0 and gm[j] == 0.0):
+                continue
+            if last == 0:
+                bulge(base, delta, out, i, j, gm, 1.5 * harmonic[0] * radius * radius, pole)
+            else:
+                _zonal(base, delta, out, i, j, gm, radius, harmonic, last, pole)
+
+
+@bare
+def _share(out, i, j, k, gm, a):
+    """Do what `share` does at one instant."""
+    for c in range(3):
+        out[j, c, k] += gm[i] * a[c]
+        out[i, c, k] -= gm[j] * a[c]
 
 
 @jit
@@ -105,9 +88,7 @@ def add_figures(model, work):
             for j in range(gm.shape[0]):
                 if j == i or (gm[i] == 0.0 and gm[j] == 0.0):
                     continue
-                x = base[j, 0] - base[i, 0] + (delta[j, 0, k] - delta[i, 0, k])
-                y = base[j, 1] - base[i, 1] + (delta[j, 1, k] - delta[i, 1, k])
-                z = base[j, 2] - base[i, 2] + (delta[j, 2, k] - delta[i, 2, k])
+                x, y, z = apart_at(base, delta, i, j, k)
                 u = axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z
                 v = axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z
                 w = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
@@ -121,35 +102,21 @@ def add_figures(model, work):
                 ax = axes[0, 0] * gu + axes[1, 0] * gv + axes[2, 0] * gw
                 ay = axes[0, 1] * gu + axes[1, 1] * gv + axes[2, 1] * gw
                 az = axes[0, 2] * gu + axes[1, 2] * gv + axes[2, 2] * gw
-                _share(gm, i, j, k, ax, ay, az, lanes.acceleration)
+                _share(lanes.acceleration, i, j, k, gm, (ax, ay, az))
 
 
 @jit
 def add_tides(model, work):
     """Mignard 1979: -3 k2 gm_m R^5 / r^8 [r + tau (2 r (r.v) / r^2 + r x w + v)] on the raiser, per gm ratio."""
-    tides, particles, lanes = model.tides, model.particles, work.lanes
-    base, delta, velocity, out, gm = lanes.base, lanes.delta, lanes.velocity, lanes.acceleration, particles.gm
+    tides, lanes, gm = model.tides, work.lanes, model.particles.gm
+    delta, velocity, out = in_lanes(lanes.delta), in_lanes(lanes.velocity), in_lanes(lanes.acceleration)
     for q in range(tides.body.shape[0]):
         i, j, lag = tides.body[q], tides.raiser[q], tides.lag[q]
-        for k in range(LANES):
-            x = base[j, 0] - base[i, 0] + (delta[j, 0, k] - delta[i, 0, k])
-            y = base[j, 1] - base[i, 1] + (delta[j, 1, k] - delta[i, 1, k])
-            z = base[j, 2] - base[i, 2] + (delta[j, 2, k] - delta[i, 2, k])
-            u = velocity[j, 0, k] - velocity[i, 0, k]
-            v = velocity[j, 1, k] - velocity[i, 1, k]
-            w = velocity[j, 2, k] - velocity[i, 2, k]
-            sx, sy, sz = tides.spin[q, 0], tides.spin[q, 1], tides.spin[q, 2]
-            r2 = x * x + y * y + z * z
-            ratio = tides.radius[q] ** 5 / (r2 * r2 * r2 * r2)
-            along = 1.0 + lag * 2.0 * (x * u + y * v + z * w) / r2
-            fx = along * x + lag * (y * sz - z * sy + u)
-            fy = along * y + lag * (z * sx - x * sz + v)
-            fz = along * z + lag * (x * sy - y * sx + w)
-            force = -3.0 * tides.love[q] * ratio * gm[j]  # on the raiser, over its own gm: m/s^2 / (m ...)
-            out[j, 0, k] += force * fx
-            out[j, 1, k] += force * fy
-            out[j, 2, k] += force * fz
-            back = force * gm[j] / gm[i]
-            out[i, 0, k] -= back * fx
-            out[i, 1, k] -= back * fy
-            out[i, 2, k] -= back * fz
+        d, v = apart(lanes.base, delta, i, j), minus(of_body(velocity, j), of_body(velocity, i))
+        r2 = dot(d, d)
+        ratio = tides.radius[q] ** 5 / (r2 * r2 * r2 * r2)
+        along = 1.0 + lag * 2.0 * dot(d, v) / r2
+        pull = plus(times(along, d), times(lag, plus(cross(d, tides.spin[q]), v)))
+        force = -3.0 * tides.love_number[q] * ratio * gm[j]  # on the raiser, over its own gm: m/s^2 / (m ...)
+        add_to(out, j, force, pull)
+        add_to(out, i, -(force * gm[j] / gm[i]), pull)

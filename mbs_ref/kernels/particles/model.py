@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
+from mbs_ref.kernels.algebra.lanes import WIDTH, aligned
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
 from mbs_ref.kernels.border.handles import handle_class
 
 EXPONENTIAL, STANDARD = 0, 1  # atmospheres
-LANES = 8  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
+LANES = WIDTH  # instants evaluated side by side: the stages of a Gauss step, or one instant repeated
 
 
 class Particles(NamedTuple):
@@ -43,7 +44,7 @@ class Tides(NamedTuple):
     body: Annotated[Ints, "k"]
     raiser: Annotated[Ints, "k"]
     radius: Annotated[Floats, "k"]  # m
-    love: Annotated[Floats, "k"]
+    love_number: Annotated[Floats, "k"]
     lag: Annotated[Floats, "k"]  # s
     spin: Annotated[Floats, "k", 3]  # rad/s
 
@@ -63,14 +64,14 @@ class ThirdBodies(NamedTuple):
 
 class Drags(NamedTuple):
     body: Annotated[Ints, "k"]
-    center: Annotated[Ints, "k"]
+    planet: Annotated[Ints, "k"]
     air: Annotated[Ints, "k"]  # EXPONENTIAL or STANDARD
     number: Annotated[Floats, "k", 6]  # c_D A/m, density, altitude, scale height, radius, spin
 
 
 class Lights(NamedTuple):
     body: Annotated[Ints, "k"]
-    center: Annotated[Ints, "k"]
+    planet: Annotated[Ints, "k"]
     number: Annotated[Floats, "k", 3]  # c_R A/m, radius, pressure
 
 
@@ -97,8 +98,15 @@ class Lanes(NamedTuple):
     newton: Annotated[Floats, "n", 3, "LANES"]  # m/s^2, before the post-Newtonian terms
     potential: Annotated[Floats, "n", "LANES"]  # m^2/s^2
     speed: Annotated[Floats, "n", "LANES"]  # m^2/s^2, squared
-    pair: Annotated[Floats, 12, "LANES"]  # scratch of one pair
+    pole: Annotated[Floats, 3, "LANES"]  # of the body whose zonal harmonics act
     axes: Annotated[Floats, 3, 3]  # rows: body axes
+    # of the steps of a leg of Gauss's method, whose stage accelerations are `acceleration`
+    old: Annotated[Floats, "n", 3, "LANES"]  # m/s^2, stage accelerations of the step before
+    fixed: Annotated[Floats, "n", 3, "LANES"]  # m, the part of delta that no iteration changes
+    start: Annotated[Floats, "n", 3, "LANES"]  # m/s, the velocity that the step began with, in every lane
+    zero: Annotated[Floats, "n", 3, "LANES"]
+    table: Annotated[Floats, "LANES", "LANES"]  # weights of the extrapolation
+    lines: Annotated[Floats, 4, "LANES"]
 
 
 class ParticleScratch(NamedTuple):
@@ -106,8 +114,9 @@ class ParticleScratch(NamedTuple):
 
 
 def particle_scratch(n: int) -> ParticleScratch:
-    """Allocate the scratch of one run."""
-    return ParticleScratch(empty(Lanes, n=n, LANES=LANES))
+    """Allocate the scratch of one run; what has lanes lies where packed instructions may load and store."""
+    every = empty(Lanes, n=n, LANES=LANES)
+    return ParticleScratch(Lanes(*(aligned(part) if part.shape[-1] == LANES else part for part in every)))
 
 
 ParticleModel = handle_class(__name__, "ParticleModel", ParticleGroups)

@@ -1,217 +1,110 @@
-"""A pair's attraction and a body's stages at eight instants, in vector instructions: the loops that cost the time.
+"""The distance and attraction of pairs of particles, and the stages of a body, at eight instants at once.
 
-The compiler does not vectorize them by itself, because it cannot know that the arrays are apart.
+Arrays of lanes (mbs_ref.kernels.algebra.lanes) replace loops over instants, which the compiler does not vectorize by
+itself, because it cannot know that the arrays do not overlap.
 """
 
-from llvmlite import ir
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array
+# An intrinsic takes one argument fewer than its definition.
+# pyright: reportCallIssue=false
 
+from mbs_ref.kernels.algebra.lanes import in_every_lane, larger_in_lanes, largest_of_lanes, root_in_lanes, size_in_lanes
+from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.particles.model import LANES
+from mbs_ref.kernels.spatial.marks import dot, minus, times
 
-_DOUBLE = ir.DoubleType()
-_VECTOR = ir.VectorType(_DOUBLE, LANES)
-_CONTRACT = ("contract",)
-
-
-def _splat(builder, value):
-    first = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), value, ir.Constant(ir.IntType(32), 0))
-    zeros = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
-    return builder.shuffle_vector(first, ir.Constant(_VECTOR, ir.Undefined), zeros)
+# Return the vector of body i in an array of lanes (n, 3).
+of_body = bare(lambda values, i: (values[i, 0], values[i, 1], values[i, 2]))
+# Return base[j] - base[i] (m), equal at all instants.
+gap_of = bare(lambda base, i, j: (base[j, 0] - base[i, 0], base[j, 1] - base[i, 1], base[j, 2] - base[i, 2]))
 
 
-def _lane(builder, array, body, axis):
-    """Return a pointer to array[body, axis, :]."""
-    word = body.type
-    row = builder.add(builder.mul(body, ir.Constant(word, 3)), ir.Constant(word, axis))
-    place = builder.gep(array.data, [builder.mul(row, ir.Constant(word, LANES))])
-    return builder.bitcast(place, _VECTOR.as_pointer())
+@bare
+def apart(base, delta, i, j):
+    """Return the way (m) from body i to body j."""
+    gap = gap_of(base, i, j)
+    return (
+        gap[0] + (delta[j, 0] - delta[i, 0]), gap[1] + (delta[j, 1] - delta[i, 1]), gap[2] + (delta[j, 2] - delta[i, 2])
+    )  # fmt: skip
 
 
-def _load(builder, pointer):
-    value = builder.load(pointer)
-    value.align = 8
-    return value
+@bare
+def apart_at(base, delta, i, j, k):
+    """Return the way (m) from body i to body j at instant k, of arrays of floats."""
+    x, y, z = gap_of(base, i, j)
+    return (
+        x + (delta[j, 0, k] - delta[i, 0, k]),
+        y + (delta[j, 1, k] - delta[i, 1, k]),
+        z + (delta[j, 2, k] - delta[i, 2, k]),
+    )
 
 
-def _add_to(builder, pointer, value):
-    store = builder.store(builder.fadd(_load(builder, pointer), value, flags=_CONTRACT), pointer)
-    store.align = 8
+@bare
+def add_to(out, i, factor, vector):
+    """out[i] += factor vector."""
+    out[i, 0] += factor * vector[0]
+    out[i, 1] += factor * vector[1]
+    out[i, 2] += factor * vector[2]
 
 
-def _apart(builder, delta, i, j, gap):
-    """Return gap + delta[j] - delta[i], a vector an axis."""
-    found = []
-    for axis in range(3):
-        apart = builder.fsub(
-            _load(builder, _lane(builder, delta, j, axis)), _load(builder, _lane(builder, delta, i, axis))
-        )
-        found.append(builder.fadd(_splat(builder, gap[axis]), apart))
-    return found
+@bare
+def share(out, i, j, gm, a):
+    """Give body j the acceleration gm_i a and body i the reaction -gm_j a."""
+    add_to(out, j, gm[i], a)
+    add_to(out, i, -gm[j], a)
 
 
-def _root(builder, value):
-    root = cgutils.get_or_insert_function(builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.sqrt.v{LANES}f64")
-    return builder.call(root, [value])
-
-
-def _attract(context, builder, signature, args):
-    """out[i] += gm_j d / r^3, out[j] -= gm_i d / r^3, d = gap + delta[j] - delta[i]."""
-    kinds = signature.args
-    delta, out = (make_array(kind)(context, builder, value) for kind, value in zip(kinds[:2], args[:2], strict=True))
-    i, j, gap, gm_i, gm_j = args[2], args[3], args[4:7], args[7], args[8]
-    d = _apart(builder, delta, i, j, gap)
-    square = [builder.fmul(x, x, flags=_CONTRACT) for x in d]
-    r2 = builder.fadd(builder.fadd(square[0], square[1], flags=_CONTRACT), square[2], flags=_CONTRACT)
-    cube = builder.fmul(r2, _root(builder, r2))
-    inverse = builder.fdiv(_splat(builder, ir.Constant(_DOUBLE, 1.0)), cube)
-    on_i = builder.fmul(inverse, _splat(builder, gm_j))
-    on_j = builder.fmul(inverse, _splat(builder, builder.fneg(gm_i)))
-    for axis in range(3):
-        _add_to(builder, _lane(builder, out, i, axis), builder.fmul(on_i, d[axis], flags=_CONTRACT))
-        _add_to(builder, _lane(builder, out, j, axis), builder.fmul(on_j, d[axis], flags=_CONTRACT))
-    return context.get_dummy_value()
-
-
-@intrinsic
-def attract(typingctx, delta, out, i, j, x, y, z, gm_i, gm_j):
-    """Add the attraction of bodies i and j to `out` (n, 3, LANES); (x, y, z) is base[j] - base[i], m."""
-    number = types.float64
-    signature = types.void(delta, out, types.int64, types.int64, number, number, number, number, number)
-    return signature, _attract
-
-
-def _bulge(context, builder, signature, args):
-    """out[j] += gm_i a, out[i] -= gm_j a, a = factor / r^5 [(5 (d.p)^2 / r^2 - 1) d - 2 (d.p) p]."""
-    kinds = signature.args
-    delta, out = (make_array(kind)(context, builder, value) for kind, value in zip(kinds[:2], args[:2], strict=True))
-    i, j, gap, gm_i, gm_j, factor = args[2], args[3], args[4:7], args[7], args[8], args[9]
-    pole = [
-        _load(builder, builder.bitcast(make_array(kind)(context, builder, value).data, _VECTOR.as_pointer()))
-        for kind, value in zip(kinds[10:], args[10:], strict=True)
-    ]
-
-    def number(value: float):
-        return _splat(builder, ir.Constant(_DOUBLE, value))
-
-    def dot(a, b):
-        first, second, third = (builder.fmul(x, y) for x, y in zip(a, b, strict=True))
-        return builder.fadd(builder.fadd(first, second), third)
-
-    d = _apart(builder, delta, i, j, gap)
+@bare
+def attract(base, delta, out, i, j, gm):
+    """Add gm_j d / r^3 to out[i] and -gm_i d / r^3 to out[j]."""
+    d = apart(base, delta, i, j)
     r2 = dot(d, d)
-    inverse, height = builder.fdiv(number(1.0), r2), dot(d, pole)
-    common = builder.fmul(builder.fmul(_splat(builder, factor), inverse), inverse)
-    common = builder.fdiv(common, _root(builder, r2))
-    slant = builder.fmul(builder.fmul(builder.fmul(number(5.0), height), height), inverse)
-    along = builder.fmul(common, builder.fsub(slant, number(1.0)))
-    toward = builder.fmul(builder.fmul(number(2.0), common), height)
-    for axis in range(3):
-        pull = builder.fsub(builder.fmul(along, d[axis]), builder.fmul(toward, pole[axis]))
-        _add_to(builder, _lane(builder, out, j, axis), builder.fmul(_splat(builder, gm_i), pull))
-        _add_to(builder, _lane(builder, out, i, axis), builder.fmul(_splat(builder, builder.fneg(gm_j)), pull))
-    return context.get_dummy_value()
+    inverse = 1.0 / (r2 * root_in_lanes(r2))
+    add_to(out, i, inverse * gm[j], d)
+    add_to(out, j, inverse * -gm[i], d)
 
 
-@intrinsic
-def bulge(typingctx, delta, out, i, j, x, y, z, gm_i, gm_j, factor, px, py, pz):
-    """Add what J2 of body i does to body j, and its reaction, to `out` (n, 3, LANES).
+@bare
+def bulge(base, delta, out, i, j, gm, factor, pole):
+    """Add what J2 of body i does to body j, and its reaction; `factor` is 3/2 J2 R^2, m^2.
 
-    3/2 J2 R^2 / r^5 [(5 s^2 - 1) r - 2 (r.p) p]: (x, y, z) is base[j] - base[i], m, `factor` is 3/2 J2 R^2, m^2, and
-    px, py, pz (LANES,) are the pole.
+    factor / r^5 [(5 (d.p)^2 / r^2 - 1) d - 2 (d.p) p] with the pole p.
     """
-    number = types.float64
-    numbers = (number,) * 6
-    return types.void(delta, out, types.int64, types.int64, *numbers, px, py, pz), _bulge
+    d = apart(base, delta, i, j)
+    r2 = dot(d, d)
+    inverse, height = 1.0 / r2, dot(d, pole)
+    common = factor * inverse * inverse / root_in_lanes(r2)
+    along, toward = common * (5.0 * height * height * inverse - 1.0), 2.0 * common * height
+    share(out, i, j, gm, minus(times(along, d), times(toward, pole)))
 
 
-def _combination(builder, table, source, row, scale):
-    """Return scale * sum_j source[row + j] * table[j, :]."""
-    word = row.type
-    total = ir.Constant(_VECTOR, [0.0] * LANES)
+@bare
+def _combination(table, source, body, axis, scale):
+    """Return scale * source[body, axis, :] @ table; `source` holds floats (n, 3, LANES)."""
+    total = in_every_lane(0.0)
     for j in range(LANES):
-        factor = builder.load(builder.gep(source.data, [builder.add(row, ir.Constant(word, j))]))
-        line = builder.bitcast(builder.gep(table.data, [ir.Constant(word, j * LANES)]), _VECTOR.as_pointer())
-        term = builder.fmul(_splat(builder, builder.fmul(factor, scale)), _load(builder, line), flags=_CONTRACT)
-        total = builder.fadd(total, term, flags=_CONTRACT)
+        total += source[body, axis, j] * scale * table[j]
     return total
 
 
-def _combine(context, builder, signature, args):
-    """target[body, axis, :] = start + sum_j factors[j] * table[j, :]."""
-    kinds = signature.args
-    target, start, table, source = (
-        make_array(kind)(context, builder, value) for kind, value in zip(kinds[:4], args[:4], strict=True)
-    )
-    body, axis, scale = args[4:]
-    word = body.type
-    row = builder.mul(builder.add(builder.mul(body, ir.Constant(word, 3)), axis), ir.Constant(word, LANES))
-    total = _combination(builder, table, source, row, scale)
-    first = builder.bitcast(builder.gep(start.data, [row]), _VECTOR.as_pointer())
-    total = builder.fadd(total, _load(builder, first))
-    place = builder.bitcast(builder.gep(target.data, [row]), _VECTOR.as_pointer())
-    builder.store(total, place).align = 8
-    return context.get_dummy_value()
+@bare
+def combine(target, start, table, source, body, axis, scale):
+    """Set target[body, axis] = start[body, axis] + scale * source[body, axis, :] @ table, an array of lanes."""
+    target[body, axis] = start[body, axis] + _combination(table, source, body, axis, scale)
 
 
-@intrinsic
-def combine(typingctx, target, start, table, source, body, axis, scale):
-    """Set target[body, axis, :] = start[body, axis, :] + scale * source[body, axis, :] @ table (LANES, LANES)."""
-    signature = types.void(target, start, table, source, types.int64, types.int64, types.float64)
-    return signature, _combine
-
-
-def _settle(context, builder, signature, args):
-    """delta[body] = fixed[body] + scale * source[body] @ table, and the largest |change|, |delta - fixed|."""
-    kinds = signature.args
-    delta, fixed, table, source = (
-        make_array(kind)(context, builder, value) for kind, value in zip(kinds[:4], args[:4], strict=True)
-    )
-    body, scale = args[4:]
-    word = body.type
-    zeros = ir.Constant(_VECTOR, [0.0] * LANES)
-    change, size, odd = zeros, zeros, ir.Constant(ir.VectorType(ir.IntType(1), LANES), [0] * LANES)
-    for axis in range(3):
-        row = builder.mul(
-            builder.add(builder.mul(body, ir.Constant(word, 3)), ir.Constant(word, axis)), ir.Constant(word, LANES)
-        )
-        here = _lane(builder, delta, body, axis)
-        start = _load(builder, _lane(builder, fixed, body, axis))
-        new = builder.fadd(start, _combination(builder, table, source, row, scale))
-        change, apart = _larger(builder, change, builder.fsub(new, _load(builder, here)))
-        size, _ = _larger(builder, size, builder.fsub(new, start))
-        odd = builder.or_(odd, builder.fcmp_unordered("uno", apart, apart))
-        builder.store(new, here).align = 8
-    undefined = builder.icmp_unsigned("!=", builder.bitcast(odd, ir.IntType(LANES)), ir.Constant(ir.IntType(LANES), 0))
-    largest = builder.select(undefined, ir.Constant(_DOUBLE, float("inf")), _most(builder, change))
-    return context.make_tuple(builder, signature.return_type, [largest, _most(builder, size)])
-
-
-def _larger(builder, most, value):
-    """Return the larger of `most` and |value| in every lane, and |value|; NaN is passed over."""
-    absolute = cgutils.get_or_insert_function(
-        builder.module, ir.FunctionType(_VECTOR, [_VECTOR]), f"llvm.fabs.v{LANES}f64"
-    )
-    size = builder.call(absolute, [value])
-    return builder.select(builder.fcmp_ordered(">", size, most), size, most), size
-
-
-def _most(builder, value):
-    """Return the largest lane; there is no NaN in any."""
-    reduce = cgutils.get_or_insert_function(
-        builder.module, ir.FunctionType(_DOUBLE, [_VECTOR]), f"llvm.vector.reduce.fmax.v{LANES}f64"
-    )
-    return builder.call(reduce, [value])
-
-
-@intrinsic
-def settle(typingctx, delta, fixed, table, source, body, scale):
-    """Set delta[body] (3, LANES) = fixed[body] + scale * source[body] @ table (LANES, LANES).
+@bare
+def settle(delta, fixed, table, source, body, scale):
+    """Set delta[body] = fixed[body] + scale * source[body] @ table.
 
     Return the largest change of an entry and the largest distance from `fixed`; the first is infinite where an entry
     is not a number.
     """
-    number = types.float64
-    return types.UniTuple(number, 2)(delta, fixed, table, source, types.int64, number), _settle
+    change = size = odd = in_every_lane(0.0)
+    for c in range(3):
+        start = fixed[body, c]
+        new = start + _combination(table, source, body, c, scale)
+        moved = size_in_lanes(new - delta[body, c])
+        change, size = larger_in_lanes(moved, change), larger_in_lanes(size_in_lanes(new - start), size)
+        odd += moved - moved
+        delta[body, c] = new
+    return largest_of_lanes(change + odd), largest_of_lanes(size)

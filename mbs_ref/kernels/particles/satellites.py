@@ -1,11 +1,17 @@
 """What acts on satellites beside gravity of the bodies: third bodies, a ring, drag, sunlight."""
 
+# An intrinsic takes one argument fewer than its definition.
+# pyright: reportCallIssue=false
+
 import numpy as np
 
+from mbs_ref.kernels.algebra.lanes import in_lanes, root_in_lanes
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.atmosphere import standard_density
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.kernels.particles.model import LANES, STANDARD
+from mbs_ref.kernels.particles.pair import add_to, apart_at, of_body
+from mbs_ref.kernels.spatial.marks import dot, minus
 
 DAY = 86_400.0  # s
 AU = 149_597_870_700.0  # m
@@ -14,19 +20,18 @@ SUN_RADIUS = 6.957e8  # m, IAU 2015 Resolution B3
 
 @jit
 def add_points(model, work):
-    points, lanes = model.points, work.lanes
-    base, delta, out = lanes.base, lanes.delta, lanes.acceleration
+    """Add the attraction of the fixed points of a ring."""
+    points, base, delta, out = (
+        model.points,
+        work.lanes.base,
+        in_lanes(work.lanes.delta),
+        in_lanes(work.lanes.acceleration),
+    )
     for i in range(base.shape[0]):
         for p in range(points.gm.shape[0]):
-            for k in range(LANES):
-                x = points.place[p, 0] - base[i, 0] - delta[i, 0, k]
-                y = points.place[p, 1] - base[i, 1] - delta[i, 1, k]
-                z = points.place[p, 2] - base[i, 2] - delta[i, 2, k]
-                r2 = x * x + y * y + z * z
-                w = points.gm[p] / (r2 * np.sqrt(r2))
-                out[i, 0, k] += w * x
-                out[i, 1, k] += w * y
-                out[i, 2, k] += w * z
+            way = minus(minus(points.place[p], base[i]), of_body(delta, i))
+            r2 = dot(way, way)
+            add_to(out, i, points.gm[p] / (r2 * root_in_lanes(r2)), way)
 
 
 @jit
@@ -58,11 +63,9 @@ def add_drags(model, work):
     drags, lanes = model.drags, work.lanes
     base, delta, velocity = lanes.base, lanes.delta, lanes.velocity
     for q in range(drags.body.shape[0]):
-        i, j, number = drags.body[q], drags.center[q], drags.number[q]
+        i, j, number = drags.body[q], drags.planet[q], drags.number[q]
         for k in range(LANES):
-            x = base[i, 0] - base[j, 0] + (delta[i, 0, k] - delta[j, 0, k])
-            y = base[i, 1] - base[j, 1] + (delta[i, 1, k] - delta[j, 1, k])
-            z = base[i, 2] - base[j, 2] + (delta[i, 2, k] - delta[j, 2, k])
+            x, y, z = apart_at(base, delta, j, i, k)
             altitude = np.sqrt(x * x + y * y + z * z) - number[4]
             if drags.air[q] == STANDARD:
                 density = standard_density(altitude)
@@ -98,7 +101,7 @@ def add_lights(model, work):
     lights, particles, lanes = model.lights, model.particles, work.lanes
     sun, away, here = lanes.axes[0], lanes.axes[1], lanes.axes[2]
     for q in range(lights.body.shape[0]):
-        i, j, number = lights.body[q], lights.center[q], lights.number[q]
+        i, j, number = lights.body[q], lights.planet[q], lights.number[q]
         for k in range(LANES):
             sun_place((particles.epoch[0] + lanes.time[k]) / DAY, sun)
             gap, high, dot = 0.0, 0.0, 0.0

@@ -11,7 +11,7 @@ from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.border.questions import accelerate
 from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar import contacts, grips, joints, loads, marks, tree, vectors
+from mbs_ref.kernels.planar import contacts, joints, loads, marks, tree
 from mbs_ref.kernels.planar.model import RATES, PlanarGroups, PlanarScratch
 from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import is_solved, respond
@@ -44,12 +44,12 @@ largest_norm_defect = jit(lambda model, work: 0.0)
 
 @jit
 def subtract_inertia(model, work, acceleration, load):
-    """Write f - M a into load."""
-    bodies, force = model.bodies, work.kinematics.force
+    """load -= M a."""
+    bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
-        load[i, 0] = force[i, 0] - bodies.mass[i] * acceleration[i, 0]
-        load[i, 1] = force[i, 1] - bodies.mass[i] * acceleration[i, 1]
-        load[i, 2] = force[i, 2] - bodies.inertia[i, 0] * acceleration[i, 2]
+        load[i, 0] -= bodies.mass[i] * acceleration[i, 0]
+        load[i, 1] -= bodies.mass[i] * acceleration[i, 1]
+        load[i, 2] -= bodies.inertia[i, 0] * acceleration[i, 2]
 
 
 @jit
@@ -145,5 +145,5 @@ PlanarModel = handle_class(__name__, "PlanarModel", PlanarGroups, dimension=2, t
 PlanarWork = handle_class(__name__, "PlanarWork", PlanarScratch, rates=3)
 
 
-_MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, tree, vectors)
+_MODULES = (sys.modules[__name__], contacts, joints, loads, marks, tree)
 supply((PlanarModel, PlanarWork), geometry, _MODULES)

@@ -1,7 +1,7 @@
 """Joint rows in the plane: Jacobian blocks, which multiply (R', omega), and the rows on angles."""
 
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.planar.vectors import cross, dot
+from mbs_ref.kernels.planar.marks import cross, dot
 from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
 from mbs_ref.kernels.signals import evaluate

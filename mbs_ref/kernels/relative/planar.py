@@ -8,11 +8,11 @@ here in world axes about the centres of mass, as the redundant cores have them.
 """
 
 from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
-from mbs_ref.kernels.algebra.turning import cos_sin
+from mbs_ref.kernels.algebra.lanes import cos_sin
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
-from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork
-from mbs_ref.kernels.planar.vectors import minus, pair, perpendicular, plus, rotated, times
+from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork, planar_position_rate
+from mbs_ref.kernels.planar.marks import minus, pair, perpendicular, plus, rotated, times
 from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE
 
 ORIGIN = (0.0, 0.0)
@@ -188,14 +188,8 @@ def release_tree(joints, links, bodies, kin, rec, y, dy):
             dy[joints.v[i] + k] = rec.drive[i, k]
 
 
-@jit
-def relative_planar_position_rate(model, y, rate, out):
-    """Write the rates of lengths and angles at `rate`."""
-    for k in range(out.shape[0]):
-        out[k] = rate[k]
-
-
-relative_planar_rate_from = relative_planar_position_rate
+# Write the rates of lengths and angles at `rate`.
+relative_planar_position_rate = relative_planar_rate_from = planar_position_rate
 
 
 @jit

@@ -11,6 +11,7 @@ from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE, SPHERICAL, WELD
 from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
+from mbs_ref.kernels.spatial.marks import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 from mbs_ref.kernels.spatial.model import RATES
 from mbs_ref.kernels.spatial.orientation import (
     composed,
@@ -20,7 +21,6 @@ from mbs_ref.kernels.spatial.orientation import (
     theta_rate,
     world_inertia,
 )
-from mbs_ref.kernels.spatial.vectors import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 
 NOTHING = (0.0, 0.0, 0.0)
 

@@ -11,6 +11,7 @@ from mbs_ref.kernels.contact.laws import (
     GRIP_STICK,
     MODE_BEHIND,
     MODE_CLOSED,
+    MODE_LEAVING,
     MODE_OPEN,
     MODE_PLAIN,
     RELEASE_CONSTRAINT,
@@ -22,7 +23,7 @@ from mbs_ref.kernels.contact.laws import (
     VALUE,
     normal_force,
 )
-from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, TOUCH, close, is_broken, next_mode, normal_roots
+from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, NOTHING, TOUCH, close, is_broken, next_mode, normal_roots
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import (
@@ -34,7 +35,7 @@ from mbs_ref.kernels.rigid.contact_forces import (
     is_touching,
     norm,
 )
-from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
+from mbs_ref.kernels.rigid.dynamics import correct_rates, refine, store_solved
 from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
 from mbs_ref.kernels.rigid.marks import speed_between
@@ -66,8 +67,9 @@ def contact_roots(model, work, t, y, duration, table):
         for c in range(ROOTS_EACH):
             table[TURN, i + c] = core.spin(work, pairs.a[k]) + core.spin(work, pairs.b[k])
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
-            table[VALUE, i] = 1.0 - touch.beyond / modes.noise[0]
-            table[SPEED, i] = speed / modes.noise[0]
+            if touch.beyond > -np.inf:
+                table[VALUE, i] = 1.0 - touch.beyond / modes.noise[0]
+                table[SPEED, i] = speed / modes.noise[0]
             table[VALUE, i + 1] = contact_push(work, laws, k) / (modes.noise[2] * contact_mass(model, k)) + 1.0
             table[SPEED, i + 1] = UNKNOWN
             continue
@@ -112,10 +114,10 @@ def contact_transition(model, work, t, y, g, dy):
         held = held or laws.slot[k] >= 0
         core.load_state(model, work, y)
         touch = contact_geometry(model, work, k)
-        was_behind = modes.mode[k] == MODE_BEHIND
+        before = modes.mode[k]
         due = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
-        if was_behind or modes.mode[k] == MODE_BEHIND:
-            g[ROOTS_EACH * k] = 0.0  # nothing touches, so it is not logged
+        if MODE_BEHIND in (before, modes.mode[k]) or (before == MODE_LEAVING and due == NOTHING):
+            g[ROOTS_EACH * k] = g[ROOTS_EACH * k + 1] = 0.0  # nothing touches, so it is not logged
         if due == IMPACT:
             _impact(model, work, t, y, k)
         elif due == TOUCH:
@@ -178,7 +180,9 @@ def rigid_contact_mobility(model, work, t, y, k):
         tree.load[pairs.a[k], c] += on_a[c]
         tree.load[pairs.b[k], c] += on_b[c]
     clear(rows.gamma)
+    load = tree.load.copy()
     ask.solve(model, work, rows.gamma)
+    refine(model, work, load)  # where n acts through a joint, all but a small share of it cancels
     return gap_response(model, work, k, touch)
 
 

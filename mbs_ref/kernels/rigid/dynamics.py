@@ -32,10 +32,9 @@ def refinements(pivot):
     return steps
 
 
-@jit
-def rigid_factor(model, work):
-    """Factor the augmented matrix at the Jacobians in `work`."""
-    factor_tree(model, work, model.loops)
+# Factor the augmented matrix at the Jacobians in `work`; the second one of a tree without closed loops.
+rigid_factor = jit(lambda model, work: factor_tree(model, work, model.loops))
+rigid_factor_open = jit(lambda model, work: factor_tree(model, work, None))
 
 
 @jit
@@ -46,14 +45,7 @@ def rigid_solve(model, work, gamma):
 
 
 @jit
-def rigid_factor_open(model, work):
-    """The same of a tree without closed loops."""
-    factor_tree(model, work, None)
-
-
-@jit
 def rigid_solve_open(model, work, gamma):
-    """The same of a tree without closed loops."""
     work.solved.time[0] = np.nan
     solve_tree(model, work, None, gamma, work.tree.acceleration, work.rows.multiplier)
 
@@ -70,10 +62,14 @@ def _stabilize(control, gamma, rate, residual):
 
 
 @jit
-def _refine(model, work):
-    """Add to acceleration and multipliers what the residuals of both equations ask for."""
+def refine(model, work, force):
+    """Add to the accelerations and multipliers of a solution what the residuals of both equations require.
+
+    `force` (n + 1, rates) is the load of that solution, whose right-hand side is rows.gamma.
+    """
     rows, tree, body = work.rows, work.tree, model.slots.body
     first, multiplier, gamma = tree.acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
+    copy_rows(force, tree.load)
     core.subtract_inertia(model, work, first, tree.load)
     take_reactions(tree.load, body, rows.jacobian, multiplier)
     take_accelerations(gamma, body, rows.jacobian, first)
@@ -94,7 +90,7 @@ def rigid_accelerate(model, work, t, y):
     copy_rows(work.kinematics.force, work.tree.load)
     solve(model, work, rows.gamma)
     for _ in range(refinements(work.closures.regularity[0])):
-        _refine(model, work)
+        refine(model, work, work.kinematics.force)
 
 
 @bare
@@ -167,7 +163,8 @@ def _has_no_rows(model):
 def rigid_project(model, work, t, y, tolerance, most):
     """Project positions, then velocities, onto the constraints in the mass norm; return max |C| left.
 
-    At most `most` Gauss-Newton iterations for the positions; velocities are linear and need one.
+    At most `most` Gauss-Newton iterations for the positions; velocities are linear and need one, refined as
+    accelerations are.
     """
     core.normalize(model, y)
     core.load_state(model, work, y)
@@ -190,5 +187,7 @@ def rigid_project(model, work, t, y, tolerance, most):
             break
     factor(model, work)
     respond(model, work, rows.rate)
+    for _ in range(refinements(work.closures.regularity[0])):
+        refine(model, work, np.zeros_like(work.tree.load))
     correct_rates(model, work, 1.0, y)
     return max(left, core.largest_norm_defect(model, work))

@@ -24,6 +24,7 @@ FINER = 0.1  # of the noise: how close the projection brings the surfaces
 AT_REST = 10.0  # of the noise: how close surfaces are, and how slow, that touch
 SLIGHT = 1e-8  # of the largest acceleration, about eps^(1/2): less is roundoff, and decides nothing that matters
 IMPULSES, FORCES = range(2)
+AIMS = 2  # at the rates of a rebound, the second where accelerations depend on them
 PATIENT, MOST = 2, 20  # pivots a touching contact: of the worst, and in all
 
 
@@ -56,18 +57,22 @@ def settle_held(model, work, t, y, g):
 
     The function in g of each that changes turns negative, as of all that change.
     """
-    modes = model.contact_modes
+    modes, first = model.contact_modes, position_count(model)
     touching = _touching(model, work, y)
-    before = modes.mode[touching]
-    _aim(model, work, t, y, touching)
+    before, rates, landings = modes.mode[touching], y[first:].copy(), np.zeros((touching.shape[0], 2))
+    for turn in range(AIMS):
+        if not _aim(model, work, t, y, touching, landings) and turn > 0:
+            break
+        _put_back(y, first, rates)
+        for k in touching:
+            modes.mode[k] = MODE_CLOSED
+            modes.stamp[k], modes.burst[k] = t, 0  # what is solved here does not go on without end
+        _close_gaps(model, work, t, y)
+        _pivot(model, work, t, y, touching, IMPULSES)
+        for k in touching:
+            if modes.lead[k, 1] > 0.0:
+                modes.mode[k] = MODE_OPEN
     for k in touching:
-        modes.mode[k] = MODE_CLOSED
-        modes.stamp[k], modes.burst[k] = t, 0  # what is solved here does not go on without end
-    _close_gaps(model, work, t, y)
-    _pivot(model, work, t, y, touching, IMPULSES)
-    for k in touching:
-        if modes.lead[k, 1] > 0.0:
-            modes.mode[k] = MODE_OPEN
         modes.lead[k, 0], modes.lead[k, 1] = 0.0, 0.0
     _pivot(model, work, t, y, touching, FORCES)
     _move(model, work, t, y)
@@ -98,26 +103,37 @@ def _touching(model, work, y):
 
 
 @jit
-def _aim(model, work, t, y, touching):
-    """Set the gaps and rates with which the contacts that land rebound, as if each had done so where its gap was 0."""
+def _aim(model, work, t, y, touching, landings):
+    """Set the gaps and rates with which the contacts that land rebound, as if each had done so where its gap was 0.
+
+    `landings` (n, 2) holds the speed there (m/s) and the time since (s) once they are known. Return whether the rate of
+    one that has rebounded changes: its acceleration depends on the speeds after the impact.
+    """
     laws, modes = model.contact_laws, model.contact_modes
-    landing = np.zeros(touching.shape[0], dtype=np.bool_)
+    slow, changed, known, before = modes.noise[1], False, np.any(landings > 0.0), modes.mode[touching]
     for i in range(touching.shape[0]):
         k = touching[i]
-        if laws.restitution[k] > 0.0:
-            landing[i] = contact_geometry(model, work, k).closing < -AT_REST * modes.noise[1]
-            if landing[i]:
-                modes.mode[k] = MODE_OPEN
-    if not np.any(landing):
-        return
+        if not known and laws.restitution[k] > 0.0:
+            landings[i, 0] = max(-contact_geometry(model, work, k).closing - AT_REST * slow, 0.0)
+        if landings[i, 0] > 0.0:
+            modes.mode[k] = MODE_OPEN
+    if not np.any(landings > 0.0):
+        return False
     accelerate(model, work, t, y)
-    for k in touching[landing]:
-        touch, e = contact_geometry(model, work, k), laws.restitution[k]
-        drawn = _drawn(model, work, k, touch)
-        speed = np.sqrt(max(touch.closing**2 + 2.0 * drawn * touch.gap, 0.0))
-        late = -2.0 * touch.gap / (speed - touch.closing)
-        rate = max(e * speed - drawn * late, 0.0)
-        modes.lead[k, 0], modes.lead[k, 1] = max(rate + 0.5 * drawn * late, 0.0) * late, rate
+    for i in range(touching.shape[0]):
+        k = touching[i]
+        modes.mode[k] = before[i]
+        if landings[i, 0] > 0.0:
+            touch = contact_geometry(model, work, k)
+            drawn = _drawn(model, work, k, touch)
+            if not known:
+                landings[i, 0] = np.sqrt(max(touch.closing**2 + 2.0 * drawn * touch.gap, 0.0))
+                landings[i, 1] = -2.0 * touch.gap / (landings[i, 0] - touch.closing)
+            late, slip = landings[i, 1], drawn * landings[i, 1]
+            rate = max(laws.restitution[k] * landings[i, 0] - slip, 0.0)
+            changed |= abs(rate - modes.lead[k, 1]) > slow
+            modes.lead[k, 0], modes.lead[k, 1] = max(rate + 0.5 * slip, 0.0) * late, rate
+    return changed
 
 
 @jit

@@ -1,7 +1,7 @@
 """Applied forces in the plane and in space: gravity, forces, springs, contacts, a core's own loads and a user's.
 
 Springs that only pull have events: where they go slack, or their damper would push. Open is slack; closed pulls; lifted
-is stretched, but its damper outweighs the spring and it gives nothing.
+is stretched, but its damper outweighs the spring and it gives nothing; limited pulls by its limit.
 """
 
 import numpy as np
@@ -11,6 +11,7 @@ from mbs_ref.kernels.border.questions import apply_contacts
 from mbs_ref.kernels.contact.laws import (
     MODE_CLOSED,
     MODE_LIFTED,
+    MODE_LIMITED,
     MODE_OPEN,
     MODE_PLAIN,
     RATE,
@@ -71,16 +72,17 @@ def rigid_apply_loads(model, work, t):
 
 
 @bare
-def is_slack(modes, place, stretch, tension):
-    """Return whether the spring of this place among the modes gives no force; -1 is that of one that may push.
+def _clipped(spring, modes, k, stretch, tension):
+    """Return the pull of a spring whose law, without clipping, gives `tension`.
 
-    It is slack by its frozen mode, or by the state where events are not located.
+    It follows from the frozen mode, or from the state where events are not located; a spring that may push has none.
     """
-    if place < 0:
-        return False
-    if modes.mode[place] == MODE_PLAIN:
-        return stretch <= 0.0 or tension < 0.0
-    return modes.mode[place] != MODE_CLOSED
+    place = spring.place[k]
+    if place < 0 or modes.mode[place] == MODE_CLOSED:
+        return tension
+    if modes.mode[place] == MODE_PLAIN and stretch > 0.0:
+        return min(max(tension, 0.0), spring.limit[k])
+    return spring.limit[k] if modes.mode[place] == MODE_LIMITED else 0.0
 
 
 @bare
@@ -102,9 +104,7 @@ def _apply_springs(model, work):
             force = core.times(work, spring.damping[k], rate)  # no line of action: the isotropic limit of the damper
         else:
             tension = spring.stiffness[k] * stretch + spring.damping[k] * core.dot(work, gap, rate) / length
-            if is_slack(modes, spring.place[k], stretch, tension):
-                tension = 0.0
-            force = core.pull(work, tension, gap, length)
+            force = core.pull(work, _clipped(spring, modes, k, stretch, tension), gap, length)
         exchange(work, a, arm_a, b, apart.arm_b, force)
 
 
@@ -147,10 +147,14 @@ def spring_roots(model, work, table):
         table[VALUE, i] = sign * stretch / noise + 1.0
         table[RATE, i] = sign * speed / noise
         table[SPEED, i] = distance_speed(work, a, b, spring.point_a[k], spring.point_b[k]) / noise
-        table[TURN, i] = table[TURN, i + 1] = core.spin(work, a) + core.spin(work, b)
+        table[TURN, i : i + ROOTS_EACH] = core.spin(work, a) + core.spin(work, b)
         if mode != MODE_OPEN and spring.damping[k] > 0.0:
-            table[VALUE, i + 1] = (tension if mode == MODE_CLOSED else -tension) / slack + 1.0
+            table[VALUE, i + 1] = (-tension if mode == MODE_LIFTED else tension) / slack + 1.0
             table[SPEED, i + 1] = UNKNOWN
+        if mode in (MODE_CLOSED, MODE_LIMITED) and spring.limit[k] < np.inf:
+            below = spring.limit[k] - tension
+            table[VALUE, i + 2] = (below if mode == MODE_CLOSED else -below) / slack + 1.0
+            table[SPEED, i + 2] = UNKNOWN
 
 
 @jit
@@ -165,7 +169,9 @@ def spring_transition(model, g):
         if g[i] < 0.0:
             modes.mode[place] = MODE_CLOSED if modes.mode[place] == MODE_OPEN else MODE_OPEN
         elif g[i + 1] < 0.0:
-            modes.mode[place] = MODE_LIFTED if modes.mode[place] == MODE_CLOSED else MODE_CLOSED
+            modes.mode[place] = MODE_CLOSED if modes.mode[place] == MODE_LIFTED else MODE_LIFTED
+        elif g[i + 2] < 0.0:
+            modes.mode[place] = MODE_LIMITED if modes.mode[place] == MODE_CLOSED else MODE_CLOSED
 
 
 @jit
@@ -183,3 +189,5 @@ def start_springs(model, work, located):
             modes.mode[place] = MODE_OPEN
         else:
             modes.mode[place] = MODE_LIFTED if tension < 0.0 else MODE_CLOSED
+            if tension > spring.limit[k]:
+                modes.mode[place] = MODE_LIMITED

@@ -105,6 +105,7 @@ class Springs(NamedTuple):
     stiffness: Annotated[Floats, "k"]  # N/m
     damping: Annotated[Floats, "k"]  # N s/m
     rest_length: Annotated[Floats, "k"]  # m
+    limit: Annotated[Floats, "k"]  # N; infinite without one
     isotropic: Annotated[Ints, "k"]  # 1 for a bushing in the plane, whose force follows the gap as a vector
     place: Annotated[Ints, "k"]  # of a tension-only spring's mode in ContactModes; -1 for others
 

@@ -18,7 +18,7 @@ class Surface(NamedTuple):
 
     gap: Any  # m
     normal: Any  # outwards
-    beyond: Any  # m, excess over open ends
+    beyond: Any  # m, excess over open ends; -inf without any
     back: Any  # m, from the centre against the normal to the point of contact
     held: Any  # what sticks: in the plane the place rolled and slid along a line (m), in space the two edges
 
@@ -28,7 +28,7 @@ class Touch(NamedTuple):
 
     gap: Any  # m
     closing: Any  # m/s, the gap's rate
-    beyond: Any  # m, excess over open ends
+    beyond: Any  # m, excess over open ends; -inf without any
     normal: Any  # from b to a; the tangent in the plane is the normal turned by -90 degrees
     slip: Any  # m/s, of a on b: along the tangent, or in the tangent plane as a vector
     arm_a: Any  # m, from the centre of mass of a to the point of contact
@@ -41,7 +41,7 @@ def on_round(work, pairs, k, x, upwards, held):
     """Return the Surface of a circle or sphere; its normal is `upwards` where the centres coincide."""
     distance = math.sqrt(core.dot(work, x, x))
     normal = upwards if distance == 0.0 else core.over(work, x, distance)
-    return Surface(distance - pairs.radius[k] - pairs.half[k, 0], normal, -1.0, pairs.radius[k], held)
+    return Surface(distance - pairs.radius[k] - pairs.half[k, 0], normal, -math.inf, pairs.radius[k], held)
 
 
 @bare

@@ -5,9 +5,14 @@ and R', s the deflections of contacts that can stick. The state holds omega in b
 1e-12 that is 500 times more accurate than in world axes, where a steady spin already moves omega; everything
 else is in world axes. theta^T theta = 1 is part of C; its multiplier and the four parameters are eliminated exactly
 (see `tree`), and projection restores it.
+
+Methods on the DAE itself move orientations by theta exp(turn / 2), a turn in body axes (Bruls and Cardona, J. Comput.
+Nonlinear Dyn. 5 (2010) 031002): the norm stays one, and needs no multiplier.
 """
 
 import sys
+
+import numpy as np
 
 from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates
@@ -16,23 +21,23 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import correct_rates, is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
-from mbs_ref.kernels.spatial import contacts, grips, joints, loads, marks, orientation, tree, vectors
+from mbs_ref.kernels.spatial import contacts, joints, loads, marks, orientation, tree
 from mbs_ref.kernels.spatial.joints import leave_slips
+from mbs_ref.kernels.spatial.marks import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
 from mbs_ref.kernels.spatial.model import RATES, SpatialGroups, SpatialScratch
-from mbs_ref.kernels.spatial.orientation import parameters, put_parameters, theta_rate, turn_theta, turning_of
-from mbs_ref.kernels.spatial.vectors import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
+from mbs_ref.kernels.spatial.orientation import composed, parameters, put_parameters, theta_rate, turn_theta, turning_of
 
 block = jit(lambda model: RATES)
 
 
 @jit
 def subtract_inertia(model, work, acceleration, load):
-    """Write f - M a into load."""
+    """load -= M a."""
     bodies, kin = model.bodies, work.kinematics
     for i in range(bodies.mass.shape[0]):
         for c in range(3):
-            load[i, c] = kin.force[i, c] - bodies.mass[i] * acceleration[i, c]
-        put(load[i], 3, minus(triple(kin.force[i], 3), symmetric_times(kin.inertia[i], triple(acceleration[i], 3))))
+            load[i, c] -= bodies.mass[i] * acceleration[i, c]
+        put(load[i], 3, minus(triple(load[i], 3), symmetric_times(kin.inertia[i], triple(acceleration[i], 3))))
 
 
 @jit
@@ -153,11 +158,72 @@ def normalize(model, y):
             turn_theta(y, bodies.q[i] + 3, (0.0, 0.0, 0.0))
 
 
+# --- for methods on the DAE itself ------------------------------------------------------------------
+
+
+@jit
+def spatial_times_mass(model, rate, out):
+    """Write M rate."""
+    bodies = model.bodies
+    for i in range(bodies.mass.shape[0]):
+        k = bodies.v[i] - bodies.start[0]
+        for c in range(3):
+            out[k + c] = bodies.mass[i] * rate[k + c]
+        if bodies.rigid[i] == 1:
+            put(out, k + 3, symmetric_times(bodies.inertia[i], triple(rate, k + 3)))
+
+
+@jit
+def spatial_displace(model, y, move, out):
+    """Write y's positions moved by `move`, turns in body axes, to out."""
+    bodies = model.bodies
+    for i in range(bodies.mass.shape[0]):
+        q, k = bodies.q[i], bodies.v[i] - bodies.start[0]
+        for c in range(3):
+            out[q + c] = y[q + c] + move[k + c]
+        if bodies.rigid[i] == 1:
+            turning = triple(move, k + 3)
+            half = 0.5 * np.sqrt(dot(turning, turning))
+            s = 0.5 if half < 1e-8 else 0.5 * np.sin(half) / half
+            put_parameters(
+                out,
+                q + 3,
+                composed(parameters(y, q + 3), (np.cos(half), s * turning[0], s * turning[1], s * turning[2])),
+            )
+
+
+@jit
+def spatial_position_rate(model, y, rate, out):
+    """Write the rates of positions and Euler parameters at `rate`: theta' = theta (0, omega) / 2."""
+    bodies = model.bodies
+    for i in range(bodies.mass.shape[0]):
+        q, k = bodies.q[i], bodies.v[i] - bodies.start[0]
+        for c in range(3):
+            out[q + c] = rate[k + c]
+        if bodies.rigid[i] == 1:
+            half = times(0.5, triple(rate, k + 3))
+            put_parameters(out, q + 3, composed(parameters(y, q + 3), (0.0, half[0], half[1], half[2])))
+
+
+@jit
+def spatial_rate_from(model, y, moved, out):
+    """Write the velocities and turns in body axes that rates of positions and Euler parameters mean."""
+    bodies = model.bodies
+    for i in range(bodies.mass.shape[0]):
+        q, k = bodies.q[i], bodies.v[i] - bodies.start[0]
+        for c in range(3):
+            out[k + c] = moved[q + c]
+        if bodies.rigid[i] == 1:
+            e0, e1, e2, e3 = parameters(y, q + 3)
+            half = composed((e0, -e1, -e2, -e3), parameters(moved, q + 3))
+            put(out, k + 3, times(2.0, half[1:]))
+
+
 SpatialModel = handle_class(
     __name__, "SpatialModel", SpatialGroups, dimension=3, tangents=2, axes=3, turns=3, moments=6
 )
 SpatialWork = handle_class(__name__, "SpatialWork", SpatialScratch, rates=6)
 
 
-_MODULES = (sys.modules[__name__], contacts, grips, joints, loads, marks, orientation, tree, vectors)
+_MODULES = (sys.modules[__name__], contacts, joints, loads, marks, orientation, tree)
 supply((SpatialModel, SpatialWork), geometry, _MODULES)

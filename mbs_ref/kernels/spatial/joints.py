@@ -11,8 +11,7 @@ from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
 from mbs_ref.kernels.signals import evaluate
-from mbs_ref.kernels.spatial.marks import swing, turned
-from mbs_ref.kernels.spatial.vectors import cross, dot, minus, negative, over, plus, times, triple, turn
+from mbs_ref.kernels.spatial.marks import cross, dot, minus, negative, over, plus, swing, times, triple, turn, turned
 
 NO_FORCE = (0.0, 0.0, 0.0)
 

@@ -7,20 +7,22 @@ import numpy as np
 
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.marks import rate_seen, separation
-from mbs_ref.kernels.spatial.marks import push, turned, twist
-from mbs_ref.kernels.spatial.vectors import (
+from mbs_ref.kernels.spatial.marks import (
     add,
     cross,
     dot,
     minus,
     negative,
     plus,
+    push,
     put,
     symmetric_times,
     times,
     triple,
     turn,
     turn_back,
+    turned,
+    twist,
 )
 
 LARGEST_TWIST = 3.0  # rad: beyond, a spring cannot know its turns, and its torque is NaN, which stops the run

@@ -7,7 +7,7 @@ rotation results whatever the norm; theta' = E^T omega / 2 with the world angula
 import numpy as np
 
 from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.vectors import put, triple, turn
+from mbs_ref.kernels.spatial.marks import put, triple, turn
 
 # Return row[k : k + 4].
 parameters = jit(lambda row, k: (row[k], row[k + 1], row[k + 2], row[k + 3]))

@@ -1,10 +1,12 @@
-"""The base of every part of a scene: frozen, validated, SI, unknown fields refused."""
+"""The base of every part of a scene, frozen, validated, SI, unknown fields refused; and its directions."""
 
 import math
+from collections.abc import Sequence
 from enum import Enum
 from functools import cache
-from typing import Annotated, get_args
+from typing import Annotated, Any, get_args
 
+import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo
 
 
@@ -66,3 +68,23 @@ def is_place(kind: type[Part], name: str) -> bool:
     """Return whether a field of a kind of part holds a point or a direction, or a body's pose at the start."""
     known = _metadata(kind.model_fields[name])
     return Role.POINT in known or AfterValidator(_directed) in known or name in ("position", "angle", "orientation")
+
+
+def require_perpendicular(name: str, first: Sequence[float], other_name: str, second: Sequence[float]) -> None:
+    cosine = math.sumprod(first, second) / math.hypot(*first) / math.hypot(*second)
+    if not abs(cosine) <= 1e-9:
+        pair = f"{name} = {first} and {other_name} = {second}"
+        raise ValueError(f"{pair} must be perpendicular; their cosine is {cosine:.3g}")
+
+
+def unit(vector: Any) -> np.ndarray:
+    """Return the vector at length one."""
+    vector = np.asarray(vector, dtype=float)
+    return vector / math.hypot(*vector)
+
+
+def normals(axis: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return two unit vectors that make a right-handed frame with the axis (3,), axis last."""
+    axis = unit(axis)
+    first = unit(np.cross(np.eye(3)[int(np.argmin(np.abs(axis)))], axis))
+    return first, np.cross(axis, first)

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from mbs_ref.scene.base.directions import normals, unit
+from mbs_ref.scene.base.part import normals, unit
 
 Point = tuple[float, ...]
 

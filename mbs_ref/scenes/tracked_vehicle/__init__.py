@@ -37,6 +37,7 @@ def tracked_vehicle(
     preload: NonNegative = BELIEVABLE["preload"],
     start: Literal["equilibrium", "drawn"] = BELIEVABLE["start"],
     suspension: bool = False,
+    soil: Literal["hard", "dry_sand", "sandy_loam", "clay"] = "hard",
     ground: Literal["flat", "bump", "slope", "step"] = "flat",
     height: Annotated[float, Field(gt=0.0, le=0.3)] = 0.02,
 ) -> Scene:
@@ -50,6 +51,7 @@ def tracked_vehicle(
     law. wheel_friction, Coulomb's coefficient of idler and rollers on the links, which turns them. preload (N) of the
     spring that pushes the idler ahead on its slide where the vehicle is drawn; 0 fixes its axle. start: in the static
     equilibrium without torque (up to 250 bodies), or as drawn. suspension: rollers on trailing arms with torsion bars.
+    soil: hard, or one into which feet sink by Bekker's pressure-sinkage law, without a rut behind them.
     ground: flat, or half a metre ahead of the track a bump, a slope or a step of `height` (m; a slope's over 1 m of
     way; a step no higher than half a link).
     """
@@ -62,7 +64,9 @@ def tracked_vehicle(
             f"wheel_friction = {wheel_friction} must be 0 with law = 'constraint', which has no friction; "
             "give model = 'paper'"
         )
-    drawn = _drawn(links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, ground, height)
+    drawn = _drawn(
+        links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, soil, ground, height
+    )
     placed = _settled(drawn.model_dump_json()) if start == "equilibrium" else drawn
     return placed.model_copy(update={"loads": (*_drive(torque, ramp), *placed.loads)})
 
@@ -83,7 +87,9 @@ def _settled(drawn: str) -> Scene:
     return at_equilibrium(Scene.model_validate_json(drawn))
 
 
-def _drawn(links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, ground, height) -> Scene:
+def _drawn(
+    links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, soil, ground, height
+) -> Scene:
     """Return the vehicle without its torque: chain straight and tangent, every contact at depth 0."""
     track = _pins(links)
     base = (links - gear.TEETH) // 2 * gear.PITCH
@@ -101,7 +107,7 @@ def _drawn(links, rollers, upper_rollers, law, gravity, wheel_friction, preload,
         loads=(*gear.torsion_bars(wheels, hull.mass * gravity), *gear.tensioners(wheels, preload)),
         contacts=(
             *(part for k in range(links) for part in _link_contacts(k, track, wheels, law, wheel_friction)),
-            *_ground_contacts(track, law, ground, height, front),
+            *_ground_contacts(track, law, soil, ground, height, front),
         ),
     )
 
@@ -179,11 +185,11 @@ def _link_contacts(k: int, pins: np.ndarray, wheels: list[gear.Wheel], law: str,
     yield _tooth(k, a, wheels[0].center, law)
 
 
-def _ground_contacts(pins: np.ndarray, law: str, ground, height: float, front: float) -> Iterator[Contact]:
+def _ground_contacts(pins: np.ndarray, law: str, soil: str, ground, height: float, front: float) -> Iterator[Contact]:
     for k, (a, b) in enumerate(zip(pins, np.roll(pins, -1, axis=0), strict=True)):
         for side in (0, 1):
             center = tuple(0.5 * (a + b) + FEET[side] * (b - a))
-            yield from foot(f"foot{k}.{side}", f"link{k}", center, law, ground, height, front)
+            yield from foot(f"foot{k}.{side}", f"link{k}", center, law, soil, ground, height, front)
 
 
 def _tooth(k: int, pin: np.ndarray, axle: tuple[float, float], law: str) -> PinOnSprocket:

@@ -7,7 +7,7 @@ surface with a solid end. So they may touch one foot at once, as ground and kerb
 from typing import Literal
 
 from mbs_ref.scene import GROUND
-from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, Contact
+from mbs_ref.scene.contact import BekkerLaw, CircleOnCircle, CircleOnLine, Contact
 from mbs_ref.scenes.tracked_vehicle.running_gear import DATA, HEIGHT, contact_law, friction
 
 Kind = Literal["flat", "bump", "slope", "step"]
@@ -18,16 +18,27 @@ BUMP_HALF_WIDTH = 0.3  # m, where its circle leaves the ground
 SLOPE_RUN = 1.0  # m, in which a slope gains its height
 
 
-def foot(name: str, link: str, center: tuple[float, float], law: str, ground: Kind, height: float, front: float):
+def foot(
+    name: str, link: str, center: tuple[float, float], law: str, soil: str, ground: Kind, height: float, front: float
+):
     """Yield the contacts of one foot with the ground: flat, and the obstacle of `height` m beyond `front` (m)."""
     rub = friction(DATA["contact"]["link_ground"]["mu"])
-    press = contact_law("link_ground", law)
+    press = contact_law("link_ground", law) if soil == "hard" else _sinking(soil)
     body = {"body_a": link, "law": press, "friction": rub}
     yield CircleOnLine(
         name=name, center=center, radius=RADIUS, body_b=GROUND, point_1=(0.0, 0.0), point_2=(1.0, 0.0), **body
     )
     if ground != "flat":
         yield _obstacle(f"{name}.{ground}", center, ground, height, front + AHEAD, body)
+
+
+def _sinking(soil: str) -> BekkerLaw:
+    """Return the law of half a link's sole on a soil."""
+    own, sole = DATA["soils"][soil], DATA["soils"]["sole"]
+    return BekkerLaw(
+        cohesive=own["k_c"], frictional=own["k_phi"], exponent=own["n"], width=sole["width"], length=sole["length"],
+        damping=sole["c_progressive"],
+    )  # fmt: skip
 
 
 def _obstacle(name: str, center: tuple[float, float], ground: Kind, height: float, start: float, body: dict) -> Contact:

@@ -1,16 +1,21 @@
-"""Integrate several runs at once in vector lanes: of one scene from many starts, or of scenes with one structure."""
+"""Integrate several runs at once, in vector lanes and in threads.
+
+Lanes hold runs of one scene from many starts, or of scenes with one structure. The compiled loops of DOP853, Radau,
+Gauss and generalized-alpha release the GIL.
+"""
 
 import itertools
+import os
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.cores.relative.layout import no_tree
-from mbs_ref.cores.relative.system import RelativePlanarSystem
+from mbs_ref.cores.relative import RelativePlanarSystem, no_tree
 from mbs_ref.cores.system import Poses
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, propose_all, runs_from, side_by_side
@@ -19,18 +24,48 @@ from mbs_ref.integrators.stages.tableau import DOP853
 from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.kernels.relative.lanes import build_of, figures_of
 from mbs_ref.scene import Scene
-from mbs_ref.scene.units import is_celestial
+from mbs_ref.scene.scales import is_celestial
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.assembly import or_empty, sampled, trajectory, with_estimate
 from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
 from mbs_ref.simulate.legs import Counts, Run, planned_legs, reached, run_legs
-from mbs_ref.simulate.many.threads import pieces, shared
 from mbs_ref.simulate.one_run import compiled
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start.consistent import consistent_start
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 NOTE = f"integrated in {WIDTH} lanes, in relative coordinates"
+MAX_NUMBERS = 4_000_000  # entries of states in one piece of work: 32 MB
+PIECES = 4  # pieces of work for each thread, which balances the threads
+ROUNDS = 8  # least number of runs of a lane in a piece; lanes are idle at the end of a piece
+
+
+def processors(threads: int | None) -> int:
+    """Return the number of threads: the number of processors unless given."""
+    return threads or len(os.sched_getaffinity(0))
+
+
+def pieces(count: int, threads: int, numbers: int) -> list[slice]:
+    """Divide `count` runs, with so many `numbers` of states each, into pieces of work for threads."""
+    even = max(ROUNDS * WIDTH, -(-count // (PIECES * threads)))
+    most = max(WIDTH, MAX_NUMBERS // (2 * numbers))
+    size = min(even, most)
+    return [slice(k, min(k + size, count)) for k in range(0, count, size)]
+
+
+def shared[T, R](run: Callable[[T], R], work: list[T], threads: int | None, alone: int = 1) -> list[R]:
+    """Return the result of each piece of work; the first `alone` pieces run first, because they compile.
+
+    Ctrl-C cancels the remaining pieces.
+    """
+    first = [run(piece) for piece in work[:alone]]
+    with ThreadPoolExecutor(processors(threads)) as pool:
+        later = [pool.submit(run, piece) for piece in work[alone:]]
+        try:
+            return first + [one.result() for one in later]
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
 
 
 class Bunch(NamedTuple):

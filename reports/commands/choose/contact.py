@@ -22,9 +22,7 @@ if TYPE_CHECKING:
 @click.option("--stiffness", type=float, help="Of the contact (N/m).")
 @click.option("--mass", type=float, help="Effective mass of the pair (kg): 1/(1/m_a + 1/m_b).")
 @click.option("--speed", type=float, default=1.0, show_default=True, help="Of approach and of sliding (m/s).")
-@click.option(
-    "--step", type=float, default=1e-3, show_default=True, callback=inputs.positive, help="Of the engine (s)."
-)
+@click.option("--step", type=inputs.POSITIVE, default=1e-3, show_default=True, help="Of the engine (s).")
 @click.option("--figures", is_flag=True, help="Compare scenes with contact by figures instead.")
 @click.option("--scene", "only", metavar="SCENE", multiple=True, help="Of the scenes compared, only this; repeatable.")
 @click.option("--holding", is_flag=True, help="Measure the creep of blocks that friction holds instead.")
@@ -68,7 +66,7 @@ def command(
 
 
 def _translate(models: dict[str, ContactModel], request: dict[str, float | None], as_json: bool) -> None:
-    from cross_checks.contact.experiments import measured
+    from cross_checks.contact.by_figure import measured
     from cross_checks.contact.request import Request
 
     if missing := [f"--{name}" for name, value in request.items() if value is None]:

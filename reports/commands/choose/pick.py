@@ -15,8 +15,7 @@ from cross_checks.prices import confirm, pick
 from cross_checks.prices.pick import Bounds, Choice
 from cross_checks.prices.timing import Comparison
 from cross_checks.records import lines as record_file
-from cross_checks.records.cost import BUSY_NOTE
-from cross_checks.records.record import Record
+from cross_checks.records.record import BUSY_NOTE, Record
 from mbs_ref.scene import Scene
 from reports import inputs
 from reports.page.slug import command as reproduce
@@ -24,17 +23,16 @@ from reports.query import STORE, Interrupted, isolated, open_runs, sweep_records
 from reports.terminal.console import Failed, Incomplete, NothingSelected, complain, echo_json
 
 PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.command(name="pick", epilog="Example: mbs-ref pick slider_crank --error 1mm --engine exudyn --engine mujoco")
 @inputs.scene_options
 @inputs.ENGINES
 @click.option("--error", metavar="E|1mm", required=True, help="Largest error, of the scene's scales or as 1mm.")
-@click.option("--compliance", type=float, callback=inputs.positive, help="Largest constraint violation, m or rad.")
+@click.option("--compliance", type=inputs.POSITIVE, help="Largest constraint violation, m or rad.")
 @click.option("--budget", metavar="50ms", help="Longest loop time.")
 @click.option("--real-time", is_flag=True, help="The loop must take no longer than the motion lasts.")
-@click.option("--records", type=FILE, help="Choose among the records of a sweep's JSON lines instead of sweeping.")
+@click.option("--records", type=inputs.FILE, help="Choose among the records of a sweep's JSON lines: no sweep.")
 @click.option(
     "--confirm/--no-confirm", "confirming", default=None,
     help=f"Time the winner against the runner-up in interleaved runs.  [default: where it leads by less than "
@@ -146,7 +144,7 @@ def _of_scene(file: Path, scene: Scene, chosen: tuple[str, ...]) -> list[Record]
 
 
 def _warn(records: list[Record]) -> None:
-    """Say on stderr how many of the records were timed while others used the processor."""
+    """Print on stderr how many of the records were timed while others used the processor."""
     busy = sum(any(note.startswith(BUSY_NOTE) for note in record.notes) for record in records)
     if busy:
         click.echo(f"{busy} of {len(records)} runs were timed on a busy machine: take care with the margin", err=True)
@@ -182,7 +180,7 @@ def _afresh(scene: Scene, choice: Choice, store: str | None) -> Record | None:
 
 
 def _check(again: Record, bounds: Bounds) -> None:
-    """Say what the setting did when it was run afresh."""
+    """Print what the setting reaches when it is run afresh."""
     reached = "no error" if again.error is None else f"{again.error.bound:.2e}"
     gap = again.measure("compliance_position")
     text = f"run afresh: {again.status}, {reached}, joints open by {'nothing known' if gap is None else f'{gap:.2e}'}"

@@ -19,8 +19,8 @@ from reports.terminal.console import NothingSelected, echo_json, number, show_ta
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines, one a run.")
 @click.option("-o", "output", metavar="FILE.jsonl|.parquet", help="Write the runs to a file, as lines or as a table.")
 @click.option("--plot", metavar="FILE.html", help="Draw error against the time of the loop, as a page.")
-@click.option("--timeout", type=float, callback=inputs.positive, help="Longest time a run computes, s.  [default: 120]")
-@click.option("--memory", type=float, callback=inputs.positive, help="Most memory of one run, MiB.  [default: 4096]")
+@click.option("--timeout", type=inputs.POSITIVE, help="Longest time a run computes, s.  [default: 120]")
+@click.option("--memory", type=inputs.POSITIVE, help="Most memory of one run, MiB.  [default: 4096]")
 @SCHEDULER
 @STORE
 def command(
@@ -51,9 +51,10 @@ def command(
     if not records:
         raise NothingSelected("no engine and method to sweep")
     if columns is not None:
-        from reports.page.files import parquet
+        from reports.page.files import record_columns
+        from reports.poses_file import parquet_table
 
-        write_atomic(columns, parquet(records))
+        write_atomic(columns, parquet_table(record_columns(records)))
     if drawn is not None:
         _draw(records, drawn)
     for record in records if as_json else ():

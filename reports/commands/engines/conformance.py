@@ -16,14 +16,9 @@ COLUMNS = f"{'scene':<26} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} 
 
 @click.command(name="conformance", epilog="Example: mbs-ref conformance small_.py")
 @click.argument("engine", metavar="ADAPTER.py|ENGINE", default="mbs_ref")
-@click.option("--json", "file", type=click.Path(dir_okay=False, path_type=Path), help="also write all findings here")
-@click.option("--badge", type=click.Path(dir_okay=False, path_type=Path), help="also write a shields.io endpoint here")
-@click.option(
-    "--timeout",
-    type=click.FloatRange(min=0.0, min_open=True),
-    metavar="S",
-    help="seconds that one run may compute or sleep  [default: 60]",
-)
+@click.option("--json", "file", type=inputs.NEW_FILE, help="also write all findings here")
+@click.option("--badge", type=inputs.NEW_FILE, help="also write a shields.io endpoint here")
+@click.option("--timeout", type=inputs.POSITIVE, metavar="S", help="s that one run may compute or sleep  [default: 60]")
 @click.option("--self-test", is_flag=True, help="examine copies of mbs_ref with one mistake each instead")
 def command(engine: str, file: Path | None, badge: Path | None, timeout: float | None, self_test: bool) -> None:
     """Examine a solver by what every engine must fulfil.

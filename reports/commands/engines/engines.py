@@ -13,6 +13,7 @@ from cross_checks import engines
 from cross_checks.isolation import environments
 from cross_checks.judge.capabilities import Capability, capabilities
 from mbs_ref.scene.traits import PART_TYPES
+from reports import inputs
 from reports.terminal.console import Failed, echo_json, show, table
 
 LACKS = re.compile(r"not yet taught the part type '?(\w+)")
@@ -43,9 +44,7 @@ def command(context: click.Context, as_json: bool) -> None:
 
 @command.command()
 @click.argument("name")
-@click.option(
-    "--into", metavar="FOLDER", type=click.Path(file_okay=False, path_type=Path), help="Folder of the environment."
-)
+@click.option("--into", metavar="FOLDER", type=inputs.FOLDER, help="Folder of the environment.")
 @click.option("--over", is_flag=True, help="Use the packages installed here, too: only what differs is installed.")
 @click.option(
     "--with", "more", multiple=True, metavar="REQUIREMENT", help="Further requirement that pip installs; repeatable."

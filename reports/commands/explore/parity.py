@@ -6,11 +6,12 @@ import click
 
 from cross_checks.robots.parity import Difference, Dynamics, Parity, parity
 from cross_checks.robots.robot import RobotError
+from reports import inputs
 from reports.terminal.console import Failed, NothingSelected, echo_json, number, show_table
 
 
 @click.command(name="parity", epilog="Example: mbs-ref parity ur5.urdf --poses 5")
-@click.argument("file", metavar="ROBOT.urdf|MODEL.xml", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("file", metavar="ROBOT.urdf|MODEL.xml", type=inputs.FILE)
 @click.option("--poses", default=5, show_default=True, type=click.IntRange(1), help="Random places and rates.")
 @click.option("--seed", default=1, show_default=True, help="Of the random places.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from reports import inputs
-from reports.terminal import survey
+from reports.terminal import console
 from reports.terminal.console import Failed, progress, show_table
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
@@ -14,8 +14,8 @@ SAME_MACHINE = ("at once", "another process", "another order")  # what our own s
 
 @click.command(name="repeatability", epilog="Example: mbs-ref repeatability")
 @inputs.ENGINES
-@survey.ONLY
-@survey.table_file("repeatability")
+@console.ONLY
+@console.table_file("repeatability")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
     """Repeat runs in several ways and compare their bits.
@@ -27,11 +27,11 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     from cross_checks.conformance import repeatability
     from cross_checks.conformance.cases import BLAS, cases
 
-    wanted = survey.named(cases(inputs.engine_names(chosen), BLAS), only)
+    wanted = console.named(cases(inputs.engine_names(chosen), BLAS), only)
     with progress("repeatability") as report:
         result = repeatability.measured(wanted, report)
     facts = {"methods": repeatability.by_method(result), "runs": result}
-    survey.answer(facts, target, as_json, _show)
+    console.answer(facts, target, as_json, _show)
     ours = [one for one in result if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]
     if ours:
         raise Failed("mbs_ref gives other bits: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))
@@ -42,11 +42,11 @@ def _show(facts: dict[str, Any]) -> None:
     ways = [each["way"] for each in rows[0]["ways"]]
     head, shown = ("engine", "method", "runs"), []
     for row in rows:
-        shown.append([*(row[name] for name in head), *map(_told, row["ways"])])
+        shown.append([*(row[name] for name in head), *map(_difference, row["ways"])])
     show_table("Runs with other bits, and by how much of the largest value", (*head, *ways), shown)
 
 
-def _told(each: dict[str, Any]) -> str:
+def _difference(each: dict[str, Any]) -> str:
     if not each["differ"]:
         return "-"
     ended = f", {each['other_end']} end otherwise" if each["other_end"] else ""

@@ -56,7 +56,7 @@ def _examined(scene: Scene, write: bool) -> dict[str, Any]:
     row: dict[str, Any] = {"file": certificate.file_name(scene)}
     if isinstance(fresh, NoTruth):
         return row | {"verdict": "no truth", "reason": fresh.reason}
-    row |= asdict(fresh) | {"judges_from": fresh.floor, "decimals": fresh.decimals} | _verdict(before, fresh)
+    row |= asdict(fresh) | {"decimals": fresh.decimals} | _verdict(before, fresh)
     if write:
         certificate.write(fresh)
     return row
@@ -70,10 +70,10 @@ def _verdict(before: Certificate | None, fresh: Certificate) -> dict[str, Any]:
 
 
 def _show(rows: list[dict[str, Any]]) -> None:
-    lengths = ("known to, m", "judges from, m", "two ways, m", "departs by, m")
+    lengths = ("known to, m", "two ways, m", "departs by, m")
     shown = []
     for row in rows:
-        figures = (number(row.get(key)) for key in ("uncertainty", "judges_from", "difference", "departs_by"))
+        figures = (number(row.get(key)) for key in ("uncertainty", "difference", "departs_by"))
         known = (f"no truth: {row['reason']}",) if "reason" in row else (row["verdict"], row["kind"], *figures)
         shown.append((row["file"].removesuffix(".json"), *known))
     show_table("", ("truth", "verdict", "kind", *lengths), shown)

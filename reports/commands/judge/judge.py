@@ -13,19 +13,23 @@ from reports import inputs
 from reports.query import STORE, open_runs
 from reports.terminal import console
 
+MAP = click.Path(path_type=Path)
+
 
 @click.command(name="judge", epilog="Example: mbs-ref judge run.csv pendulum --map map.toml --error 1e-4")
 @click.argument("file", metavar="FILE")
 @inputs.scene_options
-@click.option("--map", "map_file", metavar="MAP.toml", help="What the columns mean; files of simulate -o need none.")
+@click.option(
+    "--map", "map_file", type=MAP, metavar="MAP.toml", help="What the columns mean; files of simulate -o need none."
+)
 @click.option("--write-map", metavar="MAP.toml", help="Write a map to be filled in, and judge nothing.")
 @click.option("--against", metavar="OTHER", help="Compare FILE with this file, not with the scene's truth.")
-@click.option("--against-map", metavar="MAP.toml", help="The map of OTHER; --map unless given.")
+@click.option("--against-map", type=MAP, metavar="MAP.toml", help="The map of OTHER; --map unless given.")
 @click.option(
     "--error", "wanted", default="1e-6", show_default=True, metavar="E",
     help="What counts as agreement: a share of the scene, or a length as 1mm.",
 )  # fmt: skip
-@click.option("--t-end", type=float, metavar="T", callback=inputs.positive, help="Duration, s; the scene's own.")
+@click.option("--t-end", type=inputs.POSITIVE, metavar="T", help="Duration, s; the scene's own.")
 @click.option("--plot", metavar="FILE.html", help="Write the error over time, component by component.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @STORE
@@ -34,10 +38,10 @@ def command(
     scene: str,
     parameters: tuple[str, ...],
     keep_rates: tuple[str, ...],
-    map_file: str | None,
+    map_file: Path | None,
     write_map: str | None,
     against: str | None,
-    against_map: str | None,
+    against_map: Path | None,
     wanted: str,
     t_end: float | None,
     plot: str | None,
@@ -66,11 +70,11 @@ def command(
             return _begin_map(Path(file), chosen, write_map)
         with open_runs([chosen], store) as runs, console.progress(f"reading {file}") as report:
             if against is None:
-                read = read_motion(Path(file), chosen, _path(map_file), report=report)
+                read = read_motion(Path(file), chosen, map_file, report=report)
                 with console.awaited(f"computing the truth of {chosen.name} at the times of {file}, once"):
                     result = judged(chosen, read, truth_at(runs, chosen), limit)
             else:
-                files = (Path(file), _path(map_file)), (Path(against), _path(against_map or map_file))
+                files = (Path(file), map_file), (Path(against), against_map or map_file)
                 ours, theirs = in_common(chosen, files, report)
                 result = judgement(chosen, *as_truth(chosen, ours, theirs, Path(against).name), limit)
     except FileError as error:
@@ -78,10 +82,6 @@ def command(
     if drawing is not None:
         _draw(result, drawing)
     _answer(result, as_json)
-
-
-def _path(name: str | None) -> Path | None:
-    return None if name is None else Path(name)
 
 
 def _begin_map(file: Path, scene: Scene, target: str) -> None:

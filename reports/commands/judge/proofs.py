@@ -10,7 +10,7 @@ from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
 from reports import inputs
-from reports.commands.judge.prove import limit_option, need_flint, radius_option
+from reports.commands.judge.prove import LIMIT, RADIUS, bound, need_flint
 from reports.terminal.console import Failed, echo_json, number, progress, show_table
 
 NUMBERS = ("t_end", "reached", "radius", "steps", "prover_s", "checker_s", "log_bytes")
@@ -22,8 +22,8 @@ COLUMNS = (*NUMBERS, "distance", "turned", "uncertainty")
 @inputs.PARAMETERS
 @inputs.SHARD
 @click.option("--seed", type=int, metavar="N", help="Parameters off by at most a tenth, at random.")
-@radius_option(1e-18)
-@limit_option(60.0)
+@bound("--radius", 1e-18, RADIUS)
+@bound("--limit", 60.0, LIMIT)
 @click.option("--write", is_flag=True, help="Store the enclosures of certified scenes: their truths are then proven.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of proofs.")
 def command(
@@ -63,7 +63,7 @@ def command(
 
 def _covered() -> list[Scene]:
     """Return the scenes of all certificates, and all others of the library, that proofs cover."""
-    from cross_checks.truths.proofs.checker.coverage import complaints
+    from cross_checks.truths.proofs.coverage import complaints
 
     certified = [scenes.make(one.scene, **one.parameters) for one in certificate.every()]
     plain = [scenes.make(name) for name in known()]

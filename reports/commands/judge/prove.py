@@ -13,21 +13,13 @@ import numpy as np
 from reports import inputs
 from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show, table
 
-
-def radius_option(default: float) -> Any:
-    """Return the option of the largest radius."""
-    words = "Largest radius of an enclosure: m, rad, m/s, rad/s."
-    return click.option(
-        "--radius", type=float, default=default, show_default=True, metavar="R", callback=inputs.positive, help=words
-    )
+RADIUS = "Largest radius of an enclosure: m, rad, m/s, rad/s."
+LIMIT = "Limit of the prover's processor time for a scene, s."
 
 
-def limit_option(default: float) -> Any:
-    """Return the option of the prover's processor time."""
-    words = "Limit of the prover's processor time for a scene, s."
-    return click.option(
-        "--limit", type=float, default=default, show_default=True, metavar="S", callback=inputs.positive, help=words
-    )
+def bound(name: str, default: float, words: str) -> Any:
+    """Return an option whose value is positive."""
+    return click.option(name, type=inputs.POSITIVE, default=default, show_default=True, help=words)
 
 
 @click.command(name="prove", epilog="Example: mbs-ref prove double_pendulum --t-end 10 --radius 1e-25 -o double.log.gz")
@@ -38,10 +30,10 @@ def limit_option(default: float) -> Any:
     "--samples", type=click.IntRange(2), default=11, show_default=True, help="Output times from 0 to the end."
 )
 @click.option("--vary", metavar="P=V+-D", help="Enclose all scenes with the parameter P from V - D to V + D.")
-@radius_option(1e-15)
+@bound("--radius", 1e-15, RADIUS)
 @click.option("--inputs", "reading", type=click.Choice(["binary64", "decimal"]), default="binary64", show_default=True,
               help="The scene's numbers as engines run them, or the decimals as written.")  # fmt: skip
-@limit_option(600.0)
+@bound("--limit", 600.0, LIMIT)
 @click.option("--json", "as_json", is_flag=True, help="Print the enclosures as JSON.")
 @click.option("-o", "output", metavar="LOG", help="Write the log of the proof.")
 @click.option("--check", "log_file", metavar="LOG", help="Check a log instead; nothing of the prover is trusted.")
@@ -140,33 +132,40 @@ def _check(file: Path, as_json: bool) -> None:
     began = time.process_time()
     try:
         log = logs.read(file)
-        checked, enclosures = check(log)
+        proof = check(log)
     except Refused as error:
         raise Failed(f"{file} is refused: {error}") from error
     made = Scene.model_validate(log["scene"])
-    facts = {"scene": made.name, "inputs": log["inputs"], "radius": checked.radius, "reached": checked.proven_to,
-             "steps": checked.steps, "energy": "constant" if checked.energy else "not compared",
-             "unique": "yes" if checked.unique else "not in singular poses of its loops, where others may branch off",
+    facts = {"scene": made.name, "inputs": log["inputs"], "radius": proof.radius, "reached": proof.reached,
+             "steps": len(log["steps"]), "energy": "constant" if proof.model.mechanics.conserves else "not compared",
+             "unique": "not in singular poses of its loops, where others may branch off"
+             if proof.model.is_exhibited else "yes",
              "seconds": time.process_time() - began,
-             "impacts": [f"{name} at {t.str(25)} s" for name, t in checked.impacts]}  # fmt: skip
-    _show(facts, made, log["times"], enclosures, as_json)
+             "impacts": [f"{name} at {t.str(25)} s" for name, t in proof.impacts]}  # fmt: skip
+    _show(facts, made, log["times"], proof.enclosures, as_json)
 
 
 def _show(facts: dict[str, Any], scene: Any, times: list[float], enclosures: list[Any], as_json: bool) -> None:
     """Print the facts, and the enclosures: all as JSON, those at the last time for a person."""
     if as_json:
-        rows = [
-            {name: [x.str(40) for x in own] for name, own in zip(scene.body_names, at, strict=True)}
-            for at in enclosures
-        ]
+        rows = [dict(zip(scene.body_names, _digits(scene, at, 40), strict=True)) for at in enclosures]
         echo_json(facts | {"times": times[: len(rows)], "bodies": rows})
         return
     for name, value in facts.items():
         click.echo(f"{name}: {number(value) if isinstance(value, float) else value}")
     if enclosures:
-        listing = table(
-            f"at t = {times[len(enclosures) - 1]:g} s", "body", "place, turn, velocity, spin: m, rad, m/s, rad/s"
-        )
-        for name, own in zip(scene.body_names, enclosures[-1], strict=True):
-            listing.add_row(name, "  ".join(x.str(25) for x in own))
+        heads = "body", "place, turn, velocity, spin: m, rad, m/s, rad/s"
+        listing = table(f"at t = {times[len(enclosures) - 1]:g} s", *heads)
+        for name, own in zip(scene.body_names, _digits(scene, enclosures[-1], 25), strict=True):
+            listing.add_row(name, "  ".join(own))
         show(listing)
+
+
+def _digits(scene: Any, at: list[Any], count: int) -> list[list[str]]:
+    """Return the digits of place, turn, velocity and spin that each type of body has."""
+    turns: dict[str, tuple[Any, Any]] = {"planar": ([3], [13]), "spatial": (range(4, 8), range(11, 14))}
+    n, rows = scene.dimension, []
+    for body, own in zip(scene.bodies, at, strict=True):
+        turn, spin = turns.get(body.type, ((), ()))
+        rows.append([own[k].str(count) for k in (*range(n), *turn, *range(8, 8 + n), *spin)])
+    return rows

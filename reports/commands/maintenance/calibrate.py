@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from reports import inputs
-from reports.terminal import survey
+from reports.terminal import console
 from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 
 MOST_BELOW = 0.01  # share of the judged runs whose error may be above the estimate
@@ -17,13 +17,8 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
 @inputs.SHARD
-@click.option(
-    "--keep",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="File of JSON lines: runs that it holds are not repeated, new ones are added.",
-)
-@survey.table_file("calibration")
+@click.option("--keep", type=inputs.NEW_FILE, help="JSON lines: runs that it holds are not repeated, others are added.")
+@console.table_file("calibration")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
 def command(count: int, first: int, shard: str, keep: Path | None, target: Path | None, as_json: bool) -> None:
     """Compare error estimates of random runs with their errors. More accurate runs show the errors.
@@ -47,7 +42,7 @@ def command(count: int, first: int, shard: str, keep: Path | None, target: Path 
     if target:
         text = [calibration.to_dict(one) for one in below]
         facts = {"first": first, "runs": len(result), "table": rows, "below": text}
-        survey.write_table(facts, target)
+        console.write_table(facts, target)
     if as_json:
         echo_json({"table": rows, "runs": [calibration.to_dict(one) for one in result]})
     else:

@@ -2,7 +2,6 @@
 
 import html
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -13,11 +12,9 @@ from mbs_ref.atomic_file import write_atomic
 from reports import inputs
 from reports.terminal.console import NothingSelected, complain, echo_json, number, show_table
 
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
-
 
 @click.command(name="history", epilog="Example: mbs-ref history -o trends.html")
-@click.option("--file", "file", type=FILE, default="reports/out/history.jsonl", show_default=True, help="The lines.")
+@click.option("--file", type=inputs.FILE, default="reports/out/history.jsonl", show_default=True, help="The lines.")
 @click.option("--series", "text", default="", metavar="TEXT", help="Only series whose name holds this.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option("-o", "output", metavar="FILE.html", help="Draw the trends.")
@@ -35,17 +32,14 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
 
         write_trends(result, changes, target)
     if as_json:
-        echo_json({name: _facts(entries, changes[name]) for name, entries in result.items()})
+        echo_json({name: {"values": [e.value for e in own], "changes": [own[k].made for k in changes[name]]}
+                   for name, own in result.items()})  # fmt: skip
         return
     rows = []
     for name, entries in result.items():
         last, when = entries[-1], ", ".join(entries[k].made for k in changes[name])
         rows.append((name, len(entries), number(last.value), last.unit, last.verdict, when or "never"))
     show_table("", ("series", "jobs", "last", "unit", "verdict", "changed at"), rows)
-
-
-def _facts(entries: list[Entry], changes: list[int]) -> dict[str, Any]:
-    return {"values": [e.value for e in entries], "changes": [entries[k].made for k in changes]}
 
 
 TITLES = {"1": "ratio to the job's own baseline", "s": "time, s"}

@@ -5,13 +5,12 @@ from pathlib import Path
 import click
 
 from cross_checks.records.store import Store, default_path
+from reports import inputs
 from reports.query import STORE
-
-FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.command(name="merge", epilog="Example: mbs-ref merge part-1.sqlite part-2.sqlite")
-@click.argument("others", nargs=-1, required=True, type=FILE, metavar="FILE.sqlite...")
+@click.argument("others", nargs=-1, required=True, type=inputs.FILE, metavar="FILE.sqlite...")
 @STORE
 def command(others: tuple[Path, ...], store: str | None) -> None:
     """Add the runs of other stores to the store. They are of shards or other machines."""

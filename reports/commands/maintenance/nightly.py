@@ -17,14 +17,13 @@ from benchmarks.record_changes import Move
 from benchmarks.trees import regression
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
+from reports import inputs
 from reports.commands.maintenance.compare import end, findings_of
 from reports.commands.maintenance.history import write_trends
 from reports.facts.environment import environment
 from reports.query import sweep_records
 from reports.terminal.console import NothingSelected, complain
 
-FILE = click.Path(dir_okay=False, path_type=Path)
-FOLDER = click.Path(file_okay=False, path_type=Path)
 SWEPT = tomllib.loads((files("reports") / "scenes.toml").read_text(encoding="utf-8"))["nightly"]
 ERROR = 1e-6  # of the scene, at which the cheapest loop times are followed
 Where = tuple[str, str, str, str]  # job, made, commit, machine
@@ -32,12 +31,10 @@ Where = tuple[str, str, str, str]  # job, made, commit, machine
 
 @click.command(name="nightly", epilog="Example: mbs-ref nightly")
 @click.option("--baseline", default="HEAD~1", show_default=True, help="A folder or git revision to compare with.")
-@click.option("--bench", type=FILE, help="A pytest-benchmark JSON file to add to the history.")
-@click.option("--file", type=FILE, default="reports/out/history.jsonl", show_default=True, help="The history.")
-@click.option(
-    "--sweeps", type=FOLDER, help="Sweep the default scenes into this folder; the previous sweep is moved beside it."
-)
-@click.option("--trends", type=FILE, help="Draw the history to this HTML file.")
+@click.option("--bench", type=inputs.NEW_FILE, help="A pytest-benchmark JSON file to add to the history.")
+@click.option("--file", type=inputs.NEW_FILE, default="reports/out/history.jsonl", show_default=True, help="History.")
+@click.option("--sweeps", type=inputs.FOLDER, help="Sweep the default scenes into this folder; the last is moved.")
+@click.option("--trends", type=inputs.NEW_FILE, help="Draw the history to this HTML file.")
 @click.option("--only", metavar="TEXT", default="", help="Only the cases and scenes whose name holds this.")
 def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, trends: Path | None, only: str) -> None:
     """Time this tree against the baseline and state changes. They are stored in the history.
@@ -90,7 +87,7 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
 
 
 def _report_history(file: Path, trends: Path | None) -> None:
-    """Say which series reached a new level these nights, and draw them all."""
+    """Print which series reached a new level these nights, and draw them all."""
     entries, problems = history.read(file)
     complain(problems)
     result = history.series(entries)

@@ -14,7 +14,7 @@ from cross_checks.judge.vocabulary import OURS, WRONG, Cell
 from cross_checks.records.numbers import short
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
-from reports.commands.publish.show import FOLDER, last_report
+from reports.commands.publish.show import last_report
 from reports.facts.cheapest import standings
 from reports.facts.report_data import ReportData
 from reports.page.render import templates
@@ -25,7 +25,9 @@ from reports.page.slug import slug
 
 @click.command(name="board", epilog="Example: mbs-ref board -o board.html")
 @click.option("-o", "output", default="board.html", show_default=True, metavar="FILE.html", help="Where to write.")
-@click.option("--from", "folder", default="reports/out", show_default=True, type=FOLDER, help="Where the report is.")
+@click.option(
+    "--from", "folder", default="reports/out", show_default=True, type=inputs.FOLDER, help="Where the report is."
+)
 def command(output: str, folder: Path) -> None:
     """Write one page from the last report, to be published.
 

@@ -18,7 +18,6 @@ EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` wrot
 FORMS = ("html", "single", "md", "latex", "pdf", "csv")
 FORM_HELP = "html: pages; single: one HTML file to mail; the others are one file, too."
 TARGET = click.Choice([short(target) for target in TARGETS])
-FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
 @click.command(name="report", epilog="Example: mbs-ref report --quick")
@@ -32,7 +31,7 @@ FOLDER = click.Path(file_okay=False, path_type=Path)
 @click.option("--format", "form", default=FORMS[0], show_default=True, type=click.Choice(FORMS), help=FORM_HELP)
 @click.option("--text", is_flag=True, help="Print advice, prices, verdicts and small plots, too.")
 @SCHEDULER
-@click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER)
+@click.option("-o", "folder", default="reports/out", show_default=True, type=inputs.FOLDER)
 def command(
     open_it: bool, quick: bool, render_only: bool, retime: bool, scenes: tuple[str, ...], engines: tuple[str, ...],
     targets: tuple[str, ...], form: str, text: bool, scheduler: str | None, folder: Path,

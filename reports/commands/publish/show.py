@@ -1,32 +1,29 @@
 """mbs-ref show: a scene of the last report in the terminal."""
 
-import csv
-import io
-import sys
 from pathlib import Path
 
 import click
 
 from cross_checks.judge.vocabulary import Refused, refusals
-from cross_checks.records.cost import known_error, loop_time, usable
+from cross_checks.records.record import known_error, loop_time, usable
 from mbs_ref.scene.messages import suggest
+from reports import inputs
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
 from reports.page.build import read_data
 from reports.page.files import PRICES, VERDICTS, price_rows
 from reports.page.sections.matrix import view
 from reports.page.sections.overview import counted
+from reports.poses_file import csv_table
 from reports.terminal.console import NothingSelected, echo_json, show_table
 from reports.terminal.text_plot import text_plot
-
-FOLDER = click.Path(file_okay=False, path_type=Path)
 
 
 @click.command(name="show", epilog="Example: mbs-ref show pendulum_chain links=10")
 @click.argument("scene", nargs=-1)
 @click.option("--csv", "as_csv", is_flag=True, help="Print the prices as CSV.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: cells and prices.")
-@click.option("-o", "folder", default="reports/out", show_default=True, type=FOLDER, help="Where the report is.")
+@click.option("-o", "folder", default="reports/out", show_default=True, type=inputs.FOLDER, help="Where the report is.")
 def command(scene: tuple[str, ...], as_csv: bool, as_json: bool, folder: Path) -> None:
     """Print the last report's results on SCENE. That is cost at equal error, and every verdict.
 
@@ -62,9 +59,8 @@ def _print(data: ReportData, label: str, as_csv: bool, as_json: bool) -> None:
         rows = [dict(zip(PRICES, row, strict=True)) for row in prices]
         echo_json({"scene": label, "cells": [cell.to_dict() for cell in data.cells], "prices": rows})
     elif as_csv:
-        out = io.StringIO()
-        csv.writer(out, lineterminator="\n").writerows([["scene", *PRICES], *([label, *row] for row in prices)])
-        sys.stdout.write(out.getvalue())
+        columns = zip(*prices, strict=True) if prices else [[] for _ in PRICES]
+        click.echo(csv_table({"scene": [label] * len(prices), **dict(zip(PRICES, columns, strict=True))}), nl=False)
     else:
         _tables(data, label, prices)
 

@@ -18,7 +18,7 @@ from reports.terminal.console import EngineAbsent, Failed, progress
 @click.option("--t-end", type=float, metavar="T", help="Duration, s; the scene's own unless given.")
 @click.option("--frames", type=click.IntRange(2, 1000), default=81, show_default=True, help="Pictures in the GIF.")
 @click.option("--strip", type=click.IntRange(1, 64), default=8, show_default=True, help="Pictures in the filmstrip.")
-@click.option("--seconds", type=float, default=4.0, show_default=True, callback=inputs.positive, help="It plays for.")
+@click.option("--seconds", type=inputs.POSITIVE, default=4.0, show_default=True, help="It plays for.")
 @click.option("--project-initial", is_flag=True, help="Project inconsistent initial conditions.")
 @inputs.ENGINES
 @click.option("--mp4", "video", is_flag=True, help="Write FILE.mp4 as well; needs the package av.")

@@ -9,8 +9,7 @@ import numpy as np
 from mbs_ref.integrators import integrators
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.traits import traits
-from mbs_ref.simulate.linearised.steady_motion import SteadyMotion, steady_motion_at_start
-from mbs_ref.simulate.linearised.stiffness import Stiffness, stiffness_at_start
+from mbs_ref.simulate.linearised import Stiffness, steady_motion_at_start, stiffness_at_start
 from reports import inputs
 from reports.scene_summary import summary
 from reports.terminal.console import compiling, echo_json, number, show_table
@@ -29,7 +28,8 @@ def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...]
     click.get_current_context().with_resource(compiling())
     chosen = inputs.scene(scene, parameters, keep_rates)
     speed = scales_of(chosen).speed
-    results = stiffness_at_start(chosen, speed)
+    results, steady = stiffness_at_start(chosen, speed), steady_motion_at_start(chosen)
+    dominant = results.modes[np.argsort(-np.abs(results.modes))][:SHOWN]
     result: dict[str, Any] = {
         "scene": chosen.name,
         "summary": summary(chosen).sentence(),
@@ -38,7 +38,7 @@ def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...]
         "contacts": len(chosen.contacts),
         "fastest_1_s": results.fastest,
         "fastest_decay_1_s": results.fastest_decay,
-        "eigenvalues_1_s": [[value.real, value.imag] for value in _dominant(results)],
+        "eigenvalues_1_s": [[value.real, value.imag] for value in dominant.tolist()],
         "rule_1_over_omega_s": _finite(results.oscillation_rule),
         "rule_m_over_c_s": _finite(results.damping_rule),
         "largest_step_s": _steps(results, chosen.duration),
@@ -47,7 +47,7 @@ def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...]
             {"stiffness_N_m": float(slope), "largest_step_s": _steps(results.of_contact(k), chosen.duration)}
             for k, slope in enumerate(results.contact_slopes)
         ],
-        "steady_motion_1_s": _modes(steady_motion_at_start(chosen)),
+        "steady_motion_1_s": steady.reason or [[value.real, value.imag] for value in steady.eigenvalues.tolist()],
     }
     if as_json:
         echo_json(result)
@@ -71,16 +71,6 @@ def _closed(contact: dict[str, Any], speed: float) -> str:
         return "impulses or a constraint act, and stability limits no step"
     at = f"at {number(contact['stiffness_N_m'])} N/m (impact at {number(speed)} m/s)"
     return f"{at} the step after contact is at most {_cell(contact['largest_step_s'])}"
-
-
-def _dominant(results: Stiffness) -> list[complex]:
-    modes = results.modes
-    return [complex(value) for value in modes[np.argsort(-np.abs(modes))][:SHOWN]]
-
-
-def _modes(results: SteadyMotion) -> str | list[list[float]]:
-    """Return the eigenvalues about the motion at the start, or why there are none."""
-    return results.reason or [[value.real, value.imag] for value in results.eigenvalues.tolist()]
 
 
 def _finite(value: float) -> float | None:

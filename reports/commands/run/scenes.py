@@ -10,14 +10,12 @@ from mbs_ref.scene.toml import SceneFileError, write_scene
 from reports import inputs
 from reports.terminal.console import Failed, echo_json, show_table
 
-FOLDER = click.Path(file_okay=False, path_type=Path)
-
 
 @click.command(name="scenes", epilog="Example: mbs-ref scenes pendulum slider_crank --files scenes")
 @click.argument("names", nargs=-1, metavar="[NAME...]")
 @click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE", help="A parameter of the one scene to write.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-@click.option("--files", "folder", type=FOLDER, help="Write the scenes into this folder as TOML files.")
+@click.option("--files", "folder", type=inputs.FOLDER, help="Write the scenes into this folder as TOML files.")
 @click.option("--schema", "form", flag_value="schema", help="Print the JSON Schema of scene files, for editors.")
 @click.option("--reference", "form", flag_value="page", help="Print the reference of scene files in Markdown.")
 def command(

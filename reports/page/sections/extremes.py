@@ -41,20 +41,17 @@ def context(data: ReportData) -> dict[str, Any]:
 
 
 def _extreme(extreme: Extreme, cells: list[Cell]) -> dict[str, Any]:
+    shown = [cell for cell in cells if cell.points]
     return {
         "name": extreme.name,
         "title": extreme.title,
         "chart": chart(cells, extreme.axis),
-        "advice": [_advice(extreme, engine, list(own)) for engine, own in _by_engine(cells)],
+        "advice": [_advice(extreme, engine, list(own)) for engine, own in groupby(shown, lambda c: c.engine)],
     }
 
 
-def _by_engine(cells: list[Cell]):
-    return groupby([cell for cell in cells if cell.points], key=lambda c: c.engine)
-
-
 def _advice(extreme: Extreme, engine: str, cells: list[Cell]) -> dict[str, str]:
-    """Say how far an engine's furthest method goes, and what comes next."""
+    """Return how far an engine's furthest method goes, and what fails next."""
     best = max(cells, key=lambda c: _reach(extreme, c))
     tied = [c.method for c in cells if _reach(extreme, c) == _reach(extreme, best)]
     lying = [c.method for c in cells if c.fate is Fate.SILENTLY_WRONG]

@@ -9,7 +9,7 @@ from cross_checks.judge.convergence import calibration, model
 from cross_checks.judge.vocabulary import MEANINGS
 from cross_checks.prices import timing
 from cross_checks.prices.timing import BUSY
-from cross_checks.records.cost import is_busy, is_timed
+from cross_checks.records.record import is_busy, is_timed
 from reports.facts.cheapest import INSIDE
 from reports.facts.report_data import ReportData, Section
 
@@ -44,9 +44,9 @@ ENVIRONMENT = Section("environment", "Environment", ENVIRONMENT_LEAD, lambda dat
 
 
 TRUTHS_LEAD = (
-    "What the errors are measured from. An error below 30 times the truth's uncertainty is not "
-    "resolved. A truth is proven (enclosed by a proof; mbs-ref proofs repeats it), certified (two unlike ways agree; "
-    "mbs-ref certify recomputes it), or what engines agree on."
+    "What the errors are measured from. The exact motion is within a truth's uncertainty with a probability of 95 %; "
+    "no error below it is judged. A truth is proven (enclosed by a proof; mbs-ref proofs repeats it), certified (two "
+    "unlike ways agree; mbs-ref certify recomputes it), or what engines agree on."
 )
 
 

@@ -6,9 +6,9 @@ from statistics import median
 from typing import Any
 
 from cross_checks.judge.vocabulary import OURS, SILENT, Verdict
-from cross_checks.records.cost import known_error, loop_time, usable
 from cross_checks.records.numbers import count, duration, of_scene, short
 from cross_checks.records.plots.plot import add_series, lines, new_figure, style_of, to_data
+from cross_checks.records.record import known_error, loop_time, usable
 from reports.facts.cheapest import MIDDLE, entries
 from reports.facts.report_data import ReportData, Section
 from reports.page.slug import engine_file, scene_file

@@ -5,11 +5,10 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from cross_checks.records.cost import best_of_engines, known_error, usable
 from cross_checks.records.numbers import duration, setting, short
 from cross_checks.records.plots.of_runs import compliance, energy, error_history
 from cross_checks.records.plots.plot import Figure, add_series, lines, new_figure, styles, to_data
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, best_of_engines, known_error, usable
 from reports.facts.report_data import ReportData, Section
 
 
@@ -69,17 +68,13 @@ def convergence(records: list[Record], over: str, orders: dict[tuple[str, str], 
         own = sorted((r for r in drawn if (r.engine, r.method) == (engine, method)), key=lambda r: r.settings[over])
         if own:
             x, y = [r.settings[over] for r in own], [r.error.value for r in own if r.error]
-            text = [lines(f"{engine} · {method}", setting(r.settings), f"error {_of_scene_text(r)}") for r in own]
+            label, errors = f"{engine} · {method}", [f"error {short(value)} of the scene" for value in y]
+            text = [lines(label, setting(r.settings), error) for r, error in zip(own, errors, strict=True)]
             add_series(figure, engine, method, style, x, y, text=text, hovertemplate="%{text}<extra></extra>")
     if over == "step":
         for order in sorted({orders[r.engine, r.method] for r in drawn if (r.engine, r.method) in orders}):
             _slope_triangle(figure, [r for r in drawn if orders.get((r.engine, r.method)) == order], order)
     return to_data(figure)
-
-
-def _of_scene_text(record: Record) -> str:
-    assert record.error is not None
-    return f"{short(record.error.value)} of the scene"
 
 
 def _slope_triangle(figure: Figure, records: list[Record], order: int) -> None:

@@ -3,9 +3,9 @@
 from typing import Any
 
 from cross_checks.judge.vocabulary import ANSWERS, OURS
-from cross_checks.records.cost import is_busy, is_timed, known_error, loop_time, usable
 from cross_checks.records.numbers import duration, metres, setting, short
 from cross_checks.records.plots.of_runs import work_precision
+from cross_checks.records.record import is_busy, is_timed, known_error, loop_time, usable
 from reports.facts.cheapest import INSIDE, Entry, entries, over_cheapest
 from reports.facts.report_data import ReportData, Section
 from reports.page.slug import command
@@ -89,7 +89,7 @@ def pick_rows(data: ReportData) -> list[dict[str, Any]]:
             "method": r.method,
             "setting": setting(r.settings),
             "error": known_error(r),
-            "floor": r.error.floor if r.error else 0.0,
+            "floor": r.error.uncertainty if r.error else 0.0,
             "compliance": r.measure("compliance_position"),
             "ms": r.times["loop_s"] * 1e3,
             "command": command(r),

@@ -26,10 +26,10 @@ from mbs_ref.observables.distance import distances
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.trajectory import Status, Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, plain
-from reports.studies.crash import IMPACTS, NAMES, SIMPLIFIED, VERTEBRAL, with_test
+from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, VERTEBRAL, with_test
 
 PAPER_STEP = 1e-4  # s, Fox 1999
 PAPER_CRASH = f"{SIMPLIFIED}, front"
@@ -61,11 +61,11 @@ SHOWN = {  # on 48 bodies what takes seconds
 def measure() -> Measured:
     """Run everything; the vertebral android's truths are stored on disk."""
     measured = Measured()
-    scenes_run = [scenes.make(name, impact=impact) for name, impact in product(NAMES, IMPACTS)]
+    scenes_run = [scenes.make(name, impact=impact, **PAPER) for name, impact in product(NAMES, IMPACTS)]
     for scene in scenes_run:
         add_convergence(measured, scene, _fine(add_numerics(measured, scene)))
     for name in NAMES:
-        add_stable(measured, scenes.make(name))
+        add_stable(measured, scenes.make(name, **PAPER))
     with Store(default_path()) as store:
         measured.tables["engines"] = tuple(row for scene in scenes_run for row in peers(Runs(store), scene))
     return measured
@@ -222,13 +222,13 @@ def parts() -> list[tuple[str, str, str, str]]:
     """Return every search as android, impact, engine and method."""
     crashes = list(product(NAMES, IMPACTS))
     return [(*crash, name, method.name) for crash in crashes
-            for name, method in entrants(scenes.make(crash[0], impact=crash[1]))]  # fmt: skip
+            for name, method in entrants(scenes.make(crash[0], impact=crash[1], **PAPER))]  # fmt: skip
 
 
 def make(part: tuple[str, str, str, str]) -> None:
     """Search once: the store keeps the runs, which `measure` reads."""
     name, impact, engine, chosen = part
-    scene, method = scenes.make(name, impact=impact), engines.get(engine).method(chosen)
+    scene, method = scenes.make(name, impact=impact, **PAPER), engines.get(engine).method(chosen)
     with Store(default_path()) as store:
         runs = Runs(store)
         search(runs, scene, engine, method, runs.truth(scene), PEER_TARGETS[method.kind])

@@ -2,7 +2,6 @@
 
 import tomllib
 from collections.abc import Callable, Sequence
-from functools import partial
 from importlib.resources import files
 from typing import Any
 
@@ -21,7 +20,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Measured
-from reports.studies.crash import deepest, largest_gap
+from reports.studies.crash import deepest, finished, largest_gap
 from reports.studies.models.choice import Ladder, Rung
 from reports.studies.sky.measure import observed
 
@@ -122,25 +121,15 @@ def ladder(title: str, note: str, measured: str, models: Sequence[Model], text: 
 
     `by_last`: the last model is what the others are held against.
     """
-    paths = [_run(title, *model) for model in models]
-    again = [partial(_loop_time, scene, settings) for _, scene, settings in models]
+    paths = [finished(scene, settings) for _, scene, settings in models]
+    again = [lambda scene=scene, settings=settings: simulate(scene, settings).timing.loop_s
+             for _, scene, settings in models]  # fmt: skip
     best, rungs = least_times(again, [path.timing.loop_s for path in paths], alone=True), []
     for (name, scene, _), path, seconds in zip(models, paths, best, strict=True):
         shown, accuracy = text(scene, path, models[-1][1], paths[-1])
         rungs.append(Rung(name, seconds, int(path.rhs_calls), shown, accuracy))
     reference = models[-1][0] if by_last else ""
     return Ladder(title, note, _method(models[0][2], models), measured, tuple(rungs), reference)
-
-
-def _run(title: str, name: str, scene: Scene, settings: Settings) -> Trajectory:
-    path = simulate(scene, settings)
-    if not path.ok:
-        raise RuntimeError(f"{title}, {name}: {path.message}")
-    return path
-
-
-def _loop_time(scene: Scene, settings: Settings) -> float:
-    return simulate(scene, settings).timing.loop_s
 
 
 def _method(first: Settings, models: Sequence[Model]) -> str:

@@ -19,9 +19,8 @@ from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell
 from cross_checks.prices.timing import least_times
-from cross_checks.records.cost import loop_time
 from cross_checks.records.numbers import duration, setting, short
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, loop_time
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes

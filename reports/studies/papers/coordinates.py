@@ -14,12 +14,13 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import Coordinates
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from reports.studies.crash import PAPER
 
 TREES = {  # name, its scene, and how long (s) the motions are compared
     "chain": ("pendulum_chain", {"links": 10}, 1.0),
     "balls": ("spatial_chain", {"links": 10}, 1.0),
-    "simplified": ("android_simplified", {}, 0.2),
-    "vertebral": ("android_vertebral", {}, 0.2),
+    "simplified": ("android_simplified", PAPER, 0.2),
+    "vertebral": ("android_vertebral", PAPER, 0.2),
 }
 FINE = 1e-11  # rtol
 CALLS = 2000  # of bodies' right-hand sides in one sample: about a millisecond

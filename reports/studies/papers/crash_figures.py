@@ -7,20 +7,21 @@ import numpy as np
 from mbs_ref import scenes
 from mbs_ref.crash.outlines import outlines
 from mbs_ref.crash.results import crash_results
+from mbs_ref.crash.stops import tension
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.distance import Partial, farthest
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.contact import CircleOnLine
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Status
+from mbs_ref.trajectory import Status, Trajectory
 from reports.facts.curves import Film, Measured, Row, Value, film
-from reports.studies.crash import BELIEVABLE, FINE, IMPACTS, deepest, finished, forces, largest_gap, with_test
+from reports.studies.crash import FINE, IMPACTS, PAPER, deepest, finished, forces, largest_gap, with_test
 
 PICTURES = 9  # 0.025 s apart to 0.2 s
 SHOWN = {
     "simplified": ("head", "thorax", "bottom", "seat_base", "seat_back"),
-    "vertebral": ("head", "C1", "C2", "C3", "C4", "C5", "C6"),
+    "vertebral": ("head", "C1", "C2", "C3", "C4", "C5", "C6", "T6", "L3"),
 }
 FIGURES = {  # of Fox 1999: android, kind of force, caption
     "Fig. 3": ("simplified", "external", "external forces Q_e"),
@@ -37,7 +38,7 @@ METHODS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
 
 def measure_crash() -> Measured:
     """Run both androids from the front, and what the claims name beside what the studies of the crashes measure."""
-    built = {kind: scenes.make(f"android_{kind}") for kind in SHOWN}
+    built = {kind: scenes.make(f"android_{kind}", **PAPER) for kind in SHOWN}
     paths = {kind: finished(scene) for kind, scene in built.items()}
     results = {kind: crash_results(built[kind], paths[kind]).forces for kind in built}
     figures: dict[str, Value] = {}
@@ -45,11 +46,12 @@ def measure_crash() -> Measured:
         figures |= _believable(kind)
         for method, more in METHODS[kind]:
             figures |= method_figures(scene, method, more)
+    figures |= _touching(built["simplified"], paths["simplified"])
     figures["vertebral.rk4.refusal"] = simulate(built["vertebral"], Settings(method="rk4", step=1e-4)).message
     figures |= _constraints(built["simplified"]) | _in_space(built["simplified"])
     films = {
-        "Fig. 1": _film("simplified", 15_500.0), "Fig. 2": film(built["vertebral"], paths["vertebral"], 5),
-        "Fig. 2, joints that stop and parts that touch": _film("vertebral", 15_000.0, **BELIEVABLE),
+        "Fig. 1": _film("simplified", 15_500.0, **PAPER), "Fig. 2": film(built["vertebral"], paths["vertebral"], 5),
+        "Fig. 2, joints that stop and parts that touch": _film("vertebral", 15_000.0),
     }  # fmt: skip
     drawn = {}
     for name, (kind, field, caption) in FIGURES.items():
@@ -58,11 +60,21 @@ def measure_crash() -> Measured:
     return Measured(figures, {}, drawn, films)
 
 
+def _touching(scene: Scene, path: Trajectory) -> dict[str, Value]:
+    """Return the foot's largest contact forces (N), and how often what acts on the seat back sets in or lets go."""
+    motion, pushes = Motion(scene, path), {name: np.hypot(*own[:, 1:3].T) for name, own in path.contacts.items()}
+    belts = [tension(motion, load) for load in scene.loads if isinstance(load, SpringDamper)]
+    on_back = [*(force for name, force in pushes.items() if name.endswith(".seat_back")), *belts]
+    changes = sum(int(np.count_nonzero(np.diff(force > 0.0))) for force in on_back)
+    feet = {f"foot.{point}": float(pushes[f"foot.{point}.floor"].max()) for point in ("heel", "ball")}
+    return {"seat_back.parts": len(on_back), "seat_back.changes": changes, **feet}
+
+
 def _in_space(planar: Scene) -> dict[str, Value]:
     """Return what the android in space does: straight, against the planar one, and obliquely."""
     fine = Settings(rtol=1e-12, samples=21, estimate="off", reactions=False)
-    flat, straight = (simulate(scene, fine) for scene in (planar, scenes.make("android_spatial", oblique=0.0)))
-    path = simulate(scenes.make("android_spatial"), fine)
+    flat, straight = (simulate(scene, fine) for scene in (planar, scenes.make("android_spatial", oblique=0.0, **PAPER)))
+    path = simulate(scenes.make("android_spatial", **PAPER), fine)
     within = Partial(straight.position[:, :, :2])
     apart = farthest(planar, within, flat)[0] if straight.ok else straight.message
     return {
@@ -74,7 +86,7 @@ def _in_space(planar: Scene) -> dict[str, Value]:
 def _constraints(scene: Scene) -> dict[str, Value]:
     """Return the work of the crash with every contact force replaced by a constraint (Fox 2001), and without."""
     settings = FINE.model_copy(update={"rtol": 1e-6, "samples": 41})
-    one, other = simulate(scene, settings), simulate(scenes.make(scene.name, law="constraint"), settings)
+    one, other = simulate(scene, settings), simulate(scenes.make(scene.name, law="constraint", **PAPER), settings)
     return {
         "contacts.steps": float(one.steps), "constraints.steps": float(other.steps),
         "constraints.status": str(other.status) if other.ok else other.message,
@@ -91,10 +103,10 @@ def _believable(kind: str) -> dict[str, Value]:
     """Return what stops and contacts change, front and rear."""
     figures: dict[str, Value] = {}
     for impact in IMPACTS:
-        scene = scenes.make(f"android_{kind}", impact=impact, **BELIEVABLE)
+        scene = scenes.make(f"android_{kind}", impact=impact)
         figures[f"{kind}.{impact}.believable_deepest"] = deepest(scene, finished(scene))
     for restraint in ("integral", "separate", "none"):
-        scene = scenes.make(f"android_{kind}", impact="rear", head_restraint=restraint, **BELIEVABLE)
+        scene = scenes.make(f"android_{kind}", impact="rear", head_restraint=restraint)
         result = crash_results(scene, finished(scene))
         figures[f"{kind}.rear.{restraint}.HIC36"] = result.measures["HIC36"]
         figures[f"{kind}.rear.{restraint}.Nij"] = result.measures["Nij"]
@@ -118,11 +130,11 @@ def method_figures(scene: Scene, method: str, more: dict[str, Any]) -> dict[str,
 MOMENTS = 8  # 0.025 s apart
 ARMS = ("upper_arm", "lower_arm", "hand")
 DRAWN: dict[str, tuple[str, dict[str, Any]]] = {
-    "48 bodies, front, bare": ("vertebral", {}),
-    "48 bodies, front, stops and contacts": ("vertebral", BELIEVABLE),
-    "13 bodies, rear, bare": ("simplified", {"impact": "rear"}),
-    "13 bodies, rear, stops and contacts": ("simplified", {"impact": "rear", **BELIEVABLE}),
-    "13 bodies, rear, no head restraint": ("simplified", {"impact": "rear", "head_restraint": "none", **BELIEVABLE}),
+    "48 bodies, front, bare": ("vertebral", PAPER),
+    "48 bodies, front, stops and contacts": ("vertebral", {}),
+    "13 bodies, rear, bare": ("simplified", {"impact": "rear", **PAPER}),
+    "13 bodies, rear, stops and contacts": ("simplified", {"impact": "rear"}),
+    "13 bodies, rear, no head restraint": ("simplified", {"impact": "rear", "head_restraint": "none"}),
 }
 # a shape: time (s), kind (body | arm | seat), both ends and the radius (m)
 RUN = Settings(rtol=1e-7, samples=MOMENTS + 1, estimate="off", reactions=False)
@@ -142,7 +154,9 @@ def _moments(scene: Scene) -> tuple[Row, ...]:
     seats = {
         part.body_b: [motion.point(part.body_b, end)[0] for end in (part.point_1, part.point_2)]
         for part in scene.contacts
-        if isinstance(part, CircleOnLine) and part.body_b.startswith("seat") and ".restraint." not in part.name
+        if isinstance(part, CircleOnLine)
+        and part.name.endswith((".seat_base", ".seat_back"))
+        and ".restraint." not in part.name
     }
     shown: list[Row] = []
     for k, time in enumerate(map(float, path.times[1:]), 1):

@@ -13,10 +13,10 @@ from mbs_ref.observables.distance import farthest
 from mbs_ref.scene.euler_parameters import parameter_matrix
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.trajectory import Status
 from reports.facts.curves import Curves, Measured, Value, plain
-from reports.studies.crash import BELIEVABLE, finished, largest_gap, with_test
+from reports.studies.crash import PAPER, finished, largest_gap, with_test
 from reports.studies.papers.crash_figures import AS_THEY_RAN
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -29,7 +29,7 @@ def measure_lessons() -> tuple[Measured, ...]:
 
 def lsodar_series() -> Measured:
     """Run LSODAR on the vertebral android at ever finer tolerances, under the papers' test |C| < h and without it."""
-    scene, figures = scenes.make("android_vertebral"), {}
+    scene, figures = scenes.make("android_vertebral", **PAPER), {}
     for rtol in TOLERANCES:
         settings = Settings(method="lsodar", rtol=rtol, **AS_THEY_RAN)
         test = simulate(scene, settings.model_copy(update={"stop_on_compliance": True}))
@@ -54,7 +54,7 @@ def step_rules() -> dict[str, Value]:
     """
     figures: dict[str, Value] = {}
     for kind in ("simplified", "vertebral"):
-        scene = scenes.make(f"android_{kind}")
+        scene = scenes.make(f"android_{kind}", **PAPER)
         stiff, path = stiffness_at_start(scene), finished(scene)
         system = compile_scene(scene)
         mobility = system.contact_oscillators(0.0, system.initial_state(), 0.0)[:, 0]
@@ -126,7 +126,7 @@ def crash_range() -> Measured:
     for mass, duration, speed in product(MASSES, DURATIONS, SPEEDS):
         mean = mass * speed / 3.6 / duration  # N, Fox 1999 eq. 35
         crash = {"mass": mass, "speed_change_km_h": speed, "peak_force": 0.5 * math.pi * mean}
-        scene = scenes.make("android_simplified", **crash, **BELIEVABLE)
+        scene = scenes.make("android_simplified", **crash)
         rows.append((mass, duration, speed, crash_results(scene, finished(scene)).measures["HIC36"]))
         forces.append(mean)
     table = np.array(rows)

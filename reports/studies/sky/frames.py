@@ -64,7 +64,8 @@ def _rows(astropy: Any) -> Iterator[Row]:
         lambda: np.array([ephemeris.state(body, START)[1] for body in PLANETS]),
         lambda: np.array([astropy.velocity(source, body, START) for body in PLANETS]),
     )  # fmt: skip
-    yield _row("TDB - UTC", "s", lambda: np.array([TAI_UTC + 32.184 + _periodic(START)]),
+    periodic = 0.001658 * np.sin(np.radians(357.53 + 0.98560028 * (START - J2000)))  # s, largest term of TDB - TT
+    yield _row("TDB - UTC", "s", lambda: np.array([TAI_UTC + 32.184 + periodic]),
                lambda: np.array(astropy.clocks(START)[:1]))  # fmt: skip
 
 
@@ -81,11 +82,6 @@ def _timed(call: Callable[[], np.ndarray]) -> tuple[np.ndarray, float]:
     call()
     began = time.perf_counter()
     return call(), time.perf_counter() - began
-
-
-def _periodic(jd: float) -> float:
-    """Return the largest term of TDB - TT (s)."""
-    return 0.001658 * np.sin(np.radians(357.53 + 0.98560028 * (jd - J2000)))
 
 
 def seen(astropy: Any, source: str, body: str, jd: float, steps: int, moving: bool) -> np.ndarray:

@@ -77,7 +77,8 @@ def add_levels(measured: Measured, records: Sequence[Record]) -> None:
     lines = {body: tuple(record.figures.get(body) for record in judged) for body in bodies}
     labels = "significant figures", "physics in the model"
     measured.curves["Figures against physics"] = Curves(tuple(names), lines, *labels, marks="lines+markers")
-    gains = [gain for before, after in pairwise(_full_steps(judged)) for gain in _gains(before, after)]
+    steps = [record for record in judged if record.parameters["model"] != "gr_sun"]  # each contains the one before
+    gains = [gain for before, after in pairwise(steps) for gain in _gains(before, after)]
     if gains:
         first, last = worst_planet(judged[0]), worst_planet(judged[-1])
         measured.figures.update({"levels.gains": "; ".join(gains), "levels.first": first, "levels.last": last})
@@ -86,11 +87,6 @@ def add_levels(measured: Measured, records: Sequence[Record]) -> None:
 def worst_planet(record: Record) -> float:
     """Return the fewest figures of any planet."""
     return min(value for name, value in record.figures.items() if name != "moon")
-
-
-def _full_steps(records: Sequence[Record]) -> list[Record]:
-    """Return the levels of which each contains the one before."""
-    return [record for record in records if record.parameters["model"] != "gr_sun"]
 
 
 def _gains(before: Record, after: Record) -> list[str]:

@@ -16,7 +16,7 @@ from cross_checks.conformance.examine import examine
 from cross_checks.conformance.finding import Report
 from cross_checks.conformance.probes import probes
 from cross_checks.conformance.questions import SPANS, questions, uncovered
-from cross_checks.engine.method import SINGLE, Method
+from cross_checks.engine import SINGLE, Method
 from reports.commands.engines.conformance import command
 from tests.cross_checks.engines.engine_runs import engine
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from cross_checks.contact import model_of
-from cross_checks.contact.by_figure import compare, figures_of, holding, with_contact
-from cross_checks.contact.experiments import run
+from cross_checks.contact.by_figure import compare, figures_of, holding, run, with_contact
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

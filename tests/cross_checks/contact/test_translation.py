@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from cross_checks.contact import model_of
-from cross_checks.contact.experiments import measured
-from cross_checks.contact.laws import linear_law
-from cross_checks.contact.request import Request
+from cross_checks.contact.by_figure import measured
+from cross_checks.contact.request import Request, linear_law
 from cross_checks.truths.of.bouncing import impact
 
 SAME = 0.02  # of the requested figure

@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cross_checks.engine.method import SINGLE
+from cross_checks.engine import SINGLE
 from tests.cross_checks.convergence.law import OUTPUTS, WHITE, Draft, Label, SyntheticMethod, complete
 
 BAR = 1e-6  # of the scene: a limit beyond this, and beyond TENFOLD the truth's uncertainty, is wrong

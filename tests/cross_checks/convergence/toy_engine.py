@@ -17,8 +17,7 @@ from functools import cache
 
 import numpy as np
 
-from cross_checks.engine import Engine, Method
-from cross_checks.engine.outcome import End, Loop
+from cross_checks.engine import End, Engine, Loop, Method
 from cross_checks.engines import ADAPTERS
 from cross_checks.judge.cell import judge_method
 from cross_checks.judge.runs import Runs

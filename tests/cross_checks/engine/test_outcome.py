@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.engine.outcome import End, end_of
+from cross_checks.engine import End, end_of
 from cross_checks.engine.plan import default_step, step_counts, step_grid
 from mbs_ref import scenes
 from mbs_ref.settings import Settings

@@ -12,7 +12,7 @@ from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised import stiffness_at_start
 
 agreed = 1e-5  # m, simplified
 agreed_vertebral = 1e-4  # m
@@ -51,7 +51,7 @@ def joint_forces_off(theirs, ours) -> float:
 
 @pytest.mark.parametrize(("name", "method", "step", "tells"), SIMPLIFIED)
 def test_the_simplified_android(name, method, step, tells):
-    scene = scenes.make("android_simplified")
+    scene = scenes.make("android_simplified", model="paper")
     (error,), theirs = errors(scene, name, method, (step,))
     assert error < agreed
     ours = simulate(scene, Settings(rtol=1e-9), ladder.grid(scene))
@@ -68,14 +68,14 @@ VERTEBRAL = [
 
 def test_a_search_begins_with_a_step_that_the_vertebral_android_bears():
     pytest.importorskip("pinocchio")
-    scene, method = scenes.make("android_vertebral"), engines.get("pinocchio").method("rk4")
+    scene, method = scenes.make("android_vertebral", model="paper"), engines.get("pinocchio").method("rk4")
     limit = stiffness_at_start(scene).step_limit(method.stability)
     assert 0.5 * limit < first_knob(scene, method) <= limit
 
 
 def test_pinocchio_on_the_vertebral_android():
     """The quickest of the engines stands here for all; the others are slow."""
-    scene = scenes.make("android_vertebral", impact="rear")
+    scene = scenes.make("android_vertebral", model="paper", impact="rear")
     pytest.importorskip("pinocchio")
     path = engines.get("pinocchio").run(scene, Settings(method="dop853", rtol=1e-4), ladder.grid(scene))
     truth = truth_for(scene, ladder.grid(scene))
@@ -87,7 +87,7 @@ def test_pinocchio_on_the_vertebral_android():
 @pytest.mark.parametrize("impact", ["front", "rear"])
 @pytest.mark.parametrize(("name", "method", "steps", "tells"), VERTEBRAL)
 def test_explicit_engines_on_the_vertebral_android(name, method, steps, tells, impact):
-    scene = scenes.make("android_vertebral", impact=impact)
+    scene = scenes.make("android_vertebral", model="paper", impact=impact)
     interval = scene.duration / (ladder.SAMPLES - 1)
     found, theirs = errors(scene, name, method, tuple(ladder.fitted(step, interval) for step in steps))
     assert max(found) < agreed_vertebral
@@ -106,7 +106,7 @@ def test_exudyns_redundant_bodies_on_the_vertebral_android(impact):
     and 14 N at 1.25e-4 s, where Pinocchio's and ours differ by less than 1e-3 N. There they are held to what they tell
     of themselves.
     """
-    scene = scenes.make("android_vertebral", impact=impact)
+    scene = scenes.make("android_vertebral", model="paper", impact=impact)
     found, theirs = errors(scene, "exudyn", "generalized_alpha", (1e-3, 2.5e-4))
     assert found[-1] < agreed_vertebral
     assert np.log(found[0] / found[1]) / np.log(4.0) == pytest.approx(2.0, abs=order_off)

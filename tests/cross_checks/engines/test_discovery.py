@@ -33,7 +33,7 @@ def test_each_engine_bears_its_name(name):
 
 
 def test_an_unknown_engine_lists_the_allowed_and_suggests():
-    with pytest.raises(ValueError, match=r"engine = 'mujuco' is unknown; did you mean 'mujoco'\? allowed: mbs_ref, "):
+    with pytest.raises(ValueError, match=r"engine = 'mujuco' is unknown; did you mean 'mujoco'\?; allowed: mbs_ref, "):
         engines.get("mujuco")
     with pytest.raises(ValueError, match="engine = 'zzz' is unknown; allowed: "):
         engines.get("zzz")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cross_checks.judge.one_run import evaluate
+from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.settings import Settings
@@ -76,3 +77,24 @@ def test_rebound_is_taught_j2_about_a_fixed_z_axis_alone(field, taught):
 def test_a_uniform_field_is_refused_rather_than_left_out(name):
     scene = scenes.make("kepler").model_copy(update={"gravity": (0.0, 0.0, -1.0)})
     assert any("gravity" in refusal.reason for refusal in engine(name).refusals(scene))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "method", "order"), [("exudyn", "generalized_alpha", 2.0), ("pinocchio", "rk4", 4.0)])
+def test_engines_of_rigid_bodies_librate_in_the_gravity_gradient(name, method, order):
+    """Attraction and gradient are applied as forces; particles alone remain refused."""
+    other, scene = engine(name), scenes.make("librating_satellite")
+    times = np.linspace(0.0, 0.25 * scene.duration, 6)
+    truth = truth_for(scene, times)
+    assert truth is not None
+    errors = []
+    for steps in (200, 400):
+        path = other.run(scene, Settings(method=method, step=times[-1] / steps, reactions=False), times)
+        assert path.ok, path.message
+        errors.append(np.abs(path.position - truth.position).max())
+        alike = np.abs(np.sum(path.orientation[:, 1] * truth.orientation[:, 1], axis=1))
+        assert alike.min() > 1.0 - 1e-4
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.3)
+    kepler = scenes.make("kepler")
+    refused = other.refusals(kepler) + other.method_refusals(kepler, other.method(method))
+    assert any("particles alone" in refusal.reason for refusal in refused)

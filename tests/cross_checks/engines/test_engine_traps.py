@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.engine.outcome import End
-from cross_checks.engine.plan import Plan
+from cross_checks.engine import End, Plan
 from mbs_ref import scenes
 from mbs_ref.observables import constraint_residual
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Prismatic, Revolute, Scene, SpringDamper
@@ -57,7 +56,7 @@ def test_mujocos_warnings_leave_no_file_behind(tmp_path, monkeypatch):
 
 def test_mujocos_clock_alone_betrays_a_reset():
     mujoco = pytest.importorskip("mujoco")
-    from cross_checks.engines.mujoco_.run import clock_end
+    from cross_checks.engines.mujoco_.build import clock_end
 
     data = mujoco.MjData(mujoco.MjSpec().compile())
     times = np.array([0.0, 0.25, 0.5, 0.75])
@@ -191,7 +190,7 @@ def test_what_engines_do_as_they_come_is_what_their_packages_say():
 
 
 def test_exudyn_says_what_went_wrong_and_not_in_which_file_of_ours():
-    scene = scenes.make("android_vertebral")
+    scene = scenes.make("android_vertebral", model="paper")
     found = run("exudyn", "tree_rk44", scene, step=1e-3, t_end=0.01)
     assert not found.ok
     assert "singular" in found.message

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cross_checks.engine.method import SINGLE
+from cross_checks.engine import SINGLE
 from cross_checks.judge.one_run import evaluate
 from mbs_ref import scenes
 from mbs_ref.scene import (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cross_checks.conformance.probes import probes
-from cross_checks.engine.plan import Plan, plan_run
+from cross_checks.engine import Plan, plan_run
 from cross_checks.judge.one_run import evaluate
 from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cross_checks import ephemerides
-from cross_checks.ephemerides.observed import Observed, Unobserved, observe
+from cross_checks.ephemerides import Observed, Unobserved, observe
 from mbs_ref import ephemeris, scenes
 from mbs_ref.scene.celestial import AU_M, C_SI
 from mbs_ref.scenes import solar_system

@@ -10,7 +10,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from cross_checks.isolation import patience
+from cross_checks.isolation import messages
 from cross_checks.isolation.messages import compiling_reported
 from cross_checks.isolation.parent import Cancelled, Isolated, Lost
 from tests.cross_checks.isolation import troubles
@@ -71,7 +71,7 @@ def test_who_waits_for_a_compiler_is_waited_for(isolated):
 
 
 def test_compiling_has_its_own_limit(monkeypatch, isolated, call):
-    monkeypatch.setattr(patience, "COMPILATION", 0.5)
+    monkeypatch.setattr(messages, "COMPILATION", 0.5)
     with pytest.raises(Lost, match=r"compiled for more than 0\.5 s"):
         call(troubles.compile_slowly, 60.0)
     monkeypatch.undo()

@@ -7,8 +7,7 @@ import time
 
 import pytest
 
-from cross_checks.isolation.messages import COMPILED, COMPILING
-from cross_checks.isolation.patience import Moment, Patience, moment
+from cross_checks.isolation.messages import COMPILED, COMPILING, Moment, Patience, moment
 
 START = Moment(wall=0.0, computed=7.0)
 

@@ -116,7 +116,7 @@ def knob(record: Record) -> float:
 
 def _reaches(record: Record, target: float) -> bool:
     error = record.error
-    return record.status == "success" and error is not None and error.value <= target and error.floor <= target
+    return record.status == "success" and error is not None and error.bound <= target
 
 
 def _told(record: Record | None) -> str:

@@ -60,7 +60,7 @@ def test_answers_are_provisional_until_the_truth_is_settled(asked, monkeypatch):
     found = list(answers(Runs(), asked, progress=lambda done, total, text: seen.append((done, total))))
     second = [(one.cell.verdict, one.is_settled) for one in found if one.question.method is asked[0].method]
     assert second == [(Verdict.BELOW_TRUTH, False), (Verdict.AGREES, True)]
-    assert {t.target for t in found[2].cell.targets} == {1e-3, 30.0 * 1e-5}  # no finer than the truth is known
+    assert {t.target for t in found[2].cell.targets} == {1e-3, 10.0 * 1e-5}  # no finer than the truth is known
     assert {one.question for one in found if one.is_settled} == set(asked)
     assert seen[0] == (2, 4)  # loops and absent, which run nothing
     assert seen[-1] == (4, 4)

@@ -13,7 +13,7 @@ from cross_checks.judge.one_run import evaluate
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
 from mbs_ref.scene.events import CoordinateEvent
-from mbs_ref.scene.units import free_fall_time
+from mbs_ref.scene.scales import free_fall_time
 from mbs_ref.settings import Settings
 from tests.cross_checks.conftest import raising, spoiled
 

@@ -339,7 +339,7 @@ def test_the_same_question_makes_the_same_runs():
 
 def test_a_stiff_android_runs_with_the_steps_that_it_bears():
     """Ladders once ended at the first refused step, so that our own RK4 'cannot'."""
-    scene, runs = scenes.make("android_simplified"), Runs()
+    scene, runs = scenes.make("android_simplified", model="paper"), Runs()
     method = engines.get("mbs_ref").method("rk4")
     _, (coarse, *_) = search(runs, scene, "mbs_ref", method, truth_of(runs, scene), (1e-3,))
     assert coarse.answer == "reached"

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cross_checks.ephemerides.observed import Observed
+from cross_checks.ephemerides import Observed
 from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.metrics.drifts import METRICS, compliance, energy_drift
 from cross_checks.metrics.errors import reaction_error, significant_figures

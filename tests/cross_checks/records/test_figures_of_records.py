@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.records import cost, naming, numbers
+from cross_checks.records import naming, numbers
+from cross_checks.records import record as cost
 from cross_checks.records.lines import key_of
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
@@ -36,10 +37,9 @@ def test_errors():
         assert error
         assert error.metres == error.value * error.length
         assert error.bound == error.value + error.uncertainty == cost.known_error(replace(made(chance), error=error))
-        assert error.floor == 30.0 * error.uncertainty
-        assert error.is_judged == (error.value >= 30.0 * error.uncertainty)
+        assert error.is_judged == (error.value > error.uncertainty)
     runs = [made(chance) for _ in range(9)]
-    assert cost.floor([*runs, replace(runs[0], error=None)]) == max(30.0 * r.error.uncertainty for r in runs if r.error)
+    assert cost.floor([*runs, replace(runs[0], error=None)]) == max(r.error.uncertainty for r in runs if r.error)
     assert cost.floor([]) == 0.0
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.ephemerides.observed import Observed, observe
+from cross_checks.ephemerides import Observed, observe
 from cross_checks.judge.one_run import evaluate
 from cross_checks.metrics.errors import significant_figures
 from cross_checks.truths.truth import NoTruth

@@ -21,7 +21,7 @@ from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import Newton
-from mbs_ref.scene.units import free_fall_time, unit_length
+from mbs_ref.scene.scales import free_fall_time, unit_length
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 

@@ -7,7 +7,7 @@ import pytest
 
 from cross_checks.truths import seek_truth
 from cross_checks.truths.made_by.mechanisms.spherical_tree import hamilton, newton_euler, spherical_tree
-from cross_checks.truths.made_by.numerics.quadrature import periodic_integral
+from cross_checks.truths.made_by.numerics.closed_forms import periodic_integral
 from cross_checks.truths.of import tops
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from cross_checks.truths import known, seek_truth, truth_for
 from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.rod_chain import solve
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
+from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.truth import NoConvergenceError, NoTruth, Truth
 from mbs_ref import observables as judge
 from mbs_ref import scenes
@@ -54,8 +54,8 @@ IN_THE_SKY = {
     "outer_solar_system", "pleiades", "satellite", "solar_system",
 }  # fmt: skip
 
-# the energy is not kept: judged in test_android_truths.py and test_spatial_truths.py
-DAMPED = {"android_simplified", "android_vertebral", "flyball_governor"}
+# the energy is not kept: judged in test_android_truths.py, test_spatial_truths.py and test_suspension_rig.py
+DAMPED = {"android_simplified", "android_spatial", "android_vertebral", "flyball_governor", "suspension_rig"}
 SMALLER = {  # quicker to solve, or slow enough to be differenced
     "pendulum_chain": {"links": 3},
     "spatial_chain": {"links": 3},

@@ -8,6 +8,7 @@ import pytest
 from mbs_ref import ephemeris, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators.stages.gauss_coefficients import gauss
+from mbs_ref.kernels.algebra.lanes import aligned, in_lanes
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES
@@ -370,13 +371,13 @@ def test_masses_follow_from_gm():
 
 @jit
 def _settled(delta, fixed, table, source, body, scale):
-    return settle(delta, fixed, table, source, body, scale)
+    return settle(in_lanes(delta), in_lanes(fixed), in_lanes(table), source, body, scale)
 
 
 def test_a_settled_body_is_the_sum_that_numpy_makes_and_no_number_is_told_as_infinite_change():
     random = np.random.default_rng(0)
-    delta, fixed, source = (random.normal(size=(3, 3, LANES)) for _ in range(3))
-    table, before = random.normal(size=(LANES, LANES)), delta.copy()
+    delta, fixed, source = (aligned(random.normal(size=(3, 3, LANES))) for _ in range(3))
+    table, before = aligned(random.normal(size=(LANES, LANES))), delta.copy()
     change, size = _settled(delta, fixed, table, source, 1, 0.3)
     after = fixed[1] + 0.3 * source[1] @ table
     np.testing.assert_allclose(delta[1], after, rtol=1e-13)
@@ -385,3 +386,16 @@ def test_a_settled_body_is_the_sum_that_numpy_makes_and_no_number_is_told_as_inf
     assert (delta[[0, 2]] == before[[0, 2]]).all()
     source[2, 1, 4] = np.nan
     assert _settled(delta, fixed, table, source, 2, 0.3)[0] == np.inf
+
+
+@pytest.mark.parametrize(
+    ("fields", "word"),
+    [({"position": (1e140, 0.0, 0.0)}, "gap = 1e+140"), ({"position": (1e-140, 0.0, 0.0)}, "gap = 1e-140"),
+     ({"velocity": (0.0, 1e200, 0.0)}, "speed = 1e+200")],
+)  # fmt: skip
+def test_a_pair_whose_numbers_have_no_cubes_is_named(fields, word):
+    scene = scenes.make("kepler")
+    center, planet = scene.bodies
+    with pytest.raises(ValueError, match="'center' and 'planet'") as error:
+        simulate(scene.model_copy(update={"bodies": (center, planet.model_copy(update=fields))}))
+    assert word in str(error.value)

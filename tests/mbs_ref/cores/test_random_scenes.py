@@ -14,7 +14,7 @@ from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, Solution,
 from cross_checks.truths.oracle.random_scenes import DURATION, random_scene
 from mbs_ref import observables
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.cores.system import System
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -102,7 +102,8 @@ def compare(system: System, moment: Moment, exact: bool = False) -> Figures:
     true = dense.solve()
     system.set_mode_time(moment.time)
     found = system.accelerations(moment.time, state_of(system, moment))
-    forces = system.reactions(moment.time, state_of(system, moment)) if not true.redundant else {}
+    over = system.reactions_over(np.array([moment.time]), state_of(system, moment)[None]) if not true.redundant else {}
+    forces = {name: values[0] for name, values in over.items()}
     if has_extended_precision() and (exact or max(_gaps(found, forces, true)) > DOUBTFUL):
         true, dense = exact_oracle.solve(moment)
     acceleration, reaction = _gaps(found, forces, true)

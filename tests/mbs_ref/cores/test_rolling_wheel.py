@@ -12,7 +12,7 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene import RollingWheel, Scene, SpatialBody, Spherical
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.steady_motion import steady_motion_at_start
+from mbs_ref.simulate.linearised import steady_motion_at_start
 from mbs_ref.trajectory import Trajectory
 
 MASS, RADIUS, GRAVITY = 2.0, 0.4, 9.81  # kg, m, m/s^2

@@ -7,7 +7,7 @@ import pytest
 
 from mbs_ref import observables, scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

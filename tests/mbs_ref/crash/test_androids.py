@@ -20,6 +20,11 @@ reference_digits = 0.01  # the reference peaks are given to 3 digits
 NAMES = ("android_simplified", "android_vertebral")
 
 
+def bare(name, **parameters):
+    """Return the papers' model."""
+    return scenes.make(name, model="paper", **parameters)
+
+
 def run(scene, **settings):
     found = simulate(scene, Settings(**({"rtol": 1e-8, "samples": 401} | settings)))
     assert found.ok, found.message
@@ -28,7 +33,7 @@ def run(scene, **settings):
 
 @pytest.fixture(scope="module")
 def simplified():
-    scene = scenes.make("android_simplified")
+    scene = bare("android_simplified")
     return scene, run(scene, samples=2001)
 
 
@@ -42,7 +47,7 @@ def aggregate(scene):
 
 
 def test_simplified_is_the_aggregation_of_vertebral():
-    one, other = (aggregate(scenes.make(name)) for name in NAMES)
+    one, other = (aggregate(bare(name)) for name in NAMES)
     assert one == pytest.approx(other, abs=same_data)
     assert one[0] == pytest.approx(75.0)
     assert one[3] == pytest.approx(8.048911, abs=1e-6)
@@ -51,7 +56,7 @@ def test_simplified_is_the_aggregation_of_vertebral():
 @pytest.mark.parametrize(("name", "bodies", "rows"), [(NAMES[0], 13, 26), (NAMES[1], 48, 96)])
 def test_counts(name, bodies, rows):
     for seat in ("fixed", "driven"):
-        system = PlanarSystem(scenes.make(name, seat=seat))
+        system = PlanarSystem(bare(name, seat=seat))
         assert (system.n_bodies, system.n_constraints) == (bodies, rows)
 
 
@@ -72,7 +77,7 @@ def test_energy_balance(simplified):
 
 @pytest.mark.parametrize("impact", ["front", "rear"])
 def test_driven_seat_and_crash_forces_agree(impact):
-    fixed, driven = (scenes.make("android_simplified", impact=impact, seat=seat) for seat in ("fixed", "driven"))
+    fixed, driven = (bare("android_simplified", impact=impact, seat=seat) for seat in ("fixed", "driven"))
     one, other = run(fixed), run(driven)
     seat = fixed.body_index("seat_base")
     relative = other.position - other.position[:, [seat]]
@@ -81,14 +86,14 @@ def test_driven_seat_and_crash_forces_agree(impact):
 
 @pytest.mark.parametrize("impact", ["front", "rear"])
 def test_two_unlike_integrators_agree(impact):
-    scene = scenes.make("android_simplified", impact=impact)
+    scene = bare("android_simplified", impact=impact)
     explicit, implicit = run(scene), run(scene, method="radau")
     assert np.abs(explicit.position - implicit.position).max() < converged
     assert np.abs(constraint_residual(scene, explicit)).max() < 1e-9
 
 
 def test_vertebral_converges():
-    scene = scenes.make("android_vertebral")
+    scene = bare("android_vertebral")
     fine, coarse = run(scene, samples=41), run(scene, samples=41, rtol=1e-6)
     assert np.abs(fine.position - coarse.position).max() < converged
     assert np.abs(constraint_residual(scene, fine)).max() < 1e-9
@@ -96,7 +101,7 @@ def test_vertebral_converges():
 
 def test_whiplash_changes_the_sign_of_the_cervical_torques():
     """In a frontal impact every cervical joint is flexed first and extended after about 0.1 s, C1 to C6."""
-    scene = scenes.make("android_vertebral")
+    scene = bare("android_vertebral")
     path = run(scene, samples=201)
     torques = crash_results(scene, path).cervical_torques
     assert list(torques) == ["C1", "C2", "C3", "C4", "C5", "C6"]
@@ -108,9 +113,7 @@ def test_whiplash_changes_the_sign_of_the_cervical_torques():
 
 def test_injury_measures_of_both_levels():
     """The neck's moment takes part in Nij; a chest that gives way has a viscous criterion, a rigid one has none."""
-    simple, detailed = (
-        crash_results(scene, run(scene, samples=201)) for scene in (scenes.make(name) for name in NAMES)
-    )
+    simple, detailed = (crash_results(scene, run(scene, samples=201)) for scene in (bare(name) for name in NAMES))
     for found in (simple, detailed):
         axial = injury.nij(found.neck_axial, np.zeros_like(found.neck_axial))
         bent = injury.nij(found.neck_axial, found.neck_moment)
@@ -135,15 +138,15 @@ def test_a_bushing_takes_nothing_from_a_rigid_rotation():
 
 
 def test_pulse_table_keeps_the_impulse():
-    smooth, table = (run(scenes.make("android_simplified", pulse=kind)) for kind in ("half_sine", "table"))
+    smooth, table = (run(bare("android_simplified", pulse=kind)) for kind in ("half_sine", "table"))
     assert np.abs(smooth.position - table.position).max() < 1e-3
 
 
 def test_extremes_are_errors_or_stated():
     with pytest.raises(ValueError, match="belt_stiffness = -1"):
-        scenes.make("android_simplified", belt_stiffness=-1.0)
-    assert "floats 0.01 m above its seat" in scenes.make("android_simplified", lift=0.01).description
-    late = scenes.make("android_simplified", peak_force=5000.0)
+        bare("android_simplified", belt_stiffness=-1.0)
+    assert "floats 0.01 m above its seat" in bare("android_simplified", lift=0.01).description
+    late = bare("android_simplified", peak_force=5000.0)
     assert "ends after the run" in late.description
-    run(scenes.make("android_simplified", lift=0.01))
-    run(scenes.make("android_simplified", law="spring_damper", belts=False))
+    run(bare("android_simplified", lift=0.01))
+    run(bare("android_simplified", law="spring_damper", belts=False))

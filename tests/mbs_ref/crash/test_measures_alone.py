@@ -87,7 +87,7 @@ def test_contacts_take_from_two_bodies_what_their_speeds_lose():
 
 @cache
 def _crash() -> tuple[Scene, Trajectory]:
-    scene = scenes.make("android_vertebral")
+    scene = scenes.make("android_vertebral", model="paper")
     run = simulate(scene, Settings(rtol=1e-8, t_end=0.06, samples=601))
     assert run.ok, run.message
     return scene, run

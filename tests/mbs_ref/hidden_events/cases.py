@@ -14,7 +14,7 @@ from mbs_ref.trajectory import Status, Trajectory
 from tests.mbs_ref.hidden_events.exact import Truth, Undecided, truth
 from tests.mbs_ref.hidden_events.families import FAMILIES, draw, log_uniform
 from tests.mbs_ref.hidden_events.own_errors import flight_error, spring_error
-from tests.mbs_ref.hidden_events.world import Level, Watch, World
+from tests.mbs_ref.hidden_events.world import Level, World
 from tests.mbs_ref.hidden_events.write_scene import Units, write_scene
 
 ADAPTIVE = ("dop853", "radau", "lsodar", "dassl", "dassl_index1", "dassl_index2", "dassl_index3")
@@ -101,14 +101,15 @@ def compare(hidden: Case, run: Trajectory, method: str) -> Comparison:
         return Comparison("undecided")
     if run.status is not Status.SUCCESS:
         return Comparison(str(run.status), len(exact.events), message=run.message)
-    horizon = hidden.world.horizon
+    assert run.event_times is not None
+    horizon, (when, which) = hidden.world.horizon, run.event_times.T
     differences: list[tuple[float, str]] = []
     errors: list[tuple[float, float, float]] = []  # time, error, allowed
     for watch in hidden.world.watches:
         one = [k for k, event in enumerate(exact.events) if event.name == watch.name]
         times = np.array([exact.events[k].time for k in one])
         allowed = LATEST * horizon + MARGIN * exact.moved[one]
-        logged = _logged(hidden.scene, run, watch) / hidden.units.time
+        logged = np.sort(when[which == run.event_names.index(watch.name)]) / hidden.units.time
         reach = np.maximum(1e3 * resolution * horizon, 10.0 * exact.moved[one])
         near = np.minimum(REACH * _spacing(times, horizon), 1e-4 * horizon)
         missing, extra, pairs = _matched(times, logged, np.maximum(reach, near))
@@ -119,14 +120,6 @@ def compare(hidden: Case, run: Trajectory, method: str) -> Comparison:
     if verdict == "good" and resolution <= LATEST and any(error > allowed for error, allowed in before):
         verdict = "late"
     return Comparison(verdict, len(exact.events), max((error for error, _ in before), default=0.0) / horizon)
-
-
-def _logged(scene: Scene, run: Trajectory, watch: Watch) -> np.ndarray:
-    """Return the times (s) of one event; a rigid contact that cannot rest logs the touch and then its release."""
-    assert run.event_times is not None
-    times = np.sort(run.event_times[run.event_times[:, 1] == run.event_names.index(watch.name), 0])
-    rests = any(contact.holds for contact in scene.contacts if contact.name == watch.name)
-    return times[::2] if watch.impulsive and not rests else times
 
 
 def _spacing(times: np.ndarray, horizon: float) -> np.ndarray:

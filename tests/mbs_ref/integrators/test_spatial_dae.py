@@ -10,7 +10,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.spatial.system import SpatialSystem
+from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.integrators.methods.dassl import _Ida, as_dae
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.residual import GGL, INDEX_1, residual

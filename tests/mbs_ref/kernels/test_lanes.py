@@ -9,17 +9,17 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.relative.system import RelativePlanarSystem
+from mbs_ref.cores.relative import RelativePlanarSystem
 from mbs_ref.kernels.algebra.lanes import (
     WIDTH,
     chosen_in_lanes,
+    cos_sin,
     in_lanes,
     larger_in_lanes,
     nearest_in_lanes,
     room_for_lanes,
     size_in_lanes,
 )
-from mbs_ref.kernels.algebra.turning import cos_sin
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.relative.lanes import derivative_in_lanes, figures_of
 from tests.mbs_ref.cores.test_relative import planar_tree

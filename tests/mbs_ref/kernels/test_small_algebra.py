@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, lu_factor, lu_solve, solve_ldl
 from mbs_ref.kernels.rigid.dynamics import refinements
 from mbs_ref.kernels.spatial.loads import _product, _relative
+from mbs_ref.kernels.spatial.marks import symmetric_times, turn, turn_back
 from mbs_ref.kernels.spatial.orientation import composed, rotation, theta_rate, world_inertia
-from mbs_ref.kernels.spatial.vectors import symmetric_times, turn, turn_back
 
 THETA = (0.4, -1.1, 0.7, 1.3)  # Euler parameters of no norm
 MATRIX = np.array([[0.0, 2.0, -1.0, 0.5], [3.0, 1.0, 4.0, -2.0], [0.5, -3.0, 2.0, 1.0], [1.0, 0.7, -0.6, 5.0]])

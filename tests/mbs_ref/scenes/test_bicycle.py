@@ -8,7 +8,7 @@ import pytest
 from mbs_ref import observables, scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.steady_motion import steady_motion_at_start
+from mbs_ref.simulate.linearised import steady_motion_at_start
 from mbs_ref.trajectory import Status
 
 PRINTED = 1e-11  # 1/s, the bound; the table has 14 decimals

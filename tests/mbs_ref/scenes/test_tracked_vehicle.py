@@ -83,12 +83,39 @@ def test_a_foot_rests_on_the_drawn_ground(ground, height):
     start = {"flat": 0.2, "bump": 0.8, "slope": 1.0, "step": 2.0}[ground]
     above = 0.03 * math.hypot(1.0, height if ground == "slope" else 0.0)  # m, a foot's radius across the surface
     body = PlanarBody(name="link", mass=1.0, inertia=1.0, position=(start, profile(start, ground, height, 0.0) + above))
-    parts = tuple(foot("foot", "link", body.position, "progressive", ground, height, 0.0))
+    parts = tuple(foot("foot", "link", body.position, "progressive", "hard", ground, height, 0.0))
     upright = (_held("link", "x"), _held("link", "angle"))
     scene = Scene(name="foot", bodies=(body,), joints=upright, contacts=parts, gravity=(0.0, -9.81))
     path = simulate(scene, Settings(t_end=0.05, samples=6))
     assert path.ok, path.message
     assert np.abs(path.position[:, 0, 1] - body.position[1]).max() < 3e-5  # m: twice m g / k
+
+
+@pytest.mark.parametrize("soil", ["dry_sand", "clay"])
+def test_a_foot_sinks_as_bekkers_law_says(soil):
+    """p = (k_c / b + k_phi) z^n over half a link's sole bears the weight; released at that depth it stays there."""
+    data, sole, mass = DATA["soils"][soil], DATA["soils"]["sole"], 90.0
+    pressure = mass * 9.81 / (sole["width"] * sole["length"])
+    depth = (pressure / (data["k_c"] / sole["width"] + data["k_phi"])) ** (1.0 / data["n"])
+    body = PlanarBody(name="link", mass=mass, inertia=1.0, position=(0.0, 0.03 - depth))
+    parts = tuple(foot("foot", "link", (0.0, 0.03 - depth), "progressive", soil, "flat", 0.02, 0.0))
+    upright = (_held("link", "x"), _held("link", "angle"))
+    scene = Scene(name="foot", bodies=(body,), joints=upright, contacts=parts, gravity=(0.0, -9.81))
+    path = simulate(scene, Settings(t_end=1.0, samples=6))
+    assert path.ok, path.message
+    assert depth > 0.001  # m
+    assert np.abs(path.position[:, 0, 1] - body.position[1]).max() < 1e-10
+
+
+@pytest.mark.slow
+def test_a_vehicle_rests_in_sand():
+    scene = scenes.make("tracked_vehicle", torque=0.0, soil="dry_sand")
+    path = simulate(scene, Settings(t_end=10.0, samples=11, estimate="off"))
+    assert path.ok, path.message
+    assert np.abs(path.position - path.position[:1]).max() < 1e-9  # m
+    feet = [path.contacts[part.name][0] for part in scene.contacts if part.body_b == "ground"]
+    assert sum(foot[2] for foot in feet) == pytest.approx(9.81 * sum(body.mass for body in scene.bodies))
+    assert 0.02 < max(foot[0] for foot in feet) < 0.06
 
 
 @pytest.mark.slow

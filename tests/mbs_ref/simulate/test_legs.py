@@ -29,7 +29,7 @@ def test_an_output_reports_the_largest_compliance_since_the_one_before(name, set
 
 
 def test_a_breakpoint_on_an_output_loses_no_sample():
-    scene = scenes.make("android_simplified")
+    scene = scenes.make("android_simplified", model="paper")
     (inner,) = (t for t in scene.breakpoints() if 0.0 < t < 0.2)
     times = np.array([0.0, 0.5 * inner, inner, 0.2])
     run = simulate(scene, Settings(rtol=1e-6), times)

@@ -12,7 +12,7 @@ from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Leg
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness_at_start
+from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.simulate.method_choice import largest_eigenvalue, stability_radius
 from mbs_ref.simulate.plan import make_plan
 from mbs_ref.trajectory import Status

@@ -82,9 +82,9 @@ def test_pick_says_what_a_named_engine_does_as_it_comes(tmp_path, monkeypatch):
 def test_pick_refuses_what_the_truth_cannot_judge(tmp_path):
     assert RECORD.error is not None
     unsure = replace(RECORD, error=replace(RECORD.error, uncertainty=1e-9))
-    done = run("pick", "pendulum", "--error", "2e-8", "--records", file_of(tmp_path, "r.jsonl", unsure))
+    done = run("pick", "pendulum", "--error", "9e-10", "--records", file_of(tmp_path, "r.jsonl", unsure))
     assert done.exit_code == 5
-    assert "resolves no error below 3.0e-08 of it" in done.stderr
+    assert "resolves no error below 1.0e-09 of it" in done.stderr
 
 
 def test_compare_files(tmp_path):
@@ -117,7 +117,6 @@ def test_certify():
     assert done.exit_code == 0, done.output
     (row,) = json.loads(done.stdout)
     assert row["verdict"] == "holds"
-    assert row["judges_from"] == pytest.approx(30.0 * row["uncertainty"])
     assert run("certify", "rocking_block").exit_code == 5
 
 

@@ -22,8 +22,8 @@ from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
 from reports.facts import cheapest, curves
 from reports.facts.report_data import ReportData, Section
+from reports.facts.scene_facts import TruthFacts, truth_facts
 from reports.facts.stored import Stored, adapter, keep, recall
-from reports.facts.truth_facts import TruthFacts, truth_facts
 from reports.page import advice, findings
 from reports.page.render import RECORDS, templates
 from reports.page.sections import matrix, method, overview, plots, prices, profiles
@@ -141,7 +141,7 @@ def test_the_rows_to_pick_from(data):
     for row, run in zip(rows, ended(data), strict=True):
         assert run.error
         assert row["error"] == pytest.approx(run.error.value + run.error.uncertainty)
-        assert row["floor"] == pytest.approx(30.0 * run.error.uncertainty)
+        assert row["floor"] == pytest.approx(run.error.uncertainty)
         assert row["ms"] == pytest.approx(1000.0 * run.times["loop_s"])
         assert row["compliance"] == run.measures["compliance_position"]
         assert (row["engine"], row["ours"]) == (run.engine, run.engine == OURS)
@@ -321,7 +321,7 @@ def test_error_against_time(data):
             points = list(zip(line["x"], line["y"], strict=True))
             assert points == [pytest.approx(point) for point in sorted(runs)]
         errors = [r.error for r in ended(data, links=links) if r.error]
-        floor, values = max(30.0 * e.uncertainty for e in errors), [e.value for e in errors]
+        floor, values = max(e.uncertainty for e in errors), [e.value for e in errors]
         low, high = 10.0 ** np.array(figure["layout"]["yaxis"]["range"])
         assert (low, high) == pytest.approx((min(floor / 10.0, min(values) / 3.0), 3.0 * max(values)))
         assert figure["layout"]["shapes"][0]["y1"] == pytest.approx(floor)
@@ -340,12 +340,12 @@ def test_time_split(data):
                 assert ms == pytest.approx(1000.0 * best.times[phase])
 
 
-def test_a_truth_judges_thirty_times_its_uncertainty_over_the_scenes_length():
+def test_a_truth_is_known_over_the_scenes_length():
     """The rods of 4 m count as long; turns are known over the least radius of gyration, L / sqrt(12)."""
     scene = scenes.make("double_pendulum", length_1=4.0, length_2=4.0)
     zero = np.zeros((2, 2, 2))
     found = truth_facts("a", scene, Truth(zero, zero[..., 0], 1e-7, "exact", ""))
-    assert found.floor == pytest.approx(30.0 * 1e-7 / min(scales_of(scene).length, 4.0 / 12**0.5))
+    assert found.known_to == pytest.approx(1e-7 / min(scales_of(scene).length, 4.0 / 12**0.5))
 
 
 def test_truths():

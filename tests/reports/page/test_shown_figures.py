@@ -12,9 +12,8 @@ import pytest
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, TargetResult, Verdict
 from cross_checks.prices.timing import with_loops
-from cross_checks.records.cost import BUSY_NOTE
 from cross_checks.records.numbers import short
-from cross_checks.records.record import Error, Record
+from cross_checks.records.record import BUSY_NOTE, Error, Record
 from reports.commands.publish.board import board
 from reports.facts.cheapest import MIDDLE, standings
 from reports.facts.report_data import ReportData

@@ -8,8 +8,7 @@ from cross_checks.judge.ladder import grid
 from cross_checks.judge.one_run import evaluate
 from cross_checks.prices import timing as loop_times
 from cross_checks.prices.timing import is_enough, machine, stored_times, timed_all
-from cross_checks.records.cost import is_busy, is_timed
-from cross_checks.records.record import Record
+from cross_checks.records.record import Record, is_busy, is_timed
 from cross_checks.records.store import Store
 from mbs_ref import scenes
 from mbs_ref.settings import Settings

@@ -10,7 +10,7 @@ from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from reports.facts.report_data import ReportData
-from reports.facts.truth_facts import TruthFacts, truth_facts
+from reports.facts.scene_facts import TruthFacts, truth_facts
 from reports.page.build import publish
 from reports.page.sections.profiles import context
 from tests.reports.page.synthetic_report import report_data

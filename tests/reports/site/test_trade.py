@@ -42,4 +42,4 @@ def test_a_scene_within_the_bound_gets_what_engines_agree_on(runs, monkeypatch):
 
 
 def test_a_certified_truth_is_taken_whatever_it_would_cost(runs):
-    assert isinstance(trade._plot_truth(runs, scenes.make("android_vertebral")), Truth)
+    assert isinstance(trade._plot_truth(runs, scenes.make("android_vertebral", model="paper")), Truth)

@@ -13,19 +13,19 @@ from reports.facts.stored import adapter
 from reports.page.build import data_of
 from reports.page.render import render
 from reports.studies.androids import measure as androids
-from reports.studies.crash import SIMPLIFIED
+from reports.studies.crash import PAPER, SIMPLIFIED
 from reports.studies.crashes.measure import add_crash
 from tests.reports.page.synthetic_report import report_data
 
 
 def occupant() -> Measured:
-    measured, scene = Measured(), scenes.make(SIMPLIFIED, impact="rear")
+    measured, scene = Measured(), scenes.make(SIMPLIFIED, impact="rear", **PAPER)
     add_crash(measured, scene, simulate(scene, Settings(samples=41)))
     return measured
 
 
 def methods() -> Measured:
-    measured, scene = Measured(), scenes.make(SIMPLIFIED)
+    measured, scene = Measured(), scenes.make(SIMPLIFIED, **PAPER)
     measured.tables["androids"] = ({"android": androids.label(scene)},)
     settings = Settings(method="rk4", step=1e-3, stabilization="none")
     androids.add_run(measured, scene, settings)
@@ -58,7 +58,7 @@ def test_the_papers_front_crash_is_shown_with_its_own_figures():
     assert "1.2e-12 m" in page
     assert "4.5e-4 m" in page
     assert "These data do not reproduce that" not in page_of(androids=Measured({"androids.rk4.compliance": 1e-3}))
-    rear = scenes.make(SIMPLIFIED, impact="rear")
+    rear = scenes.make(SIMPLIFIED, impact="rear", **PAPER)
     measured = Measured()
     androids.add_run(measured, rear, Settings(method="euler", step=1e-3, stabilization="none", events="none"))
     assert not measured.figures

@@ -4,6 +4,7 @@ The bodies that are welded to ground are ground. y holds the root's place x, y (
 angle (rad), then as many rates or momenta.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +32,14 @@ def formulations(scene: Scene) -> tuple[Formulation, Formulation]:
     fixed = {GROUND, *(j.body_b for j in scene.joints if isinstance(j, Weld) and j.body_a == GROUND)}
     free = [body.name for body in scene.bodies if body.name not in fixed]
     tree, loads = _tree(scene, free, _hinges(scene, free)), loads_of(scene, free)
-    return _lagrange(scene, free, tree, loads), _hamilton(scene, free, tree, loads)
+    rates = _start(scene, free)
+    momenta, n = rates.copy(), len(rates) // 2
+    momenta[n:] = _mass_matrix(tree, _turned_arms(tree, rates), rates) @ rates[n:]
+    known = scene, free, tree, loads
+    lagrange = _formulation(*known, _lagrange_slope, lambda y: y, rates)
+    return lagrange, _formulation(
+        *known, _hamilton_slope, lambda y: _with_rates(tree, _turned_arms(tree, y), y), momenta
+    )
 
 
 def _hinges(scene: Scene, free: list[str]) -> dict[str, Revolute]:
@@ -71,39 +79,31 @@ def _tree(scene: Scene, free: list[str], hinge: dict[str, Revolute]) -> Tree:
 # --- the equations -------------------------------------------------------------------------------------
 
 
-def _lagrange(scene: Scene, free: list[str], tree: Tree, loads: Loads) -> Formulation:
-    """M q'' = J^T (F + m h) with r'' = J q'' - h."""
-
-    def derivative(t, y):
-        return _lagrange_slope(tree, loads.arrays, loads.factors(t), y)
-
-    return _formulation(scene, free, tree, derivative, _start(scene, free))
-
-
-def _hamilton(scene: Scene, free: list[str], tree: Tree, loads: Loads) -> Formulation:
-    """p = M q', p' = J^T F + J'^T m v."""
+def _formulation(
+    scene: Scene, free: list[str], tree: Tree, loads: Loads, slope: Callable, rates_of: Callable, start: np.ndarray
+) -> Formulation:
+    """Return the equations y' = slope(...) of a state whose rates are those of rates_of(y)."""
 
     def frozen(t, y, on):
-        return _hamilton_slope(tree, loads.arrays, loads.factors(t), y, on)
+        return slope(tree, loads.arrays, loads.factors(t), y, on)
 
     def switches(t, y):
-        return _switches(tree, loads.arrays, _with_rates(tree, _turned_arms(tree, y), y))
+        return _switches(tree, loads.arrays, rates_of(y))
 
-    start = _start(scene, free)
-    n = len(start) // 2
-    start[n:] = _mass_matrix(tree, _turned_arms(tree, start), start) @ start[n:]
-
-    def derivative(t, y):
-        return frozen(t, y, switches(t, y) > 0.0)
-
-    return _formulation(scene, free, tree, derivative, start, frozen, switches)
-
-
-def _formulation(scene, free, tree, derivative, start, *branches) -> Formulation:
     def poses(t, y):
         return _all_poses(scene, free, _motion(tree, _turned_arms(tree, y), y)[0][:-1])
 
-    return Formulation(derivative, start, poses, *branches, breakpoints=tuple(scene.breakpoints()))
+    def derivative(t, y):
+        values = switches(t, y)  # NaN in a trial step that goes too far; error control then rejects the step
+        return frozen(t, y, values > 0.0) if not np.isnan(values).any() else np.full(len(y), np.nan)
+
+    def known(t, y):
+        values = switches(t, y)
+        if np.isnan(values).any():
+            raise OutsideDomainError("a circle is deeper than its surface is thick")
+        return values
+
+    return Formulation(derivative, start, poses, frozen, known, tuple(scene.breakpoints()))
 
 
 def _start(scene: Scene, free: list[str]) -> np.ndarray:
@@ -194,11 +194,11 @@ def _switches(tree, arrays, y):
 
 
 @strict_jit
-def _lagrange_slope(tree, arrays, factors, y):
+def _lagrange_slope(tree, arrays, factors, y, on):
+    """M q'' = J^T (F + m h) with r'' = J q'' - h."""
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)
     pose, rate, bend = _motion(tree, turned, y)
-    on = hinged_tree_loads.measure_switches(arrays, pose, rate) > 0.0
     force = hinged_tree_loads.apply_loads(arrays, tree.mass, factors, pose, rate, on)
     for i in range(n):
         force[i, 0] += tree.mass[i] * bend[i, 0]
@@ -220,6 +220,7 @@ def _with_rates(tree, turned, y):
 
 @strict_jit
 def _hamilton_slope(tree, arrays, factors, y, on):
+    """p = M q', p' = J^T F + J'^T m v."""
     n = tree.mass.shape[0]
     turned = _turned_arms(tree, y)
     moving = _with_rates(tree, turned, y)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,7 +10,9 @@ from cross_checks.engine.prescribed import factor
 from cross_checks.truths.truth import OutsideDomainError
 from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import Force, PlanarBody, PointBushing, Scene, SpringDamper, TorsionSpring
-from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, SpringDamperLaw
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, ProgressiveLaw, SpringDamperLaw
+
+COLUMNS = 8  # of the numbers of a pair
 
 
 class Pairs(NamedTuple):
@@ -19,8 +21,10 @@ class Pairs(NamedTuple):
     a: np.ndarray  # (m,)
     b: np.ndarray  # (m,)
     point_a: np.ndarray  # (m, 2) m, in body axes from the centre of mass
-    point_b: np.ndarray  # (m, 2) m; of a contact the outward normal of its fixed surface, in world axes
-    numbers: np.ndarray  # (m, 4) stiffness, damping, rest length or angle or offset along the normal, kind
+    point_b: np.ndarray  # (m, 2) m; of a contact the middle of a line or the centre of a circle
+    # (m, COLUMNS) stiffness, damping, rest length or angle or sum of radii, kind; then of a spring its limit (N), of a
+    # contact the line's direction (2) in b's axes, half its length and its thickness (m)
+    numbers: np.ndarray
 
 
 class Arrays(NamedTuple):
@@ -29,7 +33,7 @@ class Arrays(NamedTuple):
     gravity: np.ndarray  # (2,) m/s^2
     pushes: np.ndarray  # (m, 3) N: world vector of a force at a centre of mass, and its factor's number
     pushed: np.ndarray  # (m,) the body
-    springs: Pairs  # along the line of two points; kind 1 pulls only
+    springs: Pairs  # along the line of two points; kind 1 pulls only, up to its limit
     bushings: Pairs
     torsions: Pairs
     contacts: Pairs  # kind 0: F = d (k + c d'); 1: F = k d + c d', never negative
@@ -50,7 +54,7 @@ def loads_of(scene: Scene, free: list[str]) -> Loads:
     """
     kinds = Force | SpringDamper | PointBushing | TorsionSpring
     strange = [x.name for x in scene.loads if not isinstance(x, kinds) or (isinstance(x, Force) and x.frame != "world")]
-    strange += [c.name for c in scene.contacts if not _is_known(scene, free, c)]
+    strange += [c.name for c in scene.contacts if not _is_known(c)]
     if strange:
         raise OutsideDomainError(f"{scene.name!r} has parts of a kind not known here: {', '.join(strange[:8])}")
     pushes = [x for x in scene.loads if isinstance(x, Force) and x.body in free]
@@ -58,7 +62,7 @@ def loads_of(scene: Scene, free: list[str]) -> Loads:
     of_time = [factor(signal) for signal in signals]
     numbers = [[*x.vector, [repr(s) for s in signals].index(repr(x.factor))] for x in pushes]
 
-    def table(kind: type, row: Callable) -> Pairs:
+    def table(kind: Any, row: Callable) -> Pairs:
         parts = [x for x in (*scene.loads, *scene.contacts) if isinstance(x, kind)]
         return _pairs([row(scene, free, x) for x in parts])
 
@@ -66,23 +70,26 @@ def loads_of(scene: Scene, free: list[str]) -> Loads:
         np.array(scene.gravity), np.array(numbers, dtype=float).reshape(-1, 3),
         np.array([free.index(x.body) for x in pushes], dtype=np.int64),
         table(SpringDamper, _spring), table(PointBushing, _bushing), table(TorsionSpring, _torsion),
-        table(CircleOnLine, _contact),
+        table(CircleOnLine | CircleOnCircle, _contact),
     )  # fmt: skip
     return Loads(arrays, lambda t: np.array([f.value(t) for f in of_time]))
 
 
-def _is_known(scene: Scene, free: list[str], contact) -> bool:
+def _is_known(contact) -> bool:
     law = contact.law
     lawful = isinstance(law, ProgressiveLaw) or (isinstance(law, SpringDamperLaw) and law.release == "force")
-    plain = isinstance(contact, CircleOnLine) and contact.extent == "line" and contact.thickness is None
-    return lawful and plain and contact.friction is None and contact.body_b not in free
+    shaped = isinstance(contact, CircleOnCircle) or (isinstance(contact, CircleOnLine) and contact.extent != "segment")
+    return lawful and shaped and contact.friction is None
 
 
 def _pairs(rows: list[tuple]) -> Pairs:
     columns = list(zip(*rows, strict=True)) or [[], [], [], [], []]
     a, b = (np.array(x, dtype=np.int64) for x in columns[:2])
-    shapes = ((-1, 2), (-1, 2), (-1, 4))
-    return Pairs(a, b, *(np.array(x, dtype=float).reshape(s) for x, s in zip(columns[2:], shapes, strict=True)))
+    points = (np.array(x, dtype=float).reshape(-1, 2) for x in columns[2:4])
+    numbers = np.zeros((len(a), COLUMNS))
+    for row, given in zip(numbers, columns[4], strict=True):
+        row[: len(given)] = given
+    return Pairs(a, b, *points, numbers)
 
 
 def planar(scene: Scene, name: str) -> PlanarBody:
@@ -106,7 +113,7 @@ def mark(scene: Scene, free: list[str], name: str, point) -> tuple[int, np.ndarr
 def _spring(scene: Scene, free: list[str], x: SpringDamper) -> tuple:
     (a, pa), (b, pb) = mark(scene, free, x.body_a, x.point_a), mark(scene, free, x.body_b, x.point_b)
     rest = float(np.hypot(*np.subtract(x.point_b, x.point_a))) if x.rest_length is None else x.rest_length
-    return a, b, pa, pb, (x.stiffness, x.damping, rest, float(x.tension_only))
+    return a, b, pa, pb, (x.stiffness, x.damping, rest, float(x.tension_only), x.limit or np.inf)
 
 
 def _bushing(scene: Scene, free: list[str], x: PointBushing) -> tuple:
@@ -121,14 +128,21 @@ def _torsion(scene: Scene, free: list[str], x: TorsionSpring) -> tuple:
     return a, b, (0.0, 0.0), (0.0, 0.0), (x.stiffness, x.damping, rest, 0.0)
 
 
-def _contact(scene: Scene, free: list[str], x: CircleOnLine) -> tuple:
+def _contact(scene: Scene, free: list[str], x: CircleOnLine | CircleOnCircle) -> tuple:
+    """Return a circle and a line, or a point with the circle about it: a line without length, whose ends are round."""
     law = x.law
     assert isinstance(law, ProgressiveLaw | SpringDamperLaw)  # every other is refused before
-    a, center = mark(scene, free, x.body_a, x.center)
-    along = np.subtract(x.point_2, x.point_1) / np.hypot(*np.subtract(x.point_2, x.point_1))
-    normal = np.array([-along[1], along[0]])
-    offset = float(normal @ np.array(x.point_1)) + x.radius
-    return a, len(free), center, normal, (law.stiffness, law.damping, offset, float(isinstance(law, SpringDamperLaw)))
+    law_numbers = law.stiffness, law.damping
+    jumps = float(isinstance(law, SpringDamperLaw))
+    if isinstance(x, CircleOnCircle):
+        (a, center), (b, origin) = mark(scene, free, x.body_a, x.center_a), mark(scene, free, x.body_b, x.center_b)
+        return a, b, center, origin, (*law_numbers, x.radius_a + x.radius_b, jumps, 1.0, 0.0, 0.0, np.inf)
+    (a, center), (b, first) = mark(scene, free, x.body_a, x.center), mark(scene, free, x.body_b, x.point_1)
+    along = 0.5 * (mark(scene, free, x.body_b, x.point_2)[1] - first)
+    half = float(np.hypot(*along))
+    ends = half if x.extent == "capped" else np.inf
+    numbers = (*law_numbers, x.radius, jumps, *(along / half), ends, x.thickness or np.inf)
+    return a, b, center, first + along, numbers
 
 
 # --- evaluation ------------------------------------------------------------------------------------------
@@ -165,12 +179,44 @@ def _line(pairs, k, pose, rate):
 
 
 @strict_jit
-def _depth(pairs, k, pose, rate):
-    """Depth, its rate, and the arm of the circle's centre."""
-    a = pairs.a[k]
-    x, y, vx, vy = _carried(pose, rate, a, pairs.point_a[k])
-    nx, ny = pairs.point_b[k]
-    return pairs.numbers[k, 2] - nx * (pose[a, 0] + x) - ny * (pose[a, 1] + y), -nx * vx - ny * vy, x, y
+def _within(pairs, k, pose, rate):
+    """How far (m) the circle's centre is from the nearer end of the line, positive between both."""
+    _, _, along, _, _, _ = _seen(pairs, k, pose, rate)
+    return pairs.numbers[k, 6] - abs(along)
+
+
+@strict_jit
+def _seen(pairs, k, pose, rate):
+    """Arm of the circle's centre on a, its place along and above the line, and the line's direction."""
+    a, b = pairs.a[k], pairs.b[k]
+    ax, ay, _, _ = _carried(pose, rate, a, pairs.point_a[k])
+    bx, by, _, _ = _carried(pose, rate, b, pairs.point_b[k])
+    tx, ty, _, _ = _carried(pose, rate, b, pairs.numbers[k, 4:6])
+    x, y = pose[a, 0] + ax - pose[b, 0] - bx, pose[a, 1] + ay - pose[b, 1] - by
+    return ax, ay, x * tx + y * ty, y * tx - x * ty, tx, ty
+
+
+@strict_jit
+def _depth(pairs, k, pose, rate, within):
+    """Depth, its rate, the arms of the circle's centre on a and b, and the normal out of b; `within` both ends or not.
+
+    The force has no friction, so that it acts anywhere on the normal alike.
+    """
+    a, b = pairs.a[k], pairs.b[k]
+    ax, ay, along, above, tx, ty = _seen(pairs, k, pose, rate)
+    across, distance = 0.0, above
+    if not within:
+        across = np.copysign(abs(along) - pairs.numbers[k, 6], along)
+        distance = np.hypot(across, above)
+        across, above = across / distance, above / distance
+    else:
+        above = 1.0
+    nx, ny = across * tx - above * ty, across * ty + above * tx
+    bx, by = pose[a, 0] + ax - pose[b, 0], pose[a, 1] + ay - pose[b, 1]
+    vx = rate[a, 0] - ay * rate[a, 2] - rate[b, 0] + by * rate[b, 2]
+    vy = rate[a, 1] + ax * rate[a, 2] - rate[b, 1] - bx * rate[b, 2]
+    depth = pairs.numbers[k, 2] - distance
+    return depth, -nx * vx - ny * vy, ax, ay, bx, by, nx, ny
 
 
 @strict_jit
@@ -182,19 +228,24 @@ def _press(pairs, k, depth, closing):
 
 @strict_jit
 def measure_switches(arrays, pose, rate):
-    """Positive where a spring that pulls only is taut, and where a contact presses; springs first."""
+    """Positive where a spring that pulls only is taut, and below its limit; where a contact presses, and between ends.
+
+    NaN where a circle is deeper than its surface is thick: nothing here decides from which side it came.
+    """
     springs, contacts = arrays.springs, arrays.contacts
-    n = springs.a.shape[0]
-    values = np.ones(n + contacts.a.shape[0])
+    n, m = springs.a.shape[0], contacts.a.shape[0]
+    values = np.ones(2 * n + 2 * m)
     for k in range(n):
         if springs.numbers[k, 3] == 1.0:
             _, _, _, _, _, _, pull, stretch = _line(springs, k, pose, rate)
             values[k] = min(stretch, pull)
-    for k in range(contacts.a.shape[0]):
-        depth, closing, _, _ = _depth(contacts, k, pose, rate)
-        values[n + k] = depth
+            values[n + k] = springs.numbers[k, 4] - pull
+    for k in range(m):
+        values[2 * n + m + k] = _within(contacts, k, pose, rate)
+        depth, closing, _, _, _, _, _, _ = _depth(contacts, k, pose, rate, values[2 * n + m + k] > 0.0)
+        values[2 * n + k] = depth if depth <= contacts.numbers[k, 7] else np.nan
         if contacts.numbers[k, 3] == 1.0:
-            values[n + k] = min(depth, _press(contacts, k, depth, closing))
+            values[2 * n + k] = min(depth, _press(contacts, k, depth, closing))
     return values
 
 
@@ -211,9 +262,13 @@ def apply_loads(arrays, mass, factors, pose, rate, on):
         force[arrays.pushed[k], 0] += scale * arrays.pushes[k, 0]
         force[arrays.pushed[k], 1] += scale * arrays.pushes[k, 1]
     springs, bushings, torsions, contacts = arrays.springs, arrays.bushings, arrays.torsions, arrays.contacts
-    for k in range(springs.a.shape[0]):
+    taut, touching = springs.a.shape[0], 2 * springs.a.shape[0]
+    within = touching + contacts.a.shape[0]
+    for k in range(taut):
         if on[k]:
             ax, ay, bx, by, ex, ey, pull, _ = _line(springs, k, pose, rate)
+            if not on[taut + k]:
+                pull = springs.numbers[k, 4]
             _push(force, springs.a[k], ax, ay, pull * ex, pull * ey)
             _push(force, springs.b[k], bx, by, -pull * ex, -pull * ey)
     for k in range(bushings.a.shape[0]):
@@ -225,10 +280,11 @@ def apply_loads(arrays, mass, factors, pose, rate, on):
         force[a, 2] += torque
         force[b, 2] -= torque
     for k in range(contacts.a.shape[0]):
-        if on[springs.a.shape[0] + k]:
-            depth, closing, x, y = _depth(contacts, k, pose, rate)
+        if on[touching + k]:
+            depth, closing, ax, ay, bx, by, nx, ny = _depth(contacts, k, pose, rate, on[within + k])
             press = _press(contacts, k, depth, closing)
-            _push(force, contacts.a[k], x, y, press * contacts.point_b[k, 0], press * contacts.point_b[k, 1])
+            _push(force, contacts.a[k], ax, ay, press * nx, press * ny)
+            _push(force, contacts.b[k], bx, by, -press * nx, -press * ny)
     return force
 
 

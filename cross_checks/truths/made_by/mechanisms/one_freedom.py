@@ -10,7 +10,7 @@ from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
 from cross_checks.truths.truth import Truth
-from mbs_ref.scene import Scene, SpatialBody, symmetric
+from mbs_ref.scene import PlanarBody, Scene, SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import from_matrix
 
 
@@ -18,20 +18,23 @@ from mbs_ref.scene.euler_parameters import from_matrix
 class OneFreedom:
     """Where every body is as a function of one coordinate s; kinetic energy is J(s) s'^2 / 2."""
 
-    poses: Callable[[Jet], tuple[Jet, Jet]]  # s -> centres (n, 3) m and axes (n, 3, 3), as jets
+    poses: Callable[[Jet], tuple[Jet, Jet]]  # s -> centres (n, d) m, and axes (n, 3, 3) or angles (n,), as jets
     mass: np.ndarray  # (n,) kg
-    inertia: np.ndarray  # (n, 3, 3) kg m^2 about the centres, body axes
-    gravity: np.ndarray  # (3,) m/s^2
+    inertia: np.ndarray  # kg m^2 about the centres: (n, 3, 3) in body axes, or (n,) in the plane
+    gravity: np.ndarray  # (d,) m/s^2
     start: Any  # s at t = 0, in any precision
     rate: Any  # s' at t = 0
     stored: Callable[[Jet], Jet] = lambda s: s * 0  # s -> the potential of all forces but weight, J
 
     def at(self, s):
         """Return J, J' / 2, V and V' at s."""
-        place, axes = self.poses(jet.parameter(s))
-        back = np.swapaxes(axes.value, 1, 2)
-        spin, more = _axial(back @ axes.first), _axial(back @ axes.second)
-        momentum = np.einsum("kij,kj->ki", self.inertia, spin)
+        place, turn = self.poses(jet.parameter(s))
+        if self.inertia.ndim == 1:
+            spin, more, momentum = turn.first, turn.second, self.inertia * turn.first
+        else:
+            back = np.swapaxes(turn.value, 1, 2)
+            spin, more = _axial(back @ turn.first), _axial(back @ turn.second)
+            momentum = np.einsum("kij,kj->ki", self.inertia, spin)
         size = np.sum(self.mass[:, None] * place.first**2) + np.sum(spin * momentum)
         half_slope = np.sum(self.mass[:, None] * place.first * place.second) + np.sum(more * momentum)
         weight, stored = self.mass[:, None] * self.gravity, self.stored(jet.parameter(s))
@@ -39,9 +42,9 @@ class OneFreedom:
         return size, half_slope, height + stored.value, pull + stored.first
 
     def world(self, s) -> tuple[np.ndarray, np.ndarray]:
-        """Return centres (n, 3) and Euler parameters (n, 4)."""
-        place, axes = self.poses(jet.parameter(s))
-        return place.value, np.array([from_matrix(a) for a in axes.value])
+        """Return centres (n, d), and Euler parameters (n, 4) or angles (n,)."""
+        place, turn = self.poses(jet.parameter(s))
+        return place.value, turn.value if self.inertia.ndim == 1 else np.array([from_matrix(a) for a in turn.value])
 
 
 def _axial(matrices):
@@ -75,10 +78,11 @@ def hamilton(given: OneFreedom) -> Formulation:
 
 def agree_on(
     scene: Scene, poses: Callable[[Jet], tuple[Jet, Jet]], start: Any, rate: Any, times: np.ndarray,
-    ways: tuple[str, str], *, is_costly: bool = False,
+    ways: tuple[str, str], *, stored: Callable[[Jet], Jet] = OneFreedom.stored, is_costly: bool = False,
 ) -> Truth:  # fmt: skip
     """Return the truth, solved both ways, of a scene whose bodies, in its order, are where `poses` says."""
     mass = np.array([body.mass for body in scene.bodies])
-    inertia = np.array([symmetric(body.inertia) for body in scene.bodies if isinstance(body, SpatialBody)])
-    given = OneFreedom(poses, mass, inertia, np.array(scene.gravity), start, rate)
+    rigid = (body for body in scene.bodies if isinstance(body, PlanarBody | SpatialBody))
+    inertia = np.array([body.inertia if isinstance(body, PlanarBody) else symmetric(body.inertia) for body in rigid])
+    given = OneFreedom(poses, mass, inertia, np.array(scene.gravity), start, rate, stored)
     return agree(lagrange(given), hamilton(given), times, ways, extended=True, is_costly=is_costly)

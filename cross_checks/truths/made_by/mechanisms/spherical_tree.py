@@ -31,7 +31,7 @@ class SphericalTree:
     def turned(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return d (n, n, 3), the inertias in world axes and the mass matrix (3 n, 3 n) of the angular velocities."""
         n = len(self.mass)
-        axes = _matrices(theta)
+        axes = rotation_matrices(theta)
         d = np.einsum("jab,ijb->ija", axes, self.arms)
         inertia = axes @ self.inertia @ np.swapaxes(axes, 1, 2)
         weighed = self.mass[:, None, None] * d
@@ -46,7 +46,7 @@ class SphericalTree:
     def poses(self, t, y) -> tuple[np.ndarray, np.ndarray]:
         """Return the centres (n, 3) and Euler parameters (n, 4)."""
         theta = y[: 4 * len(self.mass)].reshape(-1, 4)
-        return self.pivot + np.einsum("jab,ijb->ia", _matrices(theta), self.arms), theta
+        return self.pivot + np.einsum("jab,ijb->ia", rotation_matrices(theta), self.arms), theta
 
 
 def spherical_tree(scene: Scene) -> SphericalTree:
@@ -112,11 +112,3 @@ def _rates(theta: np.ndarray, omega: np.ndarray) -> np.ndarray:
     """Return theta' = E^T omega / 2."""
     e0, e = theta[:, :1], theta[:, 1:]
     return 0.5 * np.concatenate([-np.sum(e * omega, axis=1, keepdims=True), e0 * omega + np.cross(omega, e)], axis=1)
-
-
-def _matrices(theta: np.ndarray) -> np.ndarray:
-    """Return A(theta / |theta|) in theta's precision: I + 2 (e0 E + E^2) / |theta|^2."""
-    e0, e = theta[:, 0, None, None], theta[:, 1:]
-    skew = np.zeros((len(theta), 3, 3), dtype=theta.dtype)
-    skew[:, [2, 0, 1], [1, 2, 0]], skew[:, [1, 2, 0], [2, 0, 1]] = e, -e
-    return np.eye(3) + 2 * (e0 * skew + skew @ skew) / np.sum(theta**2, axis=1)[:, None, None]

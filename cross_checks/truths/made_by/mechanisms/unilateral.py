@@ -191,14 +191,12 @@ class _Walk:
         start, stop = self._guards(np.array([now, self._at(z, high)]))
         times = []
         for place in zip(*np.nonzero(stop < 0.0), strict=True):
-            late = start[place] <= 0.0
-            root = low if late else self._root(z, place, low, high)
-            times.append((root, int(place[0]), int(place[1])))
+            root = low
+            if start[place] > 0.0:
+                root = root_scalar(self._guard, (z, place), bracket=(low, high), xtol=1e-16, rtol=1e-15).root
+            times.append((float(root), int(place[0]), int(place[1])))
         after, self.broken, self.which = min(times) if times else (high, self.broken, self.which)
         return after
-
-    def _root(self, z: np.ndarray, place: tuple[int, int], low: float, high: float) -> float:
-        return float(root_scalar(self._guard, (z, place), bracket=(low, high), xtol=1e-16, rtol=1e-15).root)
 
     def _guard(self, after: float, z: np.ndarray, place: tuple[int, int]) -> float:
         return float(self._guards(self._at(z, after)[None])[0][place])

@@ -7,15 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.made_by.numerics.collocation import collocate
-from cross_checks.truths.made_by.numerics.extrapolation import extrapolate
-from cross_checks.truths.made_by.sky import gravity, satellites
-from cross_checks.truths.made_by.sky.numbers import Field, real
+from cross_checks.truths.made_by.numerics.solvers import collocate, extrapolate
+from cross_checks.truths.made_by.sky import Field, gravity, real, satellites
 from cross_checks.truths.made_by.sky.satellites import NoAirError
 from cross_checks.truths.truth import ALIKE, NoTruth, Truth, unturned
 from mbs_ref.scene import Scene, celestial
 from mbs_ref.scene.celestial import Newton
-from mbs_ref.scene.units import free_fall_time, unit_length
+from mbs_ref.scene.scales import free_fall_time, unit_length
 
 # what each part of mbs_ref.scene.celestial does; Newton's gravity acts among all, and an epoch is a date
 FIELDS: dict[type, Callable[[Scene, Any], Field]] = {

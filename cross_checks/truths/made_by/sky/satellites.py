@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from cross_checks.truths.made_by.sky import directions
-from cross_checks.truths.made_by.sky.numbers import PI, Field, dot, norm, real
+from cross_checks.truths.made_by.sky import PI, Field, directions, dot, norm, real
 from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import AU_M, Drag, RadiationPressure, StandardDrag, ThirdBody
 

@@ -9,9 +9,8 @@ from typing import Any
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import Number
-from cross_checks.truths.proofs.checker.coverage import PAIRS
-from cross_checks.truths.proofs.checker.mechanics import Mechanics, dot
-from cross_checks.truths.proofs.checker.model import TURNS
+from cross_checks.truths.proofs.checker.mechanics import Mechanics, dot, minus
+from cross_checks.truths.proofs.coverage import PAIRS
 
 
 class Impacts:
@@ -20,46 +19,36 @@ class Impacts:
     def __init__(self, mechanics: Mechanics) -> None:
         self.mechanics, self.parts = mechanics, mechanics.scene.contacts
 
-    def gap(self, part: Any, bodies: list[list[Number]]) -> tuple[Number, Number, list[Number], int, int]:
+    def gap(self, part: Any, bodies: list[list[Number]]) -> tuple[Number, Number, list[Number], list[int]]:
         """Return a gap (m), its rate (m/s), the normal from body b to body a, and both bodies (ground: -1)."""
-        a, b = (self.mechanics.index[name] for name in part.ends)
-        place, velocity = (
-            [*(self._three(k, own, moving) for k, own in enumerate(bodies)), [arb(0)] * 3] for moving in (0, 1)
+        ends, vector, ball = (
+            [self.mechanics.index[name] for name in part.ends],
+            self.mechanics.vector,
+            self.mechanics.ball,
         )
-        vector, ball = self.mechanics.vector, self.mechanics.ball
+        states = [bodies[k] if k >= 0 else [arb(0)] * 14 for k in ends]
+        apart, speed = minus(*(own[:3] for own in states)), minus(*(own[8:11] for own in states))
         if part.type in PAIRS:
-            normal, radius = (
-                [x - y for x, y in zip(place[a], place[b], strict=True)],
-                ball(part.radius_a) + ball(part.radius_b),
-            )
-            base = [arb(0)] * 3
+            normal, radius = apart, ball(part.radius_a) + ball(part.radius_b)
+        elif part.type == "circle_on_line":
+            start, end, radius = vector(part.point_1), vector(part.point_2), ball(part.radius)
+            apart, normal = minus(apart, start), [start[1] - end[1], end[0] - start[0], arb(0)]
         else:
-            base, radius = vector(part.point_1 if part.type == "circle_on_line" else part.point), ball(part.radius)
-            normal = vector(part.normal) if part.type == "sphere_on_plane" else self._left(part)
+            apart, normal, radius = minus(apart, vector(part.point)), vector(part.normal), ball(part.radius)
         size = dot(normal, normal).sqrt()
         normal = [x / size for x in normal]
-        apart = [x - y - z for x, y, z in zip(place[a], place[b], base, strict=True)]
-        speed = [x - y for x, y in zip(velocity[a], velocity[b], strict=True)]
-        return dot(normal, apart) - radius, dot(normal, speed), normal, a, b
-
-    def _three(self, k: int, own: list[Number], moving: int) -> list[Number]:
-        """Return a body's place or velocity."""
-        n, turns = self.mechanics.scene.dimension, TURNS[self.mechanics.scene.bodies[k].type]
-        first = (n + turns) * moving
-        return (own[first : first + n] + [arb(0)] * 3)[:3]
-
-    def _left(self, line: Any) -> list[arb]:
-        start, end = self.mechanics.vector(line.point_1), self.mechanics.vector(line.point_2)
-        return [start[1] - end[1], end[0] - start[0], arb(0)]
+        return dot(normal, apart) - radius, dot(normal, speed), normal, ends
 
     def after(self, part: Any, bodies: list[list[Number]]) -> list[tuple[int, list[Number]]]:
         """Return the bodies that an impact moves, and their new velocities: v+ = -e v- along the normal."""
-        _, rate, normal, a, b = self.gap(part, bodies)
-        ends = [
-            (k, way, self.mechanics.ball(self.mechanics.scene.bodies[k].mass)) for k, way in ((a, 1), (b, -1)) if k >= 0
-        ]
-        impulse = -(1 + self.mechanics.ball(part.law.restitution)) * rate / sum(1 / mass for *_, mass in ends)
+        _, rate, normal, ends = self.gap(part, bodies)
+        inverse = {
+            k: way / self.mechanics.ball(self.mechanics.scene.bodies[k].mass)
+            for k, way in zip(ends, (1, -1), strict=True)
+            if k >= 0
+        }
+        impulse = -(1 + self.mechanics.ball(part.law.restitution)) * rate / sum(map(abs, inverse.values()))
         return [
-            (k, [v + way * impulse / mass * n for v, n in zip(self._three(k, bodies[k], 1), normal, strict=True)])
-            for k, way, mass in ends
+            (k, [v + impulse * share * n for v, n in zip(bodies[k][8:11], normal, strict=True)])
+            for k, share in inverse.items()
         ]

@@ -3,20 +3,21 @@
 import random
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import chain
 from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision
-from cross_checks.truths.proofs.checker.coverage import DRIVES
-from cross_checks.truths.proofs.checker.formulas import Formulas, roots, solve
+from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
+from cross_checks.truths.proofs.checker.formulas import Formulas, solve
 from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
+from cross_checks.truths.proofs.coverage import DRIVES
 from cross_checks.truths.proofs.family import Varied, family
 from mbs_ref.scene import Scene
 
-POINTS, POINT_BITS, EQUAL = 3, 1000, 600  # random points, bits of numbers, bits that must agree
+POINTS, POINT_BITS, EQUAL = 3, 1000, 2.0**-600  # random points, bits of numbers, how nearly they must agree
+STATE = 14  # numbers of a body's state
 START_GAP = 1e-7  # of a rate, 1: how far a scene's dependent rates may be from its closures
-TURNS = {"point_mass": 0, "planar": 1, "spatial": 4}  # numbers of a body's turn: none, angle, Euler parameters
 
 
 class Model:
@@ -26,38 +27,30 @@ class Model:
         self.scene: Any = Scene.model_validate(header["scene"])
         if "ends" in header:
             self.scene = family(self.scene, *map(Scene.model_validate, header["ends"]))
-        self.units = [Fraction(x) for x in header["system"]["units"]]
-        if min(self.units) <= 0:
-            raise Refused("a unit is not positive")
-        self.formulas = Formulas(header["system"])
+        system, self.formulas = header["system"], Formulas(header["system"])
+        self.units, self.clock, self.free = [Fraction(x) for x in system["units"]], system["clock"], system["free"]
+        if min(self.units) <= 0 or [len(own) for own in self.formulas.outputs] != [STATE] * len(self.scene.bodies):
+            raise Refused("a unit is not positive, or the outputs are not the states of the bodies")
         self.mechanics = Mechanics(self.scene, header["inputs"])
-        self.clock = header["system"]["clock"]
-        self._refuse_without_time(header["system"]["starts"])
-        self.plans = {
-            "motion": self.formulas.plan([*self.formulas.f, *self.formulas.g]),
-            "jacobian": self.formulas.plan([p for row in self.formulas.jacobian for p in row.values()]),
-            "outputs": self.formulas.plan([p for one in self.formulas.outputs for p in one]),
-        }
-        self.free = header["system"]["free"]
+        self._refuse_without_time(system["starts"])
         with precision(POINT_BITS):
-            self.start = self._start(header["system"]["starts"])
+            self.start = self._start(system["starts"])
             if "ends" in header:
-                self._vary_start(header["system"]["starts"])
+                self._vary_start(system["starts"])
             self._compare(self.start)
-            self.z_start = roots(self.formulas, self.start)
+            self.z_start = self.formulas.root(self.start)
             if self.free is not None:
                 self.start[self.free] = arb(0, 1)
 
     def _vary_start(self, starts: list[Any]) -> None:
         """Refuse a family whose start values vary, or whose parameter does."""
-        lines, f = self.formulas.lines, self.formulas.f
-        varied = any(isinstance(x, Varied) for body in self.scene.bodies for x in _rates(body, lambda x: x))
-        if self.free is None or varied or None in starts or lines[f[self.free]] != ("c", 0, 1):
+        varied = any(isinstance(x, Varied) for body in self.scene.bodies for x in _rates(body))
+        formulas = self.formulas
+        if self.free is None or varied or None in starts or formulas.lines[formulas.f[self.free]] != ("c", 0, 1):
             raise Refused("the start rates vary with the parameter, which is not covered")
         for s in (-1, 1):
-            self.mechanics.s, y = Fraction(s), [arb(s) if k == self.free else x for k, x in enumerate(self.start)]
-            for body, own in zip(self.scene.bodies, self.bodies(y), strict=True):
-                self._same_start(body, own)
+            self.mechanics.s = Fraction(s)
+            self._same_start([arb(s) if k == self.free else x for k, x in enumerate(self.start)])
 
     def _refuse_without_time(self, starts: list[Any]) -> None:
         signals = (signal for part in (*self.scene.joints, *self.scene.loads) for signal in part.signals)
@@ -74,127 +67,93 @@ class Model:
         It obeys the equations of motion, but in singular poses of the loops others may branch off.
         """
         joints, lines = [j for j in self.scene.joints if j.type not in DRIVES], self.formulas.lines
-        return len(joints) > len(self.scene.bodies) and self.formulas.m == sum(
-            lines[place][0] == "z" for place in self.formulas.f
-        )
+        accelerations = sum(lines[place][0] == "z" for place in self.formulas.f)
+        return len(joints) > len(self.scene.bodies) and self.formulas.m == accelerations
 
     def bodies(self, y: Sequence[Number]) -> list[list[Number]]:
-        """Return place, turn since t = 0, velocity and spin of every body, SI units."""
-        value, (length, time, _) = self.formulas.run(self.plans["outputs"], y, []), map(exact, self.units)
-        result = []
-        for body, own in zip(self.scene.bodies, self.formulas.outputs, strict=True):
-            n, turns = len(body.position), TURNS[body.type]
-            units = [length] * n + [arb(1)] * turns + [length / time] * n + [1 / time] * min(turns, 3)
-            result.append([value[place] * unit for place, unit in zip(own, units, strict=True)])
-        return result
+        """Return place, angle in the plane, Euler parameters since t = 0, velocity and spin of every body, SI units."""
+        outputs, (length, time, _) = self.formulas.outputs, map(exact, self.units)
+        values = iter(self.formulas.run([place for own in outputs for place in own], y, []))
+        units = [*[length] * 3, *[arb(1)] * 5, *[length / time] * 3, *[1 / time] * 3]
+        return [[next(values) * unit for unit in units] for _ in outputs]
 
-    def states(self, bodies: list[list[arb]]) -> tuple[list[Any], list[list[arb]]]:
+    def states(self, bodies: list[list[Any]]) -> tuple[list[Any], list[list[Any]]]:
         """Return place, turn and angle, and the six rates, of every body as `Mechanics` takes them."""
-        states, rates, zero = [], [], arb(0)
-        for body, value in zip(self.scene.bodies, bodies, strict=True):
-            n, turns = len(body.position), TURNS[body.type]
-            turn, velocity, spin = value[n : n + turns], value[n + turns : 2 * n + turns], value[2 * n + turns :]
-            angle = turn[0] if turns == 1 else zero
-            e = turn if turns == 4 else [(angle / 2).cos(), zero, zero, (angle / 2).sin()]
-            states.append(((value[:n] + [zero] * 3)[:3], rotation(e), angle))
-            rates.append((velocity + [zero] * 3)[:3] + (spin if turns == 4 else [zero, zero, *spin, zero][:3]))
-        return states, rates
+        return [(own[:3], rotation(own[4:8]), own[3]) for own in bodies], [own[8:] for own in bodies]
+
+    def _closures(self, y: list[arb]) -> list[arb]:
+        """Return the rates of all closures."""
+        jets = self.mechanics.jets(*self.states(self.bodies(y)))
+        return [row[1] for joint in self.scene.joints for row in self.mechanics.closure(jets, joint)]
 
     def _start(self, given: list[Any]) -> list[arb]:
         """Return the start of y; closures decide what is not given. The outputs must be the scene's start."""
-        unknown = [k for k, value in enumerate(given) if value is None]
-        length, time, _ = self.units
-        rates = {x for body in self.scene.bodies for x in _rates(body, self.mechanics.number)} | {Fraction(0)}
-        places = {self.mechanics.number(x) / length for body in self.scene.bodies for x in body.position}
-        allowed = (
-            {(a - b) * unit for a in rates for b in rates for unit in (time, time / length)} | places | {Fraction(1)}
-        )
+        number, (length, time, _) = self.mechanics.number, self.units
+        rates = {number(x) for body in self.scene.bodies for x in _rates(body)} | {Fraction(0)}
+        allowed = {(a - b) * unit for a in rates for b in rates for unit in (time, time / length)} | {Fraction(1)}
+        allowed |= {number(x) / length for body in self.scene.bodies for x in body.position}
         if any(value is not None and Fraction(*value) not in allowed for value in given):
             raise Refused("a start value is no number of the scene")
         y = [arb(0) if value is None else exact(Fraction(*value)) for value in given]
-
-        def closures(values: list[arb]) -> list[arb]:
-            state, rate = self.states(self.bodies(values))
-            jets = self.mechanics.jets(state, rate, [[arb(0)] * 6] * len(rate))
-            return [row[1] for joint in self.scene.joints for row in self.mechanics.closure(jets, joint)]
-
-        if unknown:
-            base = closures(y)
-            columns = [closures([arb(j == k) if j in unknown else y[j] for j in range(len(y))]) for k in unknown]
-            matrix = [[c[r] - base[r] for c in columns] for r in range(len(base))]
-            rows = [r for r, row in enumerate(matrix) if any(above(x) > 2.0**-EQUAL for x in row)]
+        if unknown := [k for k, value in enumerate(given) if value is None]:
+            base = self._closures(y)
+            columns = [self._closures([arb(j == k) if j in unknown else x for j, x in enumerate(y)]) for k in unknown]
+            matrix = [[c - b for c in row] for b, *row in zip(base, *columns, strict=True)]
+            rows = [r for r, row in enumerate(matrix) if max(map(above, row)) > EQUAL]
             if len(rows) != len(unknown):
                 raise Refused(f"{len(rows)} closures do not decide {len(unknown)} start rates")
             solved = solve(arb_mat([matrix[r] for r in rows]), arb_mat([[-base[r]] for r in rows]))
             for k, value in zip(unknown, solved.entries(), strict=True):
                 y[k] = value
-        for body, own in zip(self.scene.bodies, self.bodies(y), strict=True):
-            self._same_start(body, own)
-        if any(above(row) > 2.0**-EQUAL for row in closures(y)):
+        self._same_start(y)
+        if any(above(row) > EQUAL for row in self._closures(y)):
             raise Refused("the start rates do not fulfil the closures")
         return y
 
-    def _same_start(self, body: Any, own: list[arb]) -> None:
-        n, number = len(body.position), self.mechanics.number
-        turn = [[], [0.0], [], [], [1.0, 0.0, 0.0, 0.0]][TURNS[body.type]]
-        for x, wanted in zip(own, [*body.position, *turn], strict=False):
-            if above(x - exact(number(wanted))) > 2.0**-EQUAL:
-                raise Refused(f"{body.name} does not start where the scene has it")
-        for x, wanted in zip(own[n + len(turn) :], _rates(body, number), strict=True):
-            if above(x - exact(wanted)) > START_GAP * (1.0 + abs(float(wanted))):
-                raise Refused(f"{body.name} does not start with the scene's rates")
+    def _same_start(self, y: list[arb]) -> None:
+        for body, own in zip(self.scene.bodies, self.bodies(y), strict=True):
+            wanted = [*self.mechanics.vector(body.position), *map(arb, (0, 1, 0, 0, 0))]
+            wanted += [self.mechanics.ball(x) for x in _rates(body)]
+            for k, (x, right) in enumerate(zip(own, wanted, strict=True)):
+                if above(x - right) > (EQUAL if k < 8 else START_GAP * (1.0 + above(right))):
+                    raise Refused(f"{body.name} does not start as the scene has it")
 
     def _compare(self, start: list[arb]) -> None:
         """Compare the accelerations of the log's formulas with those of `Mechanics`, at the start and elsewhere."""
-        dice, parameters = random.Random(repr(self.formulas.lines)), self._euler_parameters()
+        dice, lines = random.Random(repr(self.formulas.lines)), self.formulas.lines
+        turns = [[lines[p] for p in own[4:8]] for own in self.formulas.outputs]
         for point in range(POINTS + 1):
             y = [x + arb(dice.randrange(-1000, 1000)) / 3333 * int(point > 0) for x in start]
             if self.free is not None:
                 self.mechanics.s = Fraction(dice.randrange(-1000, 1000), 3333)
                 y[self.free] = exact(self.mechanics.s)
-            for four in parameters:
-                size = arb.sqrt(sum((y[k] * y[k] for k in four), arb(0)))
-                for k in four:
-                    y[k] = y[k] / size
+            for four in turns:  # Euler parameters that are part of y
+                if all(operation == "y" for operation, *_ in four):
+                    size = sum((y[k] * y[k] for _, k, _ in four), arb(0)).sqrt()
+                    for _, k, _ in four:
+                        y[k] = y[k] / size
             self._compare_at(y)
 
-    def _euler_parameters(self) -> list[list[int]]:
-        """Return the places in y of every set of Euler parameters that is part of y."""
-        sets = []
-        for body, own in zip(self.scene.bodies, self.formulas.outputs, strict=True):
-            four = [self.formulas.lines[place] for place in own[3:7]] if body.type == "spatial" else []
-            if four and all(line[0] == "y" for line in four):
-                sets.append([line[1] for line in four])
-        return sets
-
     def _compare_at(self, y: list[arb]) -> None:
-        formulas = self.formulas
-        self.mechanics.now = arb(0) if self.clock is None else y[self.clock] * exact(self.units[1])
-        value = formulas.run(self.plans["motion"], y, roots(formulas, y))
-        rate_of = [value[place] for place in formulas.f]
-        moving = [arb_series([x, v]) for x, v in zip(y, rate_of, strict=True)]
-        with precision(POINT_BITS, 2):
-            change = [[x[1] if isinstance(x, arb_series) else arb(0) for x in own] for own in self.bodies(moving)]
-        state, rate = self.states(self.bodies(y))
-        expected = self.mechanics.accelerations(state, rate)
-        for k, (body, own) in enumerate(zip(self.scene.bodies, change, strict=True)):
-            n, (w, turn) = len(body.position), (rate[k][3:], [])
-            if TURNS[body.type] == 1:
-                turn = [w[2]]
-            elif TURNS[body.type] == 4:
-                a, b, c, d = self.bodies(y)[k][3:7]
-                double = (
-                    -w[0] * b - w[1] * c - w[2] * d, w[0] * a + w[1] * d - w[2] * c,
-                    w[1] * a + w[2] * b - w[0] * d, w[2] * a + w[0] * c - w[1] * b,
-                )  # fmt: skip
-                turn = [x / 2 for x in double]
-            free = [c for c in self.mechanics.free[k] if c >= 3]
-            wanted = [*rate[k][:n], *turn, *expected[k][:n], *(expected[k][c] for c in free)]
-            for x, right in zip(own, wanted, strict=True):
-                if not above(x / exact(self.units[1]) - right) <= 2.0**-EQUAL * (1.0 + above(right)):
-                    raise Refused(f"the formulas do not move {body.name} as the scene does")
+        time = exact(self.units[1])
+        self.mechanics.now = arb(0) if self.clock is None else y[self.clock] * time
+        f = self.formulas.run(self.formulas.f, y, self.formulas.root(y))
+        with precision(POINT_BITS, 3):
+            outputs = self.bodies([arb_series([x, rate / time]) for x, rate in zip(y, f, strict=True)])
+            moving, (states, rates) = self.states(outputs), self.states(self.bodies(y))
+            expected = self.mechanics.accelerations(states, rates)
+            for k, (body, own) in enumerate(zip(self.scene.bodies, outputs, strict=True)):
+                place, turn, angle = moving[0][k]
+                right_place, right_turn, right_angle = self.mechanics.jet(states[k], rates[k])
+                pairs = [*zip([*place, *chain(*turn)], [*right_place, *chain(*right_turn)], strict=True)]
+                pairs += [(moving[1][k][c], arb_series([0, expected[k][c]])) for c in self.mechanics.free[k]]
+                pairs += [(angle, right_angle)] if body.type == "planar" else []
+                pairs.append((sum(x * x for x in own[4:8]), arb(0)))
+                for x, right in ((terms(a, 2)[1], terms(b, 2)[1]) for a, b in pairs):
+                    if not above(x - right) <= EQUAL * (1.0 + above(right)):
+                        raise Refused(f"the formulas do not move {body.name} as the scene does")
 
 
-def _rates(body: Any, number: Any) -> list[Fraction]:
-    spin = getattr(body, "angular_velocity", ())
-    return [number(x) for x in (*body.velocity, *(spin if isinstance(spin, tuple) else (spin,)))]
+def _rates(body: Any) -> list[float]:
+    spin = getattr(body, "angular_velocity", 0.0)
+    return [*(*body.velocity, 0.0)[:3], *(spin if isinstance(spin, tuple) else (0.0, 0.0, spin))]

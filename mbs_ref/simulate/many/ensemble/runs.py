@@ -18,8 +18,7 @@ from mbs_ref.simulate.assembly import or_empty
 from mbs_ref.simulate.error_estimate import ENDED
 from mbs_ref.simulate.many.ensemble.design import Design
 from mbs_ref.simulate.many.ensemble.variants import Variants, own_start
-from mbs_ref.simulate.many.lanes import NOTE, why_not_in_lanes
-from mbs_ref.simulate.many.threads import processors, shared
+from mbs_ref.simulate.many.lanes import NOTE, processors, shared, why_not_in_lanes
 from mbs_ref.simulate.method_choice import AUTO
 from mbs_ref.simulate.one_run import compiled
 from mbs_ref.trajectory import Status, Trajectory

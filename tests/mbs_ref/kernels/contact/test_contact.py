@@ -18,7 +18,7 @@ from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw, RigidLaw, Spring
 from mbs_ref.scene.toml import dumps, loads
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.linearised.stiffness import stiffness
+from mbs_ref.simulate.linearised import stiffness
 from mbs_ref.trajectory import Status
 
 FINE = Settings(method="dop853", rtol=1e-12)
@@ -115,6 +115,15 @@ def test_stop_distance_rolling_and_incline():
     assert slip.position[-1, 0, 0] == pytest.approx(0.5 * pull * 1.5**2, abs=1e-9)
     stick = simulate(scenes.make("incline"), FINE)
     assert abs(stick.velocity[-1, 0, 0]) < 1e-10
+
+
+@pytest.mark.parametrize("rtol", [1e-7, 1e-9, 1e-10])
+def test_radau_reaches_the_end_of_sliding_where_friction_turns_within_a_step(rtol):
+    scene = scenes.make("rolling_sphere")
+    run = simulate(scene, Settings(method="radau", rtol=rtol, estimate="off"))
+    truth = simulate(scene, FINE)
+    assert run.status is Status.SUCCESS, run.message
+    assert run.event_times[0, 0] == pytest.approx(truth.event_times[0, 0], abs=100.0 * rtol)
 
 
 def test_oblique_impact_takes_the_sliding_impulse():

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import signal
+from threading import Timer
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from mbs_ref.scene import Force, PlanarBody, Scene, UserForce
 from mbs_ref.scene.signals import HalfSine, Table
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.plan import CHUNK
 from mbs_ref.simulate.start.soundness import UnsoundScene, clock_troubles, require_sound
 from mbs_ref.trajectory import Status
 
@@ -75,4 +78,13 @@ def test_ctrl_c_keeps_what_was_computed():
     assert path.status is Status.INTERRUPTED, path.message
     assert 1 < len(path.times) < 301
     assert np.all(np.isfinite(path.position))
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_ctrl_c_ends_a_large_run_inside_its_compiled_loop():
+    scene = scenes.make("pendulum_chain", links=20)
+    Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+    path = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e4, samples=3))
+    assert path.status is Status.INTERRUPTED, path.message
+    assert path.steps < CHUNK
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

@@ -10,7 +10,7 @@ from mbs_ref.scene import Force, PlanarBody, PointMass, Scene, SpatialBody, Spri
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.signals import Table
 from mbs_ref.scene.toml import dumps
-from mbs_ref.simulate.many.ensemble.numbers import place_of, value_at, with_values
+from mbs_ref.simulate.many.ensemble.variants import place_of, value_at, with_values
 
 FORCE = Force(name="push", body="a", point=(0.0, 0.0), vector=(1.0, 2.0),
               factor=Table(times=(0.0, 1.0, 2.0), values=(3.0, 4.0, 5.0)))  # fmt: skip

@@ -1,1 +1,0 @@
-"""Trees compiled in relative coordinates."""

@@ -1,0 +1,374 @@
+"""A spatial scene compiled: its arrays, Euler parameters, joint rows, reactions; callable from Python."""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from mbs_ref.cores.builder import Builder, Place, assembled, ends, forces, torsion_springs
+from mbs_ref.cores.jointed_system import JointedSystem
+from mbs_ref.cores.system import Poses
+from mbs_ref.cores.user_rows import variable
+from mbs_ref.kernels import answers as core
+from mbs_ref.kernels.border.groups import floats, ints
+from mbs_ref.kernels.rigid.model import TorsionSprings, rigid_scratch
+from mbs_ref.kernels.spatial import model as arrays
+from mbs_ref.kernels.spatial.model import SpatialScratch
+from mbs_ref.scene import Bushing, Scene, SpatialBody, TorsionSpring, symmetric
+from mbs_ref.scene.base.part import normals, unit
+from mbs_ref.scene.base.taylor import Taylor
+from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
+from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
+from mbs_ref.scene.joints import SpatialPlace
+from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.traits import deflecting
+
+_HELD_INERTIA = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)  # kg m^2 in the idle block of a point mass: nothing ever turns it
+
+
+def world_axes(body: Any) -> np.ndarray:
+    """Return the rotation matrix (3, 3) of a body at t = 0; one for ground (None) and point masses."""
+    return rotation_matrices(body.orientation) if isinstance(body, SpatialBody) else np.eye(3)
+
+
+class _Builder(Builder):
+    """Spatial bodies' places and axes."""
+
+    def __init__(self, scene: Scene) -> None:
+        super().__init__(scene)
+        self.axes = {body.name: world_axes(body) for body in scene.bodies}
+        self.centre = {body.name: np.array(body.position) for body in scene.bodies}
+
+    def point(self, name: str, world: Any) -> np.ndarray:
+        if name == "ground":
+            return np.array(world, dtype=float)
+        return self.axes[name].T @ (np.array(world) - self.centre[name])
+
+    def direction(self, name: str, world: Any) -> np.ndarray:
+        return np.array(world, dtype=float) if name == "ground" else self.axes[name].T @ world
+
+
+def _torsion_springs(build: _Builder) -> TorsionSprings:
+    loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
+    pairs = [(x, normals(x.axis)) for x in loads]
+    return torsion_springs(
+        build,
+        lambda load: load.rest_angle or 0.0,
+        zero=floats([build.direction(x.body_a, f[0]) for x, f in pairs], 3),
+        quarter=floats([build.direction(x.body_a, f[1]) for x, f in pairs], 3),
+        mark=floats([build.direction(x.body_b, f[0]) for x, f in pairs], 3),
+    )
+
+
+def _bushings(build: _Builder) -> arrays.Bushings:
+    loads = [x for x in build.scene.loads if isinstance(x, Bushing)]
+    directions = [(unit(x.x_axis), unit(x.y_axis)) for x in loads]
+    frames = [np.column_stack((x, y, np.cross(x, y))) for x, y in directions]
+    pairs = list(zip(loads, frames, strict=True))
+    return arrays.Bushings(
+        *ends(build, loads),
+        floats([build.point(x.body_a, x.point) for x in loads], 3),
+        floats([build.point(x.body_b, x.point) for x in loads], 3),
+        floats((build.direction(x.body_a, f) for x, f in pairs), 3, 3),
+        floats((build.direction(x.body_b, f) for x, f in pairs), 3, 3),
+        floats([x.stiffness for x in loads], 6),
+        floats([x.damping for x in loads], 6),
+    )
+
+
+def _attraction(build: _Builder) -> arrays.Attraction:
+    """Return Newton's gm in elimination order; ValueError where a load acts on scenes of particles alone."""
+    known = (Newton, Epoch, GravityGradient)
+    others = [x.name for x in build.scene.loads if isinstance(x, CelestialPart) and not isinstance(x, known)]
+    newtons = [x for x in build.scene.loads if isinstance(x, Newton)]
+    if others:
+        raise ValueError(
+            f"loads {', '.join(others)} act in scenes of free point masses alone; rigid bodies know newton "
+            "and gravity_gradient"
+        )
+    if len(newtons) > 1:
+        raise ValueError(f"loads {', '.join(x.name for x in newtons)} are all of type newton; give one")
+    if newtons and len(newtons[0].gm) != build.n:
+        raise ValueError(f"load {newtons[0].name!r}: gm needs {build.n} entries, one a body; got {len(newtons[0].gm)}")
+    return arrays.Attraction(floats(newtons[0].gm[i] for i in build.layout.order) if newtons else np.zeros(0))
+
+
+def _gradients(build: _Builder) -> arrays.Gradients:
+    loads = [x for x in build.scene.loads if isinstance(x, GravityGradient)]
+    ends = [
+        ints([build.body(name) for name in names]) for names in ([x.planet for x in loads], [x.body for x in loads])
+    ]
+    return arrays.Gradients(ends[0], ends[1], floats(x.gm for x in loads))
+
+
+def build_spatial(scene: Scene) -> tuple[Any, dict[int, Place]]:
+    """Compile a spatial scene to SpatialGroups; also return where each joint's rows are."""
+    build = _Builder(scene)
+    rigid = np.array([isinstance(b, SpatialBody) for b in scene.bodies], dtype=int)
+    inertia = [b.inertia if isinstance(b, SpatialBody) else _HELD_INERTIA for b in scene.bodies]
+    groups = assembled(
+        build,
+        arrays.SpatialGroups,
+        widths=np.array((3 + 4 * rigid, 3 + 3 * rigid)),
+        inertia=floats(inertia, 6),
+        forces=forces(build),
+        torsion_springs=_torsion_springs(build),
+        bushings=_bushings(build),
+        attraction=_attraction(build),
+        gradients=_gradients(build),
+    )
+    return groups, build.place
+
+
+RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
+RANK_STEP = 0.05  # m, rad: how far they are from the first
+INDEPENDENT = 1e-8  # relative pivot: above roundoff, 1e-12, and below what RANK_STEP away from a singular pose has
+PROJECTED = 1e-11  # m, rad: a pose off the constraints by more tells nothing about ranks
+
+
+def _after(first: np.ndarray, count: int) -> np.ndarray:
+    """Return `count` places (n, count) from each first one (n,) on."""
+    return first[:, None] + np.arange(count)
+
+
+class SpatialSystem(JointedSystem):
+    """A spatial scene as arrays and compiled functions.
+
+    State y = concatenate(q, u, s) in scene order; a rigid body has q = R, theta0..theta3 (m, 1) and
+    u = R', omega (m/s, rad/s, omega in body axes), a point mass q = R and u = R'. s holds the two deflections (m)
+    of every contact that can stick.
+    """
+
+    CORE = "spatial"
+    RATES, SHARED = 6, 7
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.n_bodies = len(scene.bodies)
+        groups, self.place = build_spatial(scene)
+        self._allocate(groups)
+        self.groups.loops.most[:] = self._closure_ranks()
+
+    # --- set-up -----------------------------------------------------------------------------------
+
+    def _scratch(self) -> Any:
+        sticking, state = int(self.groups.contact_pairs.sticking[0]), len(self.initial_state())
+        slots, loops = len(self.groups.slots.body), self.groups.loops
+        scratch = rigid_scratch(SpatialScratch, self.n_bodies, slots, state, loops, rates=6, n_sticking=sticking)
+        scratch.kinematics.turned[:] = np.eye(3)
+        scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
+        return scratch
+
+    def initial_state(self) -> np.ndarray:
+        q: list[float] = []
+        u: list[float] = []
+        for body in self.scene.bodies:
+            q += body.position
+            u += body.velocity
+            if isinstance(body, SpatialBody):
+                q += (np.array(body.orientation) / np.linalg.norm(body.orientation)).tolist()
+                u += (rotation_matrices(body.orientation).T @ body.angular_velocity).tolist()
+        return np.concatenate((q, u, np.zeros(2 * self.groups.contact_pairs.sticking[0])))
+
+    @staticmethod
+    def state_units(scene: Scene, scales: Scales) -> np.ndarray:
+        """Return L for places and deflections, 1 for Euler parameters, L / T and 1 rad / T for rates (n_state,)."""
+        length = [scales.length]
+        rigid = [isinstance(body, SpatialBody) for body in scene.bodies]
+        q = [unit for turns in rigid for unit in 3 * length + turns * 4 * [1.0]]
+        u = [unit for turns in rigid for unit in 3 * length + turns * 3 * [1.0]]
+        return np.concatenate((q, np.divide(u, scales.time), 2 * len(deflecting(scene)) * length))
+
+    @property
+    def n_positions(self) -> int:
+        return 3 * self.n_bodies + 4 * len(self.rigid)
+
+    @cached_property
+    def rigid(self) -> np.ndarray:
+        """Scene indices of the rigid bodies."""
+        return np.array([k for k, b in enumerate(self.scene.bodies) if isinstance(b, SpatialBody)], dtype=int)
+
+    def _closure_ranks(self) -> np.ndarray:
+        """Return how many rows of each closure are independent at the pose, near the first, where most are.
+
+        A contact's closure has one row, while it is closed.
+        """
+        loops = self.groups.loops
+        of_contact = np.isin(loops.slot, self.groups.contact_laws.slot)
+        if of_contact.all():
+            return loops.count
+        y = self.initial_state()
+        self.project(0.0, y, 1e-14, 50)
+        best = self._ranks_at(y)
+        generator = np.random.default_rng(0)
+        for _ in range(RANK_POSES):
+            near = self._moved(y, generator.standard_normal(len(y)))
+            if self.project(0.0, near, 1e-14, 50) < PROJECTED:
+                best = max(best, self._ranks_at(near), key=np.sum)
+        return np.where(of_contact, loops.count, best)
+
+    def _ranks_at(self, y: np.ndarray) -> np.ndarray:
+        """Return how many pivots of each closure stand out from roundoff."""
+        self.derivative(0.0, y)
+        closures = self.scratch.closures
+        found = np.arange(self.RATES) < closures.rank[:, None]
+        scale = np.take_along_axis(closures.scale, closures.order, axis=1)
+        return np.sum(closures.inverse * scale * INDEPENDENT < 1.0, axis=1, where=found)
+
+    def _moved(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return y moved along the constraints by about RANK_STEP in the direction of x."""
+        core.call_derivative(self.model, self.work, 0.0, y.copy(), np.empty_like(y))
+        core.call_tangent(self.model, self.work, x)
+        moved = y.copy()
+        moved[: self.n_positions] += RANK_STEP / max(1e-12, np.abs(x).max()) * x[: self.n_positions]
+        return moved
+
+    def steady_course(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return X y and the matrix of X: R' stays, theta' = theta (0, omega) / 2, omega' = -omega(0) x omega."""
+        course, matrix = super().steady_course(y)
+        for q, v, rigid in zip(self.groups.bodies.q, self.groups.bodies.v, self.groups.bodies.rigid, strict=True):
+            if rigid:
+                x, z, w = y[v + 3 : v + 6]
+                spin = np.array(((0.0, -w, z), (w, 0.0, -x), (-z, x, 0.0)))
+                matrix[v + 3 : v + 6, v + 3 : v + 6] = -spin
+                matrix[q + 3, q + 4 : q + 7] = -0.5 * y[v + 3 : v + 6]
+                matrix[q + 4 : q + 7, q + 3] = 0.5 * y[v + 3 : v + 6]
+                matrix[q + 4 : q + 7, q + 4 : q + 7] = -0.5 * spin
+        return course, matrix
+
+    def norms(self, y: np.ndarray) -> np.ndarray:
+        bodies = self.groups.bodies
+        return np.array([y[q + 3 : q + 7] @ y[q + 3 : q + 7] for q in bodies.q[bodies.rigid == 1]])
+
+    # --- evaluation -------------------------------------------------------------------------------
+
+    def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return force and torque (n_bodies, 6) of gravity, every load and -omega x J omega: N, N m."""
+        core.call_derivative(self.model, self.work, float(t), y, np.empty_like(y))
+        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
+
+    def poses(self, states: np.ndarray) -> Poses:
+        """Turn states into world poses; a point mass keeps the orientation 1, 0, 0, 0."""
+        states = np.asarray(states)
+        bodies, order = self.groups.bodies, self.groups.bodies.scene_index
+        shape = (len(states), self.n_bodies)
+        position, velocity, omega = (np.zeros((*shape, 3)) for _ in range(3))
+        theta = np.zeros((*shape, 4))
+        theta[:, :, 0] = 1.0
+        position[:, order], velocity[:, order] = states[:, _after(bodies.q, 3)], states[:, _after(bodies.v, 3)]
+        turns = bodies.rigid == 1
+        own, q, v = order[turns], bodies.q[turns] + 3, bodies.v[turns] + 3
+        theta[:, own] = states[:, _after(q, 4)]
+        omega[:, own] = np.einsum("tkij,tkj->tki", rotation_matrices(theta[:, own]), states.take(_after(v, 3), axis=1))
+        return Poses(position, theta, velocity, omega)
+
+    def states_of(self, poses: Poses) -> np.ndarray:
+        """Return states (n_t, n_state); nothing has slipped yet."""
+        bodies, count = self.groups.bodies, len(poses.position)
+        states = np.zeros((count, len(self.initial_state())))
+        order, turns = bodies.scene_index, bodies.rigid == 1
+        states[:, _after(bodies.q, 3)], states[:, _after(bodies.v, 3)] = (
+            poses.position[:, order], poses.velocity[:, order],
+        )  # fmt: skip
+        own, q, v = order[turns], bodies.q[turns] + 3, bodies.v[turns] + 3
+        theta = poses.orientation[:, own]
+        states[:, _after(q, 4)] = theta
+        states[:, _after(v, 3)] = np.einsum(
+            "tkij,tki->tkj", rotation_matrices(theta), poses.angular_velocity.take(own, axis=1)
+        )
+        return states
+
+    # --- rows and masses, dense -------------------------------------------------------------------
+
+    def mass_matrix(self) -> np.ndarray:
+        """Return diag(m I, J) (6 n_bodies, 6 n_bodies) in world axes at the state last evaluated."""
+        inertia = self._in_scene_order(self.scratch.kinematics.inertia[: self.n_bodies])
+        result = np.zeros((6 * self.n_bodies, 6 * self.n_bodies))
+        for k, body in enumerate(self.scene.bodies):
+            result[6 * k : 6 * k + 3, 6 * k : 6 * k + 3] = body.mass * np.eye(3)
+            result[6 * k + 3 : 6 * k + 6, 6 * k + 3 : 6 * k + 6] = symmetric(tuple(inertia[k]))
+        return result
+
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        jacobian = self.jacobian(t, y)
+        scaled = np.linalg.solve(np.linalg.cholesky(self.mass_matrix()), jacobian.T).T
+        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+
+    def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
+        every, loops = len(self.rows()), self.groups.loops
+        kept = every - int(np.sum(loops.count - loops.most))
+        if kept == every:
+            return np.arange(every)
+        from scipy.linalg import qr  # takes long to import
+
+        order = qr(self.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
+        return np.sort(order[:kept])
+
+    def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
+        self.derivative(t, y)
+        return self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies])
+
+    def rank(self, t: float, y: np.ndarray) -> int:
+        """Return the rank of C_q, the norm rows of the Euler parameters included."""
+        return super().rank(t, y) + len(self.rigid)
+
+    @property
+    def n_constraints(self) -> int:
+        """Joint rows and one norm row a rigid body."""
+        return super().n_constraints + len(self.rigid)
+
+    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
+        force = self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies]).ravel()
+        acceleration = self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies]).ravel()
+        return force - self.mass_matrix() @ acceleration
+
+    def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> SpatialPlace:
+        kin, held = self.scratch.kinematics, body == self.n_bodies
+        rates = kin.velocity[body]
+        centre = [variable(kin.position[body, c], rates[c], 0.0, size, None if held else first + c) for c in range(3)]
+        theta = self._parameters(body, size, first + 3)
+        e0, e1, e2, e3 = theta
+        x, y, z = arm
+        turned = (
+            x * (1.0 - 2.0 * (e2 * e2 + e3 * e3)) + 2.0 * (y * (e1 * e2 - e0 * e3) + z * (e1 * e3 + e0 * e2)),
+            y * (1.0 - 2.0 * (e1 * e1 + e3 * e3)) + 2.0 * (x * (e1 * e2 + e0 * e3) + z * (e2 * e3 - e0 * e1)),
+            z * (1.0 - 2.0 * (e1 * e1 + e2 * e2)) + 2.0 * (x * (e1 * e3 - e0 * e2) + y * (e2 * e3 + e0 * e1)),
+        )
+        return SpatialPlace(*(place + offset for place, offset in zip(centre, turned, strict=True)), *theta)
+
+    def _parameters(self, body: int, size: int, first: int) -> list[Taylor]:
+        """Return the Euler parameters: theta' = E^T omega / 2 and, at steady omega, theta'' = -|omega|^2 theta / 4."""
+        if body == self.n_bodies or not self.groups.bodies.rigid[body]:
+            return [variable(value, 0.0, 0.0, size, None) for value in (1.0, 0.0, 0.0, 0.0)]
+        kin = self.scratch.kinematics
+        omega, theta = kin.omega[body], kin.theta[body] / np.linalg.norm(kin.theta[body])
+        turning = 0.5 * parameter_matrix(theta)
+        first_rates = np.zeros((4, size))
+        first_rates[:, 0] = omega @ turning
+        first_rates[:, first : first + 3] = turning.T
+        second = -0.25 * float(omega @ omega) * theta
+        return [Taylor(float(theta[k]), first_rates[k], float(second[k])) for k in range(4)]
+
+    def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
+        start = self.scene.bodies[body]
+        return np.zeros(3) if mark is None else world_axes(start).T @ np.subtract(mark, start.position)
+
+    @property
+    def _own_axes(self) -> np.ndarray:
+        return self.scratch.kinematics.turned[: self.n_bodies]
+
+    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
+        result = np.empty_like(own)
+        result[:, self.groups.bodies.scene_index] = own
+        return result
+
+    def _axes(self, y: np.ndarray) -> np.ndarray:
+        return self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])
+
+    @staticmethod
+    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        return np.einsum("tjab,jb->tja", axes, arm.reshape(-1, 3))
+
+    @staticmethod
+    def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        return np.concatenate((forces[..., :3], forces[..., 3:] - np.cross(arms, forces[..., :3])), axis=-1)
