@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks import calibration, method_table
 from benchmarks.calibration import Trial, table
-from benchmarks.history import Entry, append, from_benchmarks, from_records, new_levels, read, series
+from benchmarks.history import Entry, _strongest, append, from_benchmarks, from_records, new_levels, read, series
 from benchmarks.trees import right_hand_side, slowed
 from benchmarks.trees.regression import CASES
 from cross_checks.prices.timing import Sample
@@ -118,3 +118,12 @@ def test_the_cost_of_an_estimate_counts_over_the_loop(monkeypatch):
     monkeypatch.setattr(calibration, "_gap", lambda scene, path, truth: 5e-8)
     found = calibration.trial(3)
     assert (found.estimate, found.error, found.uncertainty, found.cost) == (3e-7, 5e-8, 1e-9, 3.5)
+
+
+def test_the_strongest_split_is_that_of_welchs_statistic():
+    x = np.random.default_rng(4).normal(size=23) + np.repeat([0.0, 0.7], [6, 17])
+    by_place = {k: abs(np.mean(x[:k]) - np.mean(x[k:])) / np.sqrt(np.var(x[:k]) / k + np.var(x[k:]) / (23 - k))
+                for k in range(4, 20)}  # fmt: skip
+    place, strength = _strongest(x)
+    assert place == max(by_place, key=by_place.__getitem__)
+    assert strength == pytest.approx(by_place[place], rel=1e-9)

@@ -9,6 +9,7 @@ import pytest
 
 from cross_checks.trajectory_files import library
 from cross_checks.trajectory_files.column_map import ColumnMap
+from cross_checks.trajectory_files.columns import _marked
 from cross_checks.trajectory_files.formats import Columns
 from cross_checks.trajectory_files.judgement import as_truth, judgement, samples_at
 from cross_checks.trajectory_files.library import judged
@@ -119,3 +120,9 @@ def test_an_inertia_about_another_point_is_that_of_the_bodys_masses():
     places[:, 2] = point[2] = 0.0
     flat = PlanarBody(name="a", mass=3.0, inertia=float(inertia(np.zeros(3))[2, 2]), position=(1.0, 2.0))
     assert _moved(flat, point[:2] + np.array(flat.position)) == pytest.approx(inertia(point)[2, 2])
+
+
+def test_rows_just_before_and_after_a_wanted_time_remain():
+    times = np.array([0.0, 0.996, 1.004, 1.02, 1.97, 2.003, 3.0])
+    marked = _marked(Columns(Path("a.csv"), {"t": times}), "t", (np.array([1.0, 2.0]), 0.005))
+    assert times[marked].tolist() == [0.996, 1.004, 2.003]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mbs_ref import scenes
+from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
 from reports.studies.androids import measure as androids
 from reports.studies.contact import measure as contact
@@ -66,3 +67,13 @@ def test_paths_are_apart_by_their_largest_distance():
     for label, body in androids.WATCHED.items():
         gap = np.linalg.norm((one.position - other.position)[:, scene.body_index(body)], axis=1)
         assert row[label] == pytest.approx(gap[1:].max())
+
+
+def test_what_a_bounce_exchanges_and_loses():
+    """At 1 m/s, 1 kg: the contact takes 1/2 J and returns e^2/2."""
+    ball = contact._ball("progressive")
+    e = contact.impact(ball.contacts[0].law, 1.0, 1.0).restitution
+    found = contact.balance(ball, Settings(method="dop853", rtol=1e-10, estimate="off"), longest=2e-3)
+    assert found.exchanged == pytest.approx(0.5 * (1.0 + e**2), rel=1e-2)
+    assert found.energy[-1] - found.energy[0] == pytest.approx(-0.5 * (1.0 - e**2), rel=1e-6)
+    assert found.work[-1] == pytest.approx(-0.5 * (1.0 - e**2), rel=1e-4)
