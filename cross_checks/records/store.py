@@ -149,10 +149,6 @@ class Store:
             self._base.execute(query, given)
 
 
-def _stored_run(row: tuple[str, bytes | None]) -> Run:
-    return Run(from_dict(json.loads(row[0])), _unpacked(row[1]))
-
-
 def _unpacked(blob: bytes | None) -> Trajectory | None:
     return None if blob is None else Trajectory(**dict[str, Any](_arrays(blob)))
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks import method_table
+from benchmarks import calibration, method_table
 from benchmarks.calibration import Trial, table
-from benchmarks.history import Entry, append, from_benchmarks, from_records, new_levels, read, series
-from benchmarks.trees import slowed
+from benchmarks.history import Entry, _strongest, append, from_benchmarks, from_records, new_levels, read, series
+from benchmarks.trees import right_hand_side, slowed
 from benchmarks.trees.regression import CASES
 from cross_checks.prices.timing import Sample
 from cross_checks.records.record import Error, Record
@@ -98,3 +98,32 @@ def test_a_choice_is_compared_with_the_cheapest_that_errs_no_more(monkeypatch):
     monkeypatch.setattr(method_table, "_in_turns", lambda scene, *keys: [costs.get(key, 9.0) for key in keys])
     row = next(method_table.rows("pendulum"))
     assert (row.wanted, row.error, row.best, row.cost_s, row.ratio) == (1e-4, 1e-6, "dop853 1e-06", 6.0, 2.0)
+
+
+def test_right_hand_sides_of_two_trees_are_compared_pair_by_pair(monkeypatch):
+    """The second tree takes thrice the first's time of the same round; rounds differ ten thousandfold."""
+    rounds = 10 ** np.random.default_rng(3).uniform(-2, 2, 15)
+    monkeypatch.setattr(right_hand_side, "interleaved", lambda runs, count: [rounds, 3.0 * rounds])
+    tree: Any = SimpleNamespace(rate=lambda **given: 1.0)
+    found = right_hand_side.paired(tree, tree, "andrews", {})
+    assert found.ratio == pytest.approx(3.0)
+    assert (found.old_ns_per_body, found.new_ns_per_body) == pytest.approx((rounds.min(), 3.0 * rounds.min()))
+
+
+def test_the_cost_of_an_estimate_counts_over_the_loop(monkeypatch):
+    run = SimpleNamespace(status="success", estimate=SimpleNamespace(value=3e-7, cost_s=7.0),
+                          timing=SimpleNamespace(build_s=0.3, first_call_s=11.0, loop_s=2.0))  # fmt: skip
+    monkeypatch.setattr(calibration, "simulate", lambda *given: run)
+    monkeypatch.setattr(calibration, "_truth", lambda scene, times: ("truth", 1e-9))
+    monkeypatch.setattr(calibration, "_gap", lambda scene, path, truth: 5e-8)
+    found = calibration.trial(3)
+    assert (found.estimate, found.error, found.uncertainty, found.cost) == (3e-7, 5e-8, 1e-9, 3.5)
+
+
+def test_the_strongest_split_is_that_of_welchs_statistic():
+    x = np.random.default_rng(4).normal(size=23) + np.repeat([0.0, 0.7], [6, 17])
+    by_place = {k: abs(np.mean(x[:k]) - np.mean(x[k:])) / np.sqrt(np.var(x[:k]) / k + np.var(x[k:]) / (23 - k))
+                for k in range(4, 20)}  # fmt: skip
+    place, strength = _strongest(x)
+    assert place == max(by_place, key=by_place.__getitem__)
+    assert strength == pytest.approx(by_place[place], rel=1e-9)

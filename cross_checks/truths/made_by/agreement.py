@@ -7,12 +7,14 @@ from functools import partial
 import numpy as np
 
 from cross_checks.truths.made_by.numerics.rates import along
-from cross_checks.truths.made_by.numerics.solvers import extrapolate, extrapolate_branches, runge_kutta
+from cross_checks.truths.made_by.numerics.solvers import extrapolate, extrapolate_branches, lsoda, radau, runge_kutta
 from cross_checks.truths.truth import ALIKE, EPS, Truth
 from mbs_ref.observables.distance import Partial, unmasked_distances
 
-NUDGE = 1e-10  # of the start, to measure how the motion magnifies an error
+NUDGE = 1e-8  # of the start, to measure how the motion magnifies an error
+NUDGED_TOLERANCE = 1e-2 * NUDGE  # of the nudged run: the growth is needed to a digit
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
+LOOKS = 0.01  # s: both solvers stop so often where forces set in and let go, or a long step leaps over a branch
 RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
 ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
 
@@ -37,29 +39,31 @@ def agree(
     *,
     extended: bool,
     rk_tolerance: float = RK_TOLERANCE,
-    second_by: Callable | None = None,
+    is_stiff: bool = False,
     is_costly: bool = False,
 ) -> Truth:
     """Solve `first` by DOP853 and `second` by extrapolation, in extended precision if so requested; compare poses.
 
     `ways` names the equations and methods of the first and of the second; the truth is the second's motion.
     Where forces set in or let go, DOP853 is left to find it by its error control and extrapolation locates it.
-    `second_by` names another solver where extrapolation does not suit, as for stiff motions.
+    Stiff motions are solved by LSODA and by Radau IIA instead.
     The uncertainty is the difference, times ALIKE unless the second is the more precise one, plus the roundoff of
     double data magnified by the motion; where the latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
     """
-    grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints))
+    looks = [] if second.switches is None else np.arange(LOOKS, times[-1], LOOKS)
+    grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints, *looks))
     kind = np.longdouble if extended else float
     tolerance = 64 * float(np.finfo(kind).eps)
-    states = runge_kutta(first.derivative, first.start, grid, rk_tolerance)
+    solve = lsoda if is_stiff else runge_kutta
+    states = solve(first.derivative, first.start, grid, rk_tolerance)
     coarse, rates = _poses(first, grid, states), _rates(first, grid, states)
-    sensitivity = _sensitivity(first, grid, coarse, rk_tolerance)
+    sensitivity = _sensitivity(first, grid, coarse, solve)
     fine, best, difference = coarse, rates, float("nan")
     uncertainty, doubt = EPS * sensitivity, np.full(len(grid), np.inf)
     if not uncertainty > LARGEST_UNCERTAINTY:
         start = second.start.astype(kind)
-        solve = partial(_extrapolated, second) if second_by is None else partial(second_by, second.derivative)
-        solved = solve(start, grid, tolerance)
+        again = partial(radau, second.derivative) if is_stiff else partial(_extrapolated, second)
+        solved = again(start, grid, tolerance)
         fine, best = _poses(second, grid, solved), _rates(second, grid, solved)
         difference, roundoff = _gap(fine, coarse), EPS * max(1.0, sensitivity)
         apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
@@ -106,8 +110,8 @@ def _gap(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndar
     return float(np.max(sizes[..., :2] * ((1.0, ARM) if first[1].ndim == 3 else (1.0, 0.0))))
 
 
-def _sensitivity(formulation: Formulation, times: np.ndarray, poses: tuple, tolerance: float) -> float:
+def _sensitivity(formulation: Formulation, times: np.ndarray, poses: tuple, solve: Callable) -> float:
     """Nudge the start at random and see how far the motion moves away."""
     signs = np.random.default_rng(0).choice([-1.0, 1.0], size=len(formulation.start))
-    states = runge_kutta(formulation.derivative, formulation.start + NUDGE * signs, times, tolerance)
+    states = solve(formulation.derivative, formulation.start + NUDGE * signs, times, NUDGED_TOLERANCE)
     return _gap(_poses(formulation, times, states), poses) / NUDGE

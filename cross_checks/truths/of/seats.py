@@ -106,7 +106,6 @@ def ball_on_driven_seat(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
 
 
 TOUCHING, AROUND = 0, 1  # the switches: ball in contact; beyond the seat's straight part
-LOOKS = 0.01  # s: how often extrapolation looks for a switch, or a long step of free flight leaps over a round end
 
 
 @dataclass(frozen=True)
@@ -162,9 +161,8 @@ class Pair:
 
 def ball_on_moving_seat(scene: Scene, times: np.ndarray) -> Truth:
     """Newton's equations by DOP853; relative motion by extrapolation with located switches."""
-    looks = tuple(np.arange(LOOKS, times[-1], LOOKS).tolist())
     ways = "Newton's in the world by DOP853", "relative motion by extrapolation, switches located"
-    return agree(_world(Pair(scene)), _relative(Pair(scene), looks), times, ways, extended=False)
+    return agree(_world(Pair(scene)), _relative(Pair(scene)), times, ways, extended=False)
 
 
 def _turned(x: np.ndarray) -> np.ndarray:
@@ -192,7 +190,7 @@ def _world(pair: Pair) -> Formulation:
     return Formulation(derivative, start, lambda t, y: (y[:6].reshape(2, 3)[:, :2], y[[2, 5]]))
 
 
-def _relative(pair: Pair, looks: tuple[float, ...]) -> Formulation:
+def _relative(pair: Pair) -> Formulation:
     """y = ball from seat (m), both angles, then their rates; the centre of mass moves on its own."""
     bodies: Any = pair.scene.bodies
     ball, seat = bodies
@@ -215,4 +213,4 @@ def _relative(pair: Pair, looks: tuple[float, ...]) -> Formulation:
 
     start = np.array([*(places[0] - places[1]), *(body.angle for body in bodies), *(speeds[0] - speeds[1]),
                       *(body.angular_velocity for body in bodies)])  # fmt: skip
-    return Formulation(lambda t, y: frozen(t, y, switches(t, y) > 0), start, poses, frozen, switches, looks)
+    return Formulation(lambda t, y: frozen(t, y, switches(t, y) > 0), start, poses, frozen, switches)

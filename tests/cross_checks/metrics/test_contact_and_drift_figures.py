@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cross_checks.ephemerides import Observed
-from cross_checks.metrics.contact_figures import contact_figures
+from cross_checks.metrics.contact_figures import _deepest, contact_figures
 from cross_checks.metrics.drifts import METRICS, compliance, energy_drift
 from cross_checks.metrics.errors import reaction_error, significant_figures
 from cross_checks.metrics.metric import Judged, known_to, largest_value
@@ -127,3 +127,11 @@ def test_turns_of_particles_are_known_over_the_scenes_length():
     scene = Scene(name="dots", bodies=bodies, gravity=(0.0, 0.0), duration=1.0)
     truth = Truth(np.zeros((1, 2, 2)), np.zeros((1, 2)), 1e-6, "exact", "")
     assert known_to(scene, truth) == pytest.approx(1e-6 / scales_of(scene).length)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_depth_at_one_sample_alone_is_that_samples(seed):
+    rng = np.random.default_rng(seed)
+    gap = rng.uniform(0.1, 1.0, 7)
+    gap[2] = -0.3
+    assert _deepest(np.sort(rng.uniform(0.0, 1.0, 7)), gap, rng.normal(size=7)) == 0.3

@@ -19,11 +19,12 @@ from mbs_ref.simulate import simulate
 FORCES = np.zeros((4, 3))
 
 
-def test_the_worst_joint_is_the_one_broken_most_at_any_time():
+@pytest.mark.parametrize("off", [1e-3, -1e-3])
+def test_the_worst_joint_is_the_one_broken_most_at_any_time(off):
     scene = scenes.make("double_pendulum")
     run = simulate(scene, Settings(t_end=0.1, samples=5))
     position = run.position.copy()
-    position[2, 1] += (1e-3, 0.0)  # the second rod, at one sample
+    position[2, 1] += (off, 0.0)  # the second rod, at one sample
     assert worst_joint(scene, replace(run, position=position)) == (scene.joints[1].name, pytest.approx(1e-3, rel=1e-6))
 
 

@@ -12,9 +12,13 @@ from cross_checks import engines
 from cross_checks.records import naming, numbers
 from cross_checks.records import record as cost
 from cross_checks.records.lines import key_of
+from cross_checks.records.plots.bands import _add
+from cross_checks.records.plots.plot import new_figure
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from mbs_ref import scenes
+from mbs_ref.settings import Settings
+from mbs_ref.simulate.many.ensemble import Coordinate, Statistics
 
 UNITS = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}
 
@@ -38,6 +42,8 @@ def test_errors():
         assert error.metres == error.value * error.length
         assert error.bound == error.value + error.uncertainty == cost.known_error(replace(made(chance), error=error))
         assert error.is_judged == (error.value > error.uncertainty)
+    runs = [made(chance) for _ in range(9)]
+    assert cost.floor([*runs, replace(runs[0], error=None)]) == max(r.error.uncertainty for r in runs if r.error)
     assert cost.floor([]) == 0.0
 
 
@@ -104,3 +110,32 @@ def test_a_key_holds_the_engines_version_and_a_truths_times(monkeypatch):
     assert naming.engine_key(engine) != before
     times = [np.array([0.0, 1.0]), np.array([0.0, 1.5]), np.array([0.0, 0.5, 1.0])]
     assert len({naming.truth_name(scene, one) for one in times}) == 3
+
+
+@pytest.mark.parametrize("name", sorted(Settings.model_fields.keys() - {"method"}))
+def test_every_setting_tells_runs_apart(name):
+    run = made(random.Random(1))
+    assert key_of(replace(run, settings=run.settings | {name: "another"})) != key_of(run)
+
+
+def test_a_runs_name_holds_every_input():
+    engine, scene, times = engines.get("mbs_ref"), scenes.make("pendulum"), np.array([0.0, 0.3, 1.0])
+    inputs = [(scene, Settings(rtol=1e-6), times), (scenes.make("pendulum", length=0.9), Settings(rtol=1e-6), times),
+              (scene, Settings(rtol=1e-6, atol=1e-3), times), (scene, Settings(rtol=1e-6), times * [1.0, 1.1, 1.0]),
+              (scene, Settings(rtol=1e-6), times[[0, 2]])]  # fmt: skip
+    assert len({naming.run_name(one, engine, settings, when) for one, settings, when in inputs}) == len(inputs)
+
+
+def test_orders_stand_in_their_order():
+    assert [numbers.order_of(*pair) for pair in ((2.9, 4), (2.9, None), (None, 4))] == ["2.9 of 4", "2.9", ""]
+
+
+def test_a_band_lies_between_its_quantiles_about_the_median():
+    quantiles = np.sort(np.random.default_rng(1).normal(size=(3, 5, 2)), axis=0)
+    low, median, high = quantiles
+    result, figure = Statistics(7, low, low, quantiles, low, high, median, median), new_figure("t", "x")
+    _add(figure, 0, 0, "rod", result, 1, [0.0, 1.0, 2.0, 4.0, 8.0], Coordinate("rod", "x", "m"))
+    band, line = figure.data
+    assert band["y"] == [*quantiles[2, :, 1], *quantiles[0, ::-1, 1]]
+    assert band["x"] == [0.0, 1.0, 2.0, 4.0, 8.0, 8.0, 4.0, 2.0, 1.0, 0.0]
+    assert line["y"] == quantiles[1, :, 1].tolist()

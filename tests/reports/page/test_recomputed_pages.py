@@ -6,13 +6,16 @@ import math
 import random
 import re
 from collections import Counter
+from dataclasses import replace
 from statistics import median
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from cross_checks.judge.bounds import TARGETS
-from cross_checks.judge.vocabulary import ANSWERS, OURS
+from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, Verdict
 from cross_checks.records.plots.of_runs import work_precision
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
@@ -25,7 +28,7 @@ from reports.facts.scene_facts import TruthFacts, truth_facts
 from reports.facts.stored import Stored, adapter, keep, recall
 from reports.page import advice, findings
 from reports.page.render import RECORDS, templates
-from reports.page.sections import matrix, method, overview, plots, prices, profiles
+from reports.page.sections import extremes, matrix, method, overview, plots, prices, profiles
 from tests.reports.page.test_shown_figures import LINKS, OFFERED, irregular
 
 SEEDS = range(3)
@@ -124,6 +127,14 @@ def test_a_curve_is_thinned_where_it_is_long_alone(count, kept):
     assert made.x == pytest.approx(x[:: max(1, (count - 1) // 200)], rel=1e-5)
     assert made.lines["a"] == pytest.approx(2.0 * np.array(made.x), rel=1e-5)
     assert len(made.x) == kept
+
+
+def test_runs_that_differ_in_one_setting_are_two_runs(data):
+    run = data.records[0]
+    for changed in ({"step": 1.0}, {"rtol": 1.0}, {"step": 2.0, "rtol": 1.0}):
+        other = replace(run, settings=changed, steps=7)
+        assert ReportData((), (run, other)).measured(replace(other, steps=0)).steps == 7
+        assert ReportData((), (run,)).measured(other) is other
 
 
 def test_the_rows_to_pick_from(data):
@@ -311,6 +322,11 @@ def test_error_against_time(data):
                 runs = [(x, y) for x, y in runs if not any(a < x and b <= y for a, b in runs)]
             points = list(zip(line["x"], line["y"], strict=True))
             assert points == [pytest.approx(point) for point in sorted(runs)]
+        errors = [r.error for r in ended(data, links=links) if r.error]
+        floor, values = max(e.uncertainty for e in errors), [e.value for e in errors]
+        low, high = 10.0 ** np.array(figure["layout"]["yaxis"]["range"])
+        assert (low, high) == pytest.approx((min(floor / 10.0, min(values) / 3.0), 3.0 * max(values)))
+        assert figure["layout"]["shapes"][0]["y1"] == pytest.approx(floor)
 
 
 def test_time_split(data):
@@ -342,3 +358,24 @@ def test_truths():
         (row,) = printed(method.TRUTHS, ReportData((), (), truths=(facts,)))
         for text, figure in zip((*row[2:7], row[9][7:]), (known, floor, length, two, confirmed, off), strict=True):
             assert value(text) == shown(figure), row
+
+
+def test_failures_that_an_engine_reports_are_not_sorted_by_their_error():
+    """A failed method has an error from runs that ended, and is no wrong answer."""
+    verdicts = Verdict.FAILED, Verdict.LOST, Verdict.TIMEOUT, Verdict.WRONG_LIMIT
+    made = zip("abcd", verdicts, (0.7, 0.02, 3.0, 0.5), strict=True)
+    cells = [Cell("chain", {}, "exudyn", name, verdict, "stops", error=error) for name, verdict, error in made]
+    found = {
+        one.title.split(":")[0].split(" ")[1]: one.error for one in findings.findings(ReportData(tuple(cells), ()))
+    }
+    assert found == {"a": 0.0, "b": 0.02, "c": 0.0, "d": 0.5}
+    assert list(found)[:2] == ["d", "b"]
+
+
+def test_what_our_checks_caught_is_counted_by_runs():
+    cells: list[Any] = [SimpleNamespace(engine=engine, method="rk4", fate=fate, points=[
+        SimpleNamespace(caught=caught) for caught in own]) for engine, fate, own in (
+        ("quick", "stopped", (True, True, False)), ("quick", "survived", (False,)), ("other", "stopped", (True,)),
+        ("quick", "stopped", (True, False, True)))]  # fmt: skip
+    row = extremes._tally("quick", "rk4", cells)
+    assert (row["caught"], row["counts"]) == (4, {"stopped": 2, "survived": 1})

@@ -5,12 +5,13 @@ from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
+from scipy.optimize import root_scalar
 
 from cross_checks.truths.made_by.numerics.closed_forms import legendre
-from cross_checks.truths.truth import NoConvergenceError, check_time
+from cross_checks.truths.truth import EPS, NoConvergenceError, check_time
 
-COLUMNS = 11  # order 22 at most
-EASY = 7  # converged this early, the next step may be longer
+COLUMNS = 9  # order 18 at most
+EASY = 5  # converged this early, the next step may be longer: twice the step takes some three columns more
 SMALLEST_STEP = 1e-9  # s
 
 
@@ -104,54 +105,54 @@ def _stepped(
 
 
 def _cut(slope, switches, on, t, y, h, ahead, tolerance) -> tuple[float, np.ndarray]:
-    """Bisect to the first step after which a switch has changed."""
-    low = 0.0
-    while h - low > RESOLUTION:
-        middle = 0.5 * (low + h)
-        there, _ = attempt(slope, t, y, middle, tolerance)
+    """Return the first step after which a switch has changed, and the state there, by Brent's method."""
+    past, changing = (h, ahead), (switches(t + h, ahead) > 0.0) != on
+
+    def margin(step: float) -> float:
+        """Return how far the nearest switch is from its change, negative beyond it and never 0."""
+        nonlocal past
+        there = ahead if step == h else y if step == 0.0 else attempt(slope, t, y, step, tolerance)[0]
         if there is None:
             raise NoConvergenceError(f"extrapolation stalls at t = {t:.6g} s")
-        if np.any((switches(t + middle, there) > 0.0) != on):
-            h, ahead = middle, there
-        else:
-            low = middle
-    return h, ahead
+        values = switches(t + step, there)
+        changed = (values > 0.0) != on
+        if not changed.any():
+            return max(float(np.abs(values[changing]).min()), RESOLUTION)
+        past = (step, there) if step < past[0] else past
+        return -max(float(np.abs(values[changed]).max()), RESOLUTION)
+
+    root_scalar(margin, bracket=(0.0, float(h)), xtol=RESOLUTION, rtol=4.0 * EPS)
+    return past
 
 
-def runge_kutta(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
-    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n). Raises NoConvergenceError."""
-    from scipy.integrate import DOP853  # its import takes a third of a second: only who makes a truth pays
-
-    return step_through(DOP853, derivative, start, times, tolerance)
+TIGHTEST = {"Radau": 1e-12}  # its steps are of order 5: tighter ones cost minutes
 
 
-def step_through(solver_type: Any, derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float):
-    """Step a SciPy solver onto every time: its dense output is of lower order."""
-    states = np.empty((len(times), len(start)))
-    states[0] = start
-    step = None
+def _by_scipy(name: str, derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
+    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n). Raises NoConvergenceError.
+
+    The solver of that name is stepped onto every time: its dense output is of lower order.
+    """
+    from scipy import integrate  # its import takes a third of a second: only who makes a truth pays
+
+    states, step = np.empty((len(times), len(start))), None
+    states[0], tolerance = start, max(tolerance, TIGHTEST.get(name, 0.0))
     for k in range(1, len(times)):
         first = None if step is None else min(step, times[k] - times[k - 1])
-        solver = solver_type(
+        solver = getattr(integrate, name)(
             derivative, times[k - 1], states[k - 1], times[k], rtol=tolerance, atol=tolerance, first_step=first
         )
         while solver.status == "running":
             check_time(solver.t)
             message = solver.step()
             if solver.status == "failed":
-                raise NoConvergenceError(f"{solver_type.__name__} stops at t = {solver.t:.6g} s: {message}")
-        states[k], step = solver.y, float(solver.h_abs)
+                raise NoConvergenceError(f"{name} stops at t = {solver.t:.6g} s: {message}")
+        states[k], step = solver.y, getattr(solver, "h_abs", None)  # LSODA hides its own
     return states
 
 
-RADAU_TOLERANCE = 1e-12  # its steps are of order 5: tighter ones cost minutes
-
-
-def radau(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
-    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n). Raises NoConvergenceError."""
-    from scipy.integrate import Radau  # its import takes a third of a second: only who makes a truth pays
-
-    return step_through(Radau, derivative, start, times, max(tolerance, RADAU_TOLERANCE))
+runge_kutta = partial(_by_scipy, "DOP853")
+lsoda, radau = partial(_by_scipy, "LSODA"), partial(_by_scipy, "Radau")  # for stiff motions
 
 
 STAGES = 14

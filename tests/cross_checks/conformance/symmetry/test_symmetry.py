@@ -10,7 +10,15 @@ import pytest
 from cross_checks import engines
 from cross_checks.conformance.cases import cases
 from cross_checks.conformance.symmetry.placement import Placement, image
-from cross_checks.conformance.symmetry.violation import BACK, SYMMETRIES, NotRunError, Violation, isolated, violations
+from cross_checks.conformance.symmetry.violation import (
+    BACK,
+    SYMMETRIES,
+    NotRunError,
+    Violation,
+    by_method,
+    isolated,
+    violations,
+)
 from cross_checks.isolation.parent import Isolated
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -93,6 +101,7 @@ def test_a_solver_with_a_direction_or_a_favourite_name_is_seen():
     assert not found["shifted"].is_broken
     assert found["renamed"].size == pytest.approx(1e-3 * np.sqrt(2.0), rel=1e-3)
     assert found["turned"].size == pytest.approx(2 * np.sin(0.35) * 0.5e-9 * 0.25, rel=1e-2)
+    assert found["other mass and length"].size == pytest.approx(31 / 32 * 0.5e-9 * 0.25, rel=1e-2)
 
 
 class Slanted(type(engines.get("mbs_ref"))):  # type: ignore[misc]
@@ -114,6 +123,17 @@ def test_who_turns_back_takes_the_velocities_errors_along(of_step, for_good, bro
     (back,) = (each for each in found if each.symmetry == BACK)
     assert back.size > 1e-5
     assert back.exceeds_error == broken
+
+
+def test_broken_symmetries_are_counted_not_cases():
+    worse, mild = {"exceeds_error": True}, {"exceeds_error": False}
+    cases = [("a", 9, [worse, mild, mild], ""), ("a", 8, [worse], ""), ("a", 0, [], "stops"), ("b", 7, [mild], "")]
+    found = [{"engine": "quick", "method": method, "judged": judged, "broken": broken, "stopped": stopped}
+             for method, judged, broken, stopped in cases]  # fmt: skip
+    assert by_method(found) == [
+        {"engine": "quick", "method": "a", "cases": 3, "stopped": 1, "judged": 17, "broken": 4, "beyond_error": 2},
+        {"engine": "quick", "method": "b", "cases": 1, "stopped": 0, "judged": 7, "broken": 1, "beyond_error": 0},
+    ]
 
 
 def test_what_singles_out_a_direction_is_not_judged_by_turning():
