@@ -37,9 +37,6 @@ ENERGIES = 0.5  # share of the scenes, at least, whose energy the samples resolv
 FLOATING = (86, 87, 92, 111, 172, 184, 203, 241)  # nothing is tied to ground: their momentum is judged
 
 
-LEAST_ENERGIES, LEAST_MOMENTA = 40, 3  # of the QUICK scenes: so many energies, and momenta of floating ones, are judged
-
-
 class Figures(NamedTuple):
     """The worst of one scene; each is relative to the largest of its kind, as said where it is computed."""
 
