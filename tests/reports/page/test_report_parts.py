@@ -36,6 +36,29 @@ def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
         assert found == {"contact": FOUND}, "what was measured is stored"
 
 
+def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
+    monkeypatch.setenv("MADE", str(tmp_path))
+    monkeypatch.setattr(study, "every", lambda: STUDIES)
+    monkeypatch.setattr(study, "parts", lambda name: ["one", "two"] if name == "contact" else [])
+    monkeypatch.setattr(study, "make", part_made)
+    monkeypatch.setattr(study, "measure", what_was_made)
+    found: dict[str, Measured] = {}
+    with Store() as store:
+        assert study.measure_all(store, found, (), lambda done, total, what: None) == []
+    assert found["contact"].figures == {"one": 1, "two": 1}
+    assert found.keys() == STUDIES.keys()
+
+
+def part_made(name: str, part: str) -> None:
+    (Path(os.environ["MADE"]) / part).touch()
+    if part == "two":
+        raise RuntimeError("a part that fails costs nothing by itself")
+
+
+def what_was_made(name: str) -> Measured:
+    return Measured({file.name: 1 for file in sorted(Path(os.environ["MADE"]).iterdir())})
+
+
 def test_the_page_says_why_a_section_is_missing():
     page = render(ReportData((), (), incomplete="section space: <no root>"))["space.html"].decode()
     assert "Missing: section space: &lt;no root&gt;." in page
