@@ -21,8 +21,7 @@ from cross_checks.judge.cell import tasks
 from cross_checks.prices.timing import timed_all
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 from reports import inputs
 from reports.facts import stored as facts
 from reports.facts.cheapest import contenders

@@ -7,9 +7,7 @@ from typing import Any, NamedTuple
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings, scenes
 
 STEP = 1e-3  # s, in the laboratory
 SKY_STEPS = 2000  # of a fixed step in the sky

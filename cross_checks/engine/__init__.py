@@ -9,8 +9,7 @@ import numpy as np
 
 from cross_checks.engine.method import LOOPS, RTOLS, SINGLE, STEPS, Method, Refusal, adaptive, exponential, fixed
 from cross_checks.engine.plan import End, Loop, Plan, end_of, output_times, plan_run, stopped
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 from mbs_ref.trajectory import Timing, Trajectory
 
 __all__ = [

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mbs_ref import Trajectory
 from mbs_ref.observables import rows
 from mbs_ref.scene import Revolute, Scene, Weld
-from mbs_ref.trajectory import Trajectory
 
 # By dimension: the name of a body's orientation, and the orientation and angular velocity of a particle.
 TURNING = {2: ("angle", 0.0, 0.0), 3: ("orientation", (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))}

@@ -7,9 +7,7 @@ import numpy as np
 
 from cross_checks.engine.initial_state import inconsistency
 from cross_checks.engine.method import Method, Refusal
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Trajectory
+from mbs_ref import Scene, Settings, Status, Trajectory
 
 
 def stopped(scene: Scene, status: Status, message: str) -> Trajectory:

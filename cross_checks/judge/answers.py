@@ -19,7 +19,7 @@ from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 USEFUL = 1e-3 / ONE_FIGURE  # of the scene: a truth that is known so well shows which methods are within 1e-3
 SEARCH = 1.0  # s that a search is expected to take, beside the levels of a consensus

@@ -15,8 +15,7 @@ from cross_checks.judge.verdict import Judgement
 from cross_checks.judge.vocabulary import SILENT, Cell, TargetResult, Verdict
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 ALONE = "one package, not certified"
 BY_TRUTH = SILENT | {Verdict.AGREES, Verdict.BELOW_TRUTH, Verdict.CONVERGING}  # verdicts that a truth decides

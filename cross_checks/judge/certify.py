@@ -14,7 +14,7 @@ from cross_checks.judge.one_run import evaluate
 from cross_checks.truths import seek_truth, stored_poses
 from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 PACKAGES = ("numpy", "scipy")  # whose versions may matter; extended precision is the processor's
 

@@ -32,10 +32,8 @@ from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.records.store import SAMPLES
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 
 LEVELS: tuple[dict[str, tuple[float, ...]], ...] = (
     {"adaptive": (1e-6, 1e-8), "fixed": (6.4e-4, 3.2e-4, 1.6e-4)},

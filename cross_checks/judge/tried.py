@@ -15,11 +15,10 @@ from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Trajectory
 from mbs_ref.scene.scales import free_fall_time
 from mbs_ref.scene.traits import is_smooth
 from mbs_ref.simulate.linearised import may_be_stiff, stiffness_at_start
-from mbs_ref.trajectory import Trajectory
 
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in free-fall times
 STABLE = 0.7  # of the step that the linearised motion allows an explicit method

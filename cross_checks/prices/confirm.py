@@ -14,8 +14,7 @@ from cross_checks.prices.pick import Choice, setting
 from cross_checks.prices.timing import Comparison, Pace, compare, sample
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 CLOSE = 1.5  # a margin below this may be noise: the two are timed against each other
 

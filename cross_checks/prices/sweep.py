@@ -12,8 +12,7 @@ from cross_checks.judge.one_run import without_run
 from cross_checks.judge.runs import Runs
 from cross_checks.prices.timing import timed
 from cross_checks.records.record import Record
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 DECADES = tuple(10.0**-k for k in range(2, 11))  # targets of a sweep, over the scene's scales
 Worth = Callable[[Sequence[Record]], Collection[Record]]  # those of all runs that are timed

@@ -23,9 +23,7 @@ from cross_checks.judge.ladder import grid
 from cross_checks.records.naming import run_name
 from cross_checks.records.record import BUSY_NOTE, Record
 from cross_checks.records.store import Store
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings, scenes
 
 PAIRS = 5  # runs of each in a block, of which the fastest counts
 FEWEST_BLOCKS, MOST_BLOCKS = 10, 40  # of a comparison

@@ -13,9 +13,8 @@ from cross_checks import truths
 from cross_checks.engine import Engine
 from cross_checks.truths import of
 from cross_checks.truths.stored_poses import file_of, physics_of
+from mbs_ref import Scene, Settings
 from mbs_ref.kernels.jit import source_digest, sources_of
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
 
 MEASURING = "cross_checks.judge.measure"  # whose changes make records anew
 LISTED_BY = {"mbs_ref.integrators": "mbs_ref.integrators.methods", "cross_checks.metrics": "cross_checks.metrics"}

@@ -24,7 +24,7 @@ import numpy as np
 
 from cross_checks.records.lines import from_dict
 from cross_checks.records.record import Record
-from mbs_ref.trajectory import Trajectory
+from mbs_ref import Trajectory
 
 SAMPLES = ("times", "position", "orientation", "velocity", "angular_velocity")
 TABLES = """

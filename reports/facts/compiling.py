@@ -8,10 +8,9 @@ from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import each
 from cross_checks.records.naming import code_of, digest_of
 from cross_checks.records.store import Store
-from mbs_ref import scenes
+from mbs_ref import Settings, scenes
 from mbs_ref.kernels.jit import cache_folder
 from mbs_ref.scene.traits import Coordinates
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate_scenes
 from reports.facts.stored import keep, recall
 

@@ -20,8 +20,7 @@ from cross_checks.records.naming import code_of, digest_of, engine_key, truth_na
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
 from cross_checks.truths.stored_poses import physics_of
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 
 
 @cache

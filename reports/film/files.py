@@ -11,8 +11,7 @@ import numpy as np
 from jinja2 import Template
 from PIL import Image
 
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
+from mbs_ref import Scene, Trajectory
 from reports.film.camera import PAPER, Camera, clock
 from reports.film.drawing import drawing
 

@@ -14,9 +14,8 @@ from rich.console import Console
 from rich.text import Text
 
 from cross_checks.records.figures import work_precision
-from mbs_ref import scenes
+from mbs_ref import Settings, scenes
 from mbs_ref.atomic_file import write_atomic
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.film.files import filmstrip
 from reports.page.browser import drawn

@@ -12,9 +12,9 @@ from cross_checks.engines.opensim_.build import model_of
 from cross_checks.engines.opensim_.reader import Counts, Reader
 from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, linkage_of
+from mbs_ref import Status
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits
-from mbs_ref.trajectory import Status
 
 opensim.Logger.setLevelString(reader.LEVEL)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mbs_ref.trajectory import Trajectory
+from mbs_ref import Trajectory
 
 
 def extrapolated(coarse: Trajectory, fine: Trajectory, ratio: float, order: float) -> Trajectory:

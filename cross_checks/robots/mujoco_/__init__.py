@@ -11,7 +11,7 @@ from cross_checks.robots.mujoco_.mjcf_limits import IGNORABLE, assumptions, refu
 from cross_checks.robots.mujoco_.mjcf_pose import HINGE, SLIDE, Posed
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
 from cross_checks.robots.robot import LOCKED, RATE, Robot, RobotError, of_file, plain, refuse, three, unknown
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 OPTIONS = "gravity, duration, ignore"
 

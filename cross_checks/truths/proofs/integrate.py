@@ -15,7 +15,7 @@ from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
 from cross_checks.truths.proofs.taylor import NoConvergence, Series, rescaled
 from cross_checks.truths.proofs.touch import first_touch
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.scales import scales_of
 
 DEGREE, DIGITS = 40, 45  # of the polynomials, at least

@@ -16,7 +16,7 @@ from cross_checks.prices.pick import Bounds, Choice
 from cross_checks.prices.timing import Comparison
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import BUSY_NOTE, Record
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from reports import inputs
 from reports.page.slug import command as reproduce
 from reports.query import STORE, Interrupted, isolated, open_runs, sweep_records

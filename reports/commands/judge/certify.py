@@ -9,8 +9,7 @@ from cross_checks.judge.certify import certify, store_poses
 from cross_checks.truths import certificate, known
 from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 from reports import inputs
 from reports.terminal.console import Failed, NothingSelected, echo_json, number, progress, show_table
 

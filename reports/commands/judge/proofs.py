@@ -6,8 +6,7 @@ import click
 
 from cross_checks.judge import ladder
 from cross_checks.truths import certificate, known, stored_poses
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 from mbs_ref.scene.scales import scales_of
 from reports import inputs
 from reports.commands.judge.prove import LIMIT, RADIUS, bound, need_flint

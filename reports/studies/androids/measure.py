@@ -19,15 +19,12 @@ from cross_checks.records.numbers import ABSENT, in_words, order_of, setting, sh
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths import truth_for
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Status, Trajectory, scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual
 from mbs_ref.observables.distance import distances
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
-from mbs_ref.trajectory import Status, Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, VERTEBRAL, with_test
 

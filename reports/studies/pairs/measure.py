@@ -23,9 +23,7 @@ from cross_checks.records.numbers import duration, setting, short
 from cross_checks.records.record import Record, loop_time
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings, scenes
 from reports.facts.cheapest import Entry, entries, near, reaching
 from reports.facts.curves import Curves, Measured, Row, Value
 from reports.facts.report_data import ReportData

@@ -6,10 +6,9 @@ import numpy as np
 
 from cross_checks.judge.ladder import grid
 from cross_checks.records.numbers import metres, short
-from mbs_ref import scenes
+from mbs_ref import Settings, scenes
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.scenes.solar_system import julian_date
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Row
 

@@ -5,14 +5,12 @@ from time import process_time
 import numpy as np
 
 from cross_checks.prices.timing import Sample, compare
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import derivative
 from mbs_ref.kernels.jit import jit
 from mbs_ref.observables.distance import farthest
-from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import Coordinates
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.studies.crash import PAPER
 

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.metrics.metric import off_truth
-from mbs_ref import scenes
-from mbs_ref.settings import Settings
+from mbs_ref import Settings, scenes
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Measured, Value
 from reports.studies.papers.coordinates import coordinates

@@ -13,14 +13,11 @@ from cross_checks.prices.timing import interleaved, interval
 from cross_checks.records.numbers import metres
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.observables import energy_balance
 from mbs_ref.observables.distance import distances
-from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import AU_M
 from mbs_ref.scenes.solar_system import julian_date
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Curves, Measured, Row, Value, plain
 from reports.studies.sky.frames import frames
 

@@ -13,7 +13,7 @@ from cross_checks.truths.proofs.checker.formulas import Formulas, solve
 from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
 from cross_checks.truths.proofs.coverage import DRIVES
 from cross_checks.truths.proofs.family import Varied, family
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 POINTS, POINT_BITS, EQUAL = 3, 1000, 2.0**-600  # random points, bits of numbers, how nearly they must agree
 STATE = 14  # numbers of a body's state
