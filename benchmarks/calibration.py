@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.records import lines
-from cross_checks.records.naming import code_of
+from cross_checks.records.store import code_of
 from cross_checks.truths.oracle.random_scenes import random_scene
 from cross_checks.truths.truth import ONE_FIGURE
 from mbs_ref import Scene, Settings, Trajectory, scenes

@@ -19,8 +19,7 @@ from cross_checks.judge.answers import questions
 from cross_checks.judge.capabilities import Capability, capabilities
 from cross_checks.judge.cell import tasks
 from cross_checks.prices.timing import timed_all
-from cross_checks.records.naming import code_of, digest_of
-from cross_checks.records.store import Store
+from cross_checks.records.store import Store, code_of, digest_of
 from mbs_ref import Scene, scenes
 from reports import inputs
 from reports.facts import stored as facts

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from cross_checks import engines
 from cross_checks.conformance.loading import NoEngine, load
 from cross_checks.engine import Engine
-from cross_checks.engine.initial_state import broken_start
+from cross_checks.engine.plan import broken_start
 from mbs_ref import Scene, Settings, at_equilibrium, scenes
 from mbs_ref.scene import messages as problems
 from mbs_ref.scene.scales import scales_of

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
-from cross_checks.engine.initial_state import broken_start
+from cross_checks.engine.plan import broken_start
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.consensus import ENOUGH, working_truth
 from cross_checks.judge.ladder import label

@@ -11,9 +11,8 @@ from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.metric import Judged
-from cross_checks.records.naming import run_name, truth_name
 from cross_checks.records.record import Record
-from cross_checks.records.store import Run, Store
+from cross_checks.records.store import Run, Store, run_name, truth_name
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, Settings, Trajectory

@@ -8,9 +8,8 @@ import numpy as np
 
 from mbs_ref import scene as parts
 from mbs_ref.observables import celestial
-from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, pull_of, twist_of
 from mbs_ref.observables.powers import powers
-from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, pull_of, twist_of
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.celestial import GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices

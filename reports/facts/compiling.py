@@ -6,8 +6,7 @@ from typing import NamedTuple
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import each
-from cross_checks.records.naming import code_of, digest_of
-from cross_checks.records.store import Store
+from cross_checks.records.store import Store, code_of, digest_of
 from mbs_ref import Settings, scenes
 from mbs_ref.kernels.jit import cache_folder
 from mbs_ref.scene.traits import Coordinates

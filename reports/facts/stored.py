@@ -16,9 +16,8 @@ from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
 from cross_checks.judge.vocabulary import Cell
-from cross_checks.records.naming import code_of, digest_of, engine_key, truth_name
 from cross_checks.records.record import Record
-from cross_checks.records.store import Store
+from cross_checks.records.store import Store, code_of, digest_of, engine_key, truth_name
 from cross_checks.truths.stored_poses import physics_of
 from mbs_ref import Scene, scenes
 

@@ -16,8 +16,7 @@ from typing import Any
 
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import each
-from cross_checks.records.naming import code_of, digest_of
-from cross_checks.records.store import Store
+from cross_checks.records.store import Store, code_of, digest_of
 from reports import studies
 from reports.facts.curves import Measured
 from reports.facts.stored import keep, recall

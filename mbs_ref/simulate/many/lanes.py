@@ -26,10 +26,9 @@ from mbs_ref.kernels.relative.lanes import build_of, figures_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import is_celestial
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.assembly import or_empty, sampled, trajectory, with_estimate
 from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
 from mbs_ref.simulate.legs import Counts, Run, planned_legs, reached, run_legs
-from mbs_ref.simulate.one_run import compiled
+from mbs_ref.simulate.one_run import compiled, or_empty, sampled, trajectory, with_estimate
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start.consistent import consistent_start
 from mbs_ref.trajectory import Status, Timing, Trajectory

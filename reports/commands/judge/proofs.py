@@ -62,7 +62,7 @@ def command(
 
 def _covered() -> list[Scene]:
     """Return the scenes of all certificates, and all others of the library, that proofs cover."""
-    from cross_checks.truths.proofs.coverage import complaints
+    from cross_checks.truths.proofs.certified import complaints
 
     certified = [scenes.make(one.scene, **one.parameters) for one in certificate.every()]
     plain = [scenes.make(name) for name in known()]
