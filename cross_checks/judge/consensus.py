@@ -27,7 +27,7 @@ from cross_checks.engine import Engine, Method
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import BRIEF, Late, Pool
 from cross_checks.judge.bounds import AGREEMENT
-from cross_checks.judge.convergence.extrapolation import extrapolated
+from cross_checks.judge.convergence.prediction import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.records.store import SAMPLES

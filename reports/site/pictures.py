@@ -6,7 +6,6 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 from PIL import Image
@@ -64,11 +63,7 @@ def terminal(report: Path) -> bytes:
     return console.export_svg(title="mbs-ref", unique_id="terminal").encode()
 
 
-PICTURES: dict[str, Callable[[Path], bytes]] = {
-    "report.png": first_screen,
-    "terminal.svg": terminal,
-    "mechanism.png": mechanism,
-}
+PICTURES = {"report.png": first_screen, "terminal.svg": terminal, "mechanism.png": mechanism}
 
 
 def screenshot(page: Path, size: tuple[int, int]) -> bytes:

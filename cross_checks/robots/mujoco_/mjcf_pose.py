@@ -116,11 +116,8 @@ class Posed:
     def closures(self) -> Iterator[Spherical | Weld]:
         """Yield what equality constraints close."""
         for e, (a, b), places in self.equalities():
-            ends: dict[str, Any] = {
-                "name": plain(self.model.equality(e).name or f"closure_{e}"),
-                "body_a": self.name(a),
-                "body_b": self.name(b),
-            }
+            name = plain(self.model.equality(e).name or f"closure_{e}")
+            ends: dict[str, Any] = {"name": name, "body_a": self.name(a), "body_b": self.name(b)}
             part = Spherical if self.model.eq_type[e] == CONNECT else Weld
             yield part(**ends, point=three(places[0]))
 

@@ -171,11 +171,8 @@ class Impacts:
 
     def gap(self, part: Any, bodies: list[list[Number]]) -> tuple[Number, Number, list[Number], list[int]]:
         """Return a gap (m), its rate (m/s), the normal from body b to body a, and both bodies (ground: -1)."""
-        ends, vector, ball = (
-            [self.mechanics.index[name] for name in part.ends],
-            self.mechanics.vector,
-            self.mechanics.ball,
-        )
+        vector, ball = self.mechanics.vector, self.mechanics.ball
+        ends = [self.mechanics.index[name] for name in part.ends]
         states = [bodies[k] if k >= 0 else [arb(0)] * 14 for k in ends]
         apart, speed = minus(*(own[:3] for own in states)), minus(*(own[8:11] for own in states))
         if part.type in PAIRS:
