@@ -47,11 +47,7 @@ LABORATORY, SKY, RELATIVE, BLAS = (
 
 def cases(names: list[str], more: tuple[Placed, ...] = ()) -> Iterator[Case]:
     """Yield every method of these engines with every scene that it takes, `more` too; a missing engine has none."""
-    for name in names:
-        try:
-            engine = engines.get(name)
-        except engines.EngineMissing:
-            continue
+    for engine in engines.installed(names):
         for method in engine.methods():
             yield from _of(engine, method, more)
 

@@ -152,6 +152,10 @@ class Engine:
         sentence = f"{self.name} is not yet taught the part type"
         return [Refusal(f"{sentence} {kind!r}", permanent=False) for kind in missing] + self.topology_refusals(scene)
 
+    def able(self, scene: Scene) -> list[Method]:
+        """Return the methods that can run the scene."""
+        return [] if self.refusals(scene) else [m for m in self.methods() if not self.method_refusals(scene, m)]
+
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         """Return why this method of the engine cannot run the scene."""
         from mbs_ref.scene.traits import traits

@@ -106,7 +106,7 @@ class Consensus:
         self._witnesses: dict[tuple[str, str], Witness] = {}
         self._closest: dict[int, Pair] = {}  # by the number of packages, of all pairs so far
         self._late: list[Request] = []
-        able = [(name, method) for name in engines.names() for method in _best_methods(name, scene)]
+        able = [(engine.name, method) for engine in engines.installed() for method in _best_methods(engine, scene)]
         self._packages = len({engines.get(name).library for name, _ in able})
         self._open = [self._requested(Request(self, name, method, 0)) for name, method in able]
 
@@ -198,15 +198,9 @@ def _distance(scene: Scene, first: Witness, second: Witness) -> float:
     return float("inf") if apart is None else apart
 
 
-def _best_methods(name: str, scene: Scene) -> list[Method]:
+def _best_methods(engine: Engine, scene: Scene) -> list[Method]:
     """Return the methods of highest order that run the scene and are not known to go wrong on it, unlike ones first."""
-    try:
-        engine: Engine = engines.get(name)
-    except engines.EngineMissing:
-        return []
-    if engine.refusals(scene):
-        return []
-    able = [m for m in engine.methods() if not engine.method_refusals(scene, m) and not m.excused(scene)]
+    able = [m for m in engine.able(scene) if not m.excused(scene)]
     return sorted(able, key=lambda m: (m.kind != "adaptive", -(m.order or 4)))[:PER_ENGINE]
 
 

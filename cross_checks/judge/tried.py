@@ -139,17 +139,11 @@ def typical_facts(kind: str, order: int, expected: float, duration: float, uncer
 def _alike(scene: Scene, engine: str, method: Method):
     if method.order is None:
         return
-    for name in engines.names():
-        try:
-            other = engines.get(name)
-        except engines.EngineMissing:
-            continue
-        if other.library == engines.get(engine).library or other.refusals(scene):
-            continue
-        able = [m for m in other.methods() if m.kind == method.kind and (m.order or 0) >= method.order]
-        sound = [m for m in able if not other.method_refusals(scene, m) and not m.excused(scene)]
-        if sound:
-            yield name, min(sound, key=lambda m: m.order or 0)
+    for other in engines.installed():
+        if other.library != engines.get(engine).library:
+            alike = [m for m in other.able(scene) if m.kind == method.kind and (m.order or 0) >= method.order]
+            if sound := [m for m in alike if not m.excused(scene)]:
+                yield other.name, min(sound, key=lambda m: m.order or 0)
 
 
 def search(

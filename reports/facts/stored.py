@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 
 from cross_checks import engines as registry
 from cross_checks.isolation.parent import Isolated
-from cross_checks.isolation.workers import TIMEOUT
+from cross_checks.isolation.workers import TIMEOUT, Report
 from cross_checks.judge.answers import Answer, Question, answers
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.ladder import grid
@@ -49,7 +49,6 @@ def remembered[Fact](store: Store, key: str, kind: type[Fact], make: Callable[[]
 
 
 JUDGING = "cross_checks.judge.cell"  # whose changes make cells anew
-Report = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True)

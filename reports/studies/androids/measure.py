@@ -196,17 +196,10 @@ def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
 
 def entrants(scene: Scene, names: Sequence[str] | None = None) -> list[tuple[str, Method]]:
     """Return the methods of every other engine that can run the scene: all in the first crash, few in the others."""
-    result, crash = [], (scene.name, str(scene.parameters["impact"]))
-    for name in engines.names() if names is None else names:
-        try:
-            engine = engines.get(name)
-        except engines.EngineMissing:
-            continue
-        if name == "mbs_ref" or engine.refusals(scene):
-            continue
-        able = [method for method in engine.methods() if not engine.method_refusals(scene, method)]
-        result += [(name, method) for method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
-    return result
+    crash = scene.name, str(scene.parameters["impact"])
+    others = (engine for engine in engines.installed(names) if engine.name != "mbs_ref")
+    able = [(engine.name, method) for engine in others for method in engine.able(scene)]
+    return [(name, method) for name, method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
 
 
 def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
