@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths.proofs import kinematics
-from cross_checks.truths.proofs.certified import DRIVES, complaints
+from cross_checks.truths.proofs.coverage import DRIVES, complaints
 from cross_checks.truths.proofs.derivation import Derivation, Exact, NotCovered, Units
 from cross_checks.truths.proofs.family import Varied
 from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned

@@ -61,6 +61,6 @@ def command(
 
 def _covered() -> list[Scene]:
     """Return the scenes of all certificates, and all others of the library, that proofs cover."""
-    from cross_checks.truths.proofs.certified import complaints
+    from cross_checks.truths.proofs.coverage import complaints
 
     return [made for made in every_truth() if not list(complaints(made))]

@@ -10,9 +10,9 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.certified import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.checker.balls import Number, Refused, exact
 from cross_checks.truths.proofs.checker.formulas import solve
+from cross_checks.truths.proofs.coverage import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.family import Varied
 from mbs_ref.scene import GROUND
 

@@ -12,10 +12,10 @@ from flint import (  # pyright: ignore[reportMissingImports]  # an optional extr
     arb_series,
 )
 
-from cross_checks.truths.proofs.certified import DRIVES, PAIRS
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
 from cross_checks.truths.proofs.checker.formulas import Formulas, solve
 from cross_checks.truths.proofs.checker.mechanics import Mechanics, dot, minus, rotation
+from cross_checks.truths.proofs.coverage import DRIVES, PAIRS
 from cross_checks.truths.proofs.family import Varied, family
 from mbs_ref import Scene
 
