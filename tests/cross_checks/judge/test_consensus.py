@@ -124,6 +124,7 @@ class Script:
             def methods(self):
                 return (Method("rk4", "adaptive", 4, ""),)
 
+        Named.name = name
         return Named()
 
     def witness(self, runs, scene, engine, method, knobs):
