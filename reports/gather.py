@@ -15,14 +15,13 @@ from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
 from cross_checks.isolation.parent import Isolated
+from cross_checks.isolation.workers import Report
 from cross_checks.judge.answers import questions
 from cross_checks.judge.capabilities import Capability, capabilities
 from cross_checks.judge.cell import tasks
 from cross_checks.prices.timing import timed_all
-from cross_checks.records.naming import code_of, digest_of
-from cross_checks.records.store import Store
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from cross_checks.records.store import Store, code_of, digest_of
+from mbs_ref import Scene, scenes
 from reports import inputs
 from reports.facts import stored as facts
 from reports.facts.cheapest import contenders
@@ -30,7 +29,7 @@ from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
 from reports.facts.report_data import ReportData
 from reports.facts.scene_facts import SceneFacts, TruthFacts, scene_facts, truth_facts
-from reports.studies.study import Progress, every, measure_all, stored
+from reports.studies.study import every, measure_all, stored
 
 LISTS = tomllib.loads((files(__package__) / "scenes.toml").read_text(encoding="utf-8"))
 SCENES, QUICK = LISTS["report"], LISTS["quick"]
@@ -62,7 +61,7 @@ class Gathering:
 
     store: Store
     quick: bool = False
-    progress: Progress | None = None
+    progress: Report | None = None
     files: Sequence[Path] = ()
     again: bool = False
     call: Isolated | None = None

@@ -15,11 +15,9 @@ from cross_checks.contact import request as wanted
 from cross_checks.contact.request import GRAVITY, ContactModel, Request, Translation
 from cross_checks.judge.one_run import checked_run
 from cross_checks.metrics.contact_figures import contact_figures
-from mbs_ref import scenes
+from mbs_ref import Settings, Trajectory, scenes
 from mbs_ref.scene import GROUND, Force, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, StickSlip
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 
 RADIUS = 0.1  # m
 UNTURNED = 1e9  # kg m^2: a body of this inertia slides without turning

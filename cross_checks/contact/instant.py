@@ -16,10 +16,9 @@ from scipy.sparse import csc_array
 from cross_checks.contact.by_figure import run
 from cross_checks.contact.request import ContactModel
 from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, augmented, unit_rates
+from mbs_ref import Scene, Trajectory
 from mbs_ref.observables.contact_gap import relative_motion, shapes_known
-from mbs_ref.scene import Scene
 from mbs_ref.scene.base.part import normals
-from mbs_ref.trajectory import Trajectory
 
 ITERATIONS = 20_000  # of the projected gradient ...
 RESOLVED = 1e-12  # of the largest impulse: ... which ends once a step changes them by less

@@ -9,8 +9,7 @@ import numpy as np
 
 from cross_checks.engine.method import LOOPS, RTOLS, SINGLE, STEPS, Method, Refusal, adaptive, exponential, fixed
 from cross_checks.engine.plan import End, Loop, Plan, end_of, output_times, plan_run, stopped
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 from mbs_ref.trajectory import Timing, Trajectory
 
 __all__ = [
@@ -152,6 +151,10 @@ class Engine:
         missing = sorted(part_types(scene) - self.part_types)
         sentence = f"{self.name} is not yet taught the part type"
         return [Refusal(f"{sentence} {kind!r}", permanent=False) for kind in missing] + self.topology_refusals(scene)
+
+    def able(self, scene: Scene) -> list[Method]:
+        """Return the methods that can run the scene."""
+        return [] if self.refusals(scene) else [m for m in self.methods() if not self.method_refusals(scene, m)]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         """Return why this method of the engine cannot run the scene."""

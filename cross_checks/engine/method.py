@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import factorial
 from typing import Any, Literal
 
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.traits import traits
 
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s, that a sweep of a fixed-step method tries

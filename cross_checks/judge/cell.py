@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
-from cross_checks.engine.initial_state import broken_start
+from cross_checks.engine.plan import broken_start
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.consensus import ENOUGH, working_truth
 from cross_checks.judge.ladder import label
@@ -15,8 +15,7 @@ from cross_checks.judge.verdict import Judgement
 from cross_checks.judge.vocabulary import SILENT, Cell, TargetResult, Verdict
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 ALONE = "one package, not certified"
 BY_TRUTH = SILENT | {Verdict.AGREES, Verdict.BELOW_TRUTH, Verdict.CONVERGING}  # verdicts that a truth decides

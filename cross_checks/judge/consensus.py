@@ -28,15 +28,13 @@ from cross_checks.engine import Engine, Method
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import BRIEF, Late, Pool
 from cross_checks.judge.bounds import AGREEMENT
-from cross_checks.judge.convergence.extrapolation import extrapolated
+from cross_checks.judge.convergence.prediction import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.records.store import SAMPLES
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 
 LEVELS: tuple[dict[str, tuple[float, ...]], ...] = (
     {"adaptive": (1e-6, 1e-8), "fixed": (6.4e-4, 3.2e-4, 1.6e-4)},
@@ -110,7 +108,7 @@ class Consensus:
         self._witnesses: dict[tuple[str, str], Witness] = {}
         self._closest: dict[int, Pair] = {}  # by the number of packages, of all pairs so far
         self._late: list[Request] = []
-        able = [(name, method) for name in engines.names() for method in best_methods(name, scene)]
+        able = [(engine.name, method) for engine in engines.installed() for method in best_methods(engine, scene)]
         self._packages = len({engines.get(name).library for name, _ in able})
         self._open = [self._requested(Request(self, name, method, 0)) for name, method in able]
 
@@ -209,15 +207,9 @@ def _distance(scene: Scene, first: Witness, second: Witness) -> float:
     return float("inf") if apart is None else apart
 
 
-def best_methods(name: str, scene: Scene) -> list[Method]:
+def best_methods(engine: Engine, scene: Scene) -> list[Method]:
     """Return the methods of highest order that run the scene; those with a documented weakness on it come last."""
-    try:
-        engine: Engine = engines.get(name)
-    except engines.EngineMissing:
-        return []
-    if engine.refusals(scene):
-        return []
-    able = [m for m in engine.methods() if not engine.method_refusals(scene, m)]
+    able = engine.able(scene)
     return sorted(able, key=lambda m: (bool(m.excused(scene)), m.kind != "adaptive", -(m.order or 4)))[:PER_ENGINE]
 
 

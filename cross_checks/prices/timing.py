@@ -20,12 +20,9 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Isolated, Lost
 from cross_checks.judge.ladder import grid
-from cross_checks.records.naming import run_name
 from cross_checks.records.record import BUSY_NOTE, Record
-from cross_checks.records.store import Store
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from cross_checks.records.store import Store, run_name
+from mbs_ref import Scene, Settings, scenes
 
 PAIRS = 5  # runs of each in a block, of which the fastest counts
 FEWEST_BLOCKS, MOST_BLOCKS = 10, 40  # of a comparison

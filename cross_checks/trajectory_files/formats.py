@@ -76,13 +76,7 @@ def parts(path: Path, delimiter: str = "") -> Iterator[Columns]:
                 yield from _text(path, delimiter)
     except FileError:
         raise
-    except (
-        OSError,
-        EOFError,
-        ValueError,
-        csv.Error,
-        zipfile.BadZipFile,
-    ) as error:  # pyarrow's own are of these classes
+    except (OSError, EOFError, ValueError, csv.Error, zipfile.BadZipFile) as error:  # pyarrow's are of these classes
         raise FileError(f"{path}: cannot be read as {path.suffix[1:].upper()}: {error}") from error
 
 

@@ -6,7 +6,6 @@ Beside a study's study.toml stands measure.py, whose `measure()` returns a Measu
 
 import pkgutil
 import tomllib
-from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
@@ -15,15 +14,12 @@ from itertools import chain
 from typing import Any
 
 from cross_checks.isolation.parent import Caller
-from cross_checks.isolation.workers import each
-from cross_checks.records.naming import code_of, digest_of
-from cross_checks.records.store import Store
+from cross_checks.isolation.workers import Report, each
+from cross_checks.records.store import Store, code_of, digest_of
 from reports import studies
 from reports.facts.curves import Measured
 from reports.facts.stored import keep, recall
 from reports.studies.document import Document
-
-Progress = Callable[[int, int, str], None]  # done, total, what comes next
 
 LONGEST = 1800.0  # s for one study, on a machine however busy
 
@@ -65,7 +61,7 @@ def _sources(name: str) -> list[str]:
     return [code_of(f"reports.studies.{name}.measure"), *(texts[file] for file in sorted(texts))]
 
 
-def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Progress) -> list[str]:
+def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Report) -> list[str]:
     """Add to `found` the facts of every study, stored or measured on all cores; return what failed and why.
 
     Facts are measured again where their code changes or what they depend on: the engines and their adapters.

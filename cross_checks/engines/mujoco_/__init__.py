@@ -13,8 +13,7 @@ from cross_checks.engines.mujoco_.forces import Callback, Observer, passive
 from cross_checks.linkage.forces import SHARED, LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of, tree_reactions
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 
 @dataclass(frozen=True)

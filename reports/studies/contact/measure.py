@@ -10,15 +10,12 @@ import numpy as np
 from cross_checks.contact import models
 from cross_checks.contact.by_figure import Obtained, compare, with_contact
 from cross_checks.truths.of.bouncing import impact
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.distance import farthest
 from mbs_ref.observables.energy import is_conservative, kinetic_energy, potential_energy
 from mbs_ref.observables.powers import powers
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, film, plain
 from reports.studies.crash import largest_gap
 
