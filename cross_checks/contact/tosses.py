@@ -180,8 +180,10 @@ def predict(tosses: list[Toss], others: dict[str, ContactModel], step: float) ->
     """Yield each toss by the reference solver with each law, and by other engines' own contacts at about a step (s)."""
     floor, steps = floor_of(tosses), math.ceil(1.0 / (RATE * step))
     own = {kind.model_fields["type"].default: (law_of(kind), SMOOTH) for kind in LAWS}
+    plain = law, _ = own[LAWS[0].model_fields["type"].default]
+    sticking = laws.StickSlip(coefficient=FRICTION, stiffness=law.stiffness, damping=law.damping)
+    own |= {f"{law.type}, stick_slip": (law, sticking)}
     own |= {"rigid_law, no friction": (laws.RigidLaw(restitution=RESTITUTION), None)}
-    plain = own[LAWS[0].model_fields["type"].default]
     models: list[tuple[str, str, tuple, Run]] = [("mbs_ref", name, pair, _ours) for name, pair in own.items()]
     for engine, model in others.items():
         models += [(engine, method, plain, _sampled(model, method, steps)) for method in model.compared]
