@@ -36,8 +36,6 @@ FEWEST = 3  # samples of a free flight
 DEPTH = 1e-4  # m of a central impact at NOMINAL_SPEED, below the noise: the publication states no stiffness
 RTOL, FINER = 1e-6, 1e-2  # of the reference solver, and the factor on it of the run that shows its error
 
-type Run = Callable[[Scene, bool], Trajectory | str]  # the motion at RATE, or the sentence why there is none
-
 
 def corners(position: np.ndarray, orientation: np.ndarray) -> np.ndarray:
     """Return the cube's corners (..., 8, 3), m, from its centre (..., 3) and Euler parameters (..., 4)."""
@@ -77,7 +75,9 @@ class Toss:
         turned = rotation_vector(product(self.orientation[:n], conjugate(middle)))
         (v, x), (w, a) = (np.linalg.lstsq(np.vander(since, 2), y)[0] for y in (self.position[:n] - fall, turned))
         turns = a + w * since[:, None]
-        orientation = product(from_axis_angle(turns, np.linalg.norm(turns, axis=1)), middle)
+        angles = np.linalg.norm(turns, axis=1)
+        axes = np.where(angles[:, None] > 0.0, turns, 1.0)  # of no turn any
+        orientation = product(from_axis_angle(axes, angles), middle)
         velocity, spin = v + GRAVITY * since[:, None], np.broadcast_to(w, (n, 3))
         position = x + v * since[:, None] + fall
         return Trajectory(times, position[:, None], orientation[:, None], velocity[:, None], spin[:, None])
@@ -176,28 +176,44 @@ class Predicted:
     reason: str = ""
 
 
+@dataclass(frozen=True)
+class _Model:
+    """A contact law of one engine, and its run at RATE: the motion, or the sentence why there is none."""
+
+    engine: str
+    name: str
+    law: laws.ContactLaw
+    friction: Any
+    run: Callable[[Scene, bool], Trajectory | str]  # the second is for the finer run
+
+
 def predict(tosses: list[Toss], others: dict[str, ContactModel], step: float) -> Iterator[Predicted]:
-    """Yield each toss by the reference solver with each law, and by other engines' own contacts at about a step (s)."""
+    """Return each toss by the reference solver with each law, and by other engines' own contacts at about a step (s).
+
+    ValueError names a toss without a free flight.
+    """
     floor, steps = floor_of(tosses), math.ceil(1.0 / (RATE * step))
-    own = {kind.model_fields["type"].default: (law_of(kind), SMOOTH) for kind in LAWS}
-    plain = law, _ = own[LAWS[0].model_fields["type"].default]
-    sticking = laws.StickSlip(coefficient=FRICTION, stiffness=law.stiffness, damping=law.damping)
-    own |= {f"{law.type}, stick_slip": (law, sticking)}
-    own |= {"rigid_law, no friction": (laws.RigidLaw(restitution=RESTITUTION), None)}
-    models: list[tuple[str, str, tuple, Run]] = [("mbs_ref", name, pair, _ours) for name, pair in own.items()]
-    for engine, model in others.items():
-        models += [(engine, method, plain, _sampled(model, method, steps)) for method in model.compared]
-    for toss in tosses:
-        noise = toss.error(toss.flight(floor))
-        for engine, name, (law, friction), runs in models:
-            scene = scene_of(toss, floor, law, friction)
-            path, finer = (runs(scene, fine) for fine in (False, True))
-            if isinstance(path, str) or isinstance(finer, str):
-                reason = path if isinstance(path, str) else str(finer)
-                yield Predicted(toss.name, engine, name, noise, reason=reason)
-                continue
-            exact = Toss(toss.name, finer.position[:, 0], finer.orientation[:, 0])
-            yield Predicted(toss.name, engine, name, noise, toss.error(path), exact.error(path))
+    plain, *rest = [law_of(kind) for kind in LAWS]
+    sticking = laws.StickSlip(coefficient=FRICTION, stiffness=plain.stiffness, damping=plain.damping)
+    rigid = laws.RigidLaw(restitution=RESTITUTION)
+    models = [_Model("mbs_ref", law.type, law, SMOOTH, _ours) for law in (plain, *rest)]
+    models += [_Model("mbs_ref", f"{plain.type}, stick_slip", plain, sticking, _ours)]
+    models += [_Model("mbs_ref", f"{rigid.type}, no friction", rigid, None, _ours)]
+    models += [_Model(engine, method, plain, SMOOTH, _sampled(model, method, steps))
+               for engine, model in others.items() for method in model.compared]  # fmt: skip
+    noises = [toss.error(toss.flight(floor)) for toss in tosses]
+    every = itertools.product(zip(tosses, noises, strict=True), models)
+    return (_predicted(toss, noise, floor, model) for (toss, noise), model in every)
+
+
+def _predicted(toss: Toss, noise: float, floor: float, model: _Model) -> Predicted:
+    scene = scene_of(toss, floor, model.law, model.friction)
+    key = (toss.name, model.engine, model.name, noise)
+    path, finer = (model.run(scene, fine) for fine in (False, True))
+    if isinstance(path, str) or isinstance(finer, str):
+        return Predicted(*key, reason=path if isinstance(path, str) else str(finer))
+    exact = Toss(toss.name, finer.position[:, 0], finer.orientation[:, 0])
+    return Predicted(*key, toss.error(path), exact.error(path))
 
 
 def _ours(scene: Scene, fine: bool) -> Trajectory | str:
@@ -208,7 +224,7 @@ def _ours(scene: Scene, fine: bool) -> Trajectory | str:
     return motion(engines.get("mbs_ref"), scene, settings, times)
 
 
-def _sampled(model: ContactModel, method: str, steps: int) -> Run:
+def _sampled(model: ContactModel, method: str, steps: int) -> Callable[[Scene, bool], Trajectory | str]:
     """Return runs with so many steps a sample, or twice as many."""
 
     def runs(scene: Scene, fine: bool) -> Trajectory | str:

@@ -28,6 +28,8 @@ def test_a_fitted_flight_has_the_state_of_a_free_cube():
     assert flight.velocity[0, 0] == pytest.approx(V, abs=1e-12)
     assert flight.angular_velocity[0, 0] == pytest.approx(W, abs=1e-12)
     assert toss.error(flight) < 1e-12
+    straight = tosses.Toss("straight", toss.position, np.tile((1.0, 0.0, 0.0, 0.0), (len(toss.position), 1)))
+    assert np.abs(straight.flight(FLOOR).angular_velocity).max() == 0.0
 
 
 def test_corners_and_their_error_are_those_of_rotated_vertices():
@@ -97,4 +99,4 @@ def test_stored_tosses_fly_freely_to_the_noise_and_friction_predicts_them_better
 def test_a_toss_without_a_free_flight_is_refused():
     toss = tosses.Toss("low", np.zeros((5, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (5, 1)))
     with pytest.raises(ValueError, match="toss low: 0 samples of free flight"):
-        toss.flight(0.0)
+        tosses.predict([toss], {}, 1e-3)  # before any run
