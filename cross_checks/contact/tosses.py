@@ -160,7 +160,7 @@ def law_of(kind: Any) -> Any:
 
 
 LAWS = (laws.SpringDamperLaw, laws.ProgressiveLaw, laws.HuntCrossleyLaw, laws.FloresLaw, laws.LankaraniNikraveshLaw)
-SMOOTH = laws.RegularisedCoulomb(coefficient=FRICTION)
+SMOOTH = laws.RegularisedCoulomb(coefficient=FRICTION, speed=1e-4)  # m/s, below slip speeds in impacts by far
 
 
 @dataclass(frozen=True)
