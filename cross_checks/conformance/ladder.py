@@ -146,9 +146,9 @@ def _refined(engine: Engine, rising: _Rungs) -> _Rungs:
 
 
 def _failing(shown: Posterior, floor: float) -> tuple[str, float]:
-    """Return how the runs fail to converge to zero, if they do, and the odds of it; small errors never do."""
+    """Return how the runs fail to converge to zero, and the odds of it: 0 for errors that are small or falling."""
     error = float(shown.ladder.errors[-1])
-    if not error > floor:
+    if shown.ladder.is_falling or not error > floor:
         return "", 0.0
     limit = shown.odds_of_limit(max(floor, 0.3 * error))
     stall = shown.odds_of_stall(max(floor, 0.3 * error)) + shown.weights["lost"]

@@ -22,7 +22,10 @@ from mbs_ref.trajectory import Trajectory
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Energy along a motion; `drift` is None where no balance can be drawn, with a `reason` unless samples are unknown."""
+    """Energy along a motion; `drift` is None where no balance can be drawn.
+
+    `reason` states why, and is empty where samples are incomplete.
+    """
 
     energy: np.ndarray  # (n_t,) J, kinetic + potential
     work: np.ndarray | None  # (n_t,) J, done since t = 0 by dampers, time-dependent loads and user forces
