@@ -161,3 +161,7 @@ class Engine:
         reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - present)]
         reasons += [f"{method.name} cannot model a scene that is {t}" for t in sorted(method.excludes & present)]
         return [Refusal(reason, permanent=True) for reason in reasons]
+
+    def refusal(self, scene: Scene, method: Method) -> str:
+        """Return why this method cannot run the scene as one text; empty when it can."""
+        return Refusal.text((*self.refusals(scene), *self.method_refusals(scene, method)))

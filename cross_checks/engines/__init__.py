@@ -27,6 +27,7 @@ class EngineMissing(ImportError):
     """The engine's own package is not installed."""
 
 
+@cache
 def _entry_points() -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=GROUP)}
 

@@ -56,10 +56,9 @@ class MbsRef(Engine):
         return super().method_refusals(scene, method) + unheld + (absent if missing else []) + (only if foreign else [])
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        method = self.method(settings.method)
-        reasons = self.refusals(scene) + self.method_refusals(scene, method)
-        if reasons:
-            return stopped(scene, Status.REFUSED, "; ".join(refusal.reason for refusal in reasons))
+        refusal = self.refusal(scene, self.method(settings.method))
+        if refusal:
+            return stopped(scene, Status.REFUSED, refusal)
         try:
             return simulate(scene, settings, times)
         except InconsistentScene as error:

@@ -44,9 +44,7 @@ def cannot(extreme: Extreme, engine: Engine, method: Method) -> str:
     """Return why a method has no say on an axis, or nothing."""
     if not extreme.takes(method):
         return "the axis is about fixed steps" if method.kind == "adaptive" else "it has no tolerance"
-    scene = extreme.case(extreme.axis.values[0]).scene
-    reasons = [*engine.refusals(scene), *engine.method_refusals(scene, method)]
-    return "; ".join(dict.fromkeys(refusal.reason for refusal in reasons))
+    return engine.refusal(extreme.case(extreme.axis.values[0]).scene, method)
 
 
 def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: Isolated) -> Cell:

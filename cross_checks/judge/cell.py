@@ -83,9 +83,8 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
     if method is None:
         return "", f"engine {engine!r} is not installed"
     solver: Engine = registry.get(engine)
-    reasons = [r.reason for r in (*solver.refusals(scene), *solver.method_refusals(scene, method))]
     broken = broken_start(scene, Settings().initial_tolerance)  # the scene's fault, not an engine's
-    return method.name, "; ".join(dict.fromkeys([*reasons, broken] if broken else reasons))
+    return method.name, "; ".join(filter(None, (solver.refusal(scene, method), broken)))
 
 
 def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:

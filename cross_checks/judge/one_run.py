@@ -55,9 +55,9 @@ def judged_run(
         return without_run(scene, engine_name, settings, MISSING, str(error)), None
     method = engine.method(settings.method)
     settings = settings.model_copy(update={"method": method.name})
-    reasons = [r.reason for r in (*engine.refusals(scene), *engine.method_refusals(scene, method))]
-    if reasons:
-        return without_run(scene, engine_name, settings, CANNOT, "; ".join(dict.fromkeys(reasons)), engine), None
+    refusal = engine.refusal(scene, method)
+    if refusal:
+        return without_run(scene, engine_name, settings, CANNOT, refusal, engine), None
     requested = output_times(scene, settings, times)
     outcome = checked_run(engine, scene, settings, requested)
     if not isinstance(outcome, Trajectory):

@@ -36,6 +36,7 @@ AGAIN = 3  # times a disturbed run is repeated
 FEWEST_RUNS, MOST_RUNS = 3, 5  # of a setting
 NARROW = 0.05  # of the median: half of the interval
 ENOUGH = 1.0  # s of loop time: a longer run is timed once, a scheduler's quanta are small beside it
+WARMED = 0.2  # s of loop time: warming caches up is a small part of a longer run, which counts
 ROUNDS = 3  # turns, of which a run's least time counts
 CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
 SHARED = " while others used it"  # of a machine's name, under which times of a busy one are stored
@@ -189,11 +190,11 @@ def measured(store: Store, call: Caller, scene: Scene, record: Record) -> Record
 
 
 def time_loops(scene: Scene, engine: str, settings: Settings) -> tuple[list[float], float]:
-    """Return the loop times (s), and the share of a processor that the process got meanwhile; a first run warms up."""
+    """Return the loop times (s), and the share of a processor that the process got meanwhile; a short run warms up."""
     first = sample(scene, engine, settings)
-    if first.loop_s > ENOUGH:  # warming up is a small part of it
+    if first.loop_s > ENOUGH:
         return [first.loop_s], first.cpu_share
-    samples: list[Sample] = []
+    samples = [first] if first.loop_s > WARMED else []
     while not is_enough([one.loop_s for one in samples]):
         samples.append(sample(scene, engine, settings))
     return [one.loop_s for one in samples], float(np.mean([one.cpu_share for one in samples]))

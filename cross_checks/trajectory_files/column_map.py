@@ -121,7 +121,7 @@ class ColumnMap(Stated):
     time: Time
     bodies: dict[str, Body] = Field(min_length=1)
     world: World = World()
-    delimiter: str = Field(",", min_length=1, max_length=1)
+    delimiter: str = Field("", max_length=1)
 
 
 def read_map(path: Path) -> ColumnMap:

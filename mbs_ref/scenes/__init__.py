@@ -98,6 +98,7 @@ def _builder(name: str) -> Callable[..., Scene]:
     return _builders()[name]
 
 
+@cache
 def _parameter_model(builder: Callable[..., Scene]) -> type[BaseModel]:
     """Return the builder's signature as a pydantic model, whose annotations are the ranges."""
     hints = typing.get_type_hints(builder, include_extras=True)

@@ -76,23 +76,33 @@ def measure_all(store: Store, result: dict[str, Measured], depends: Any, report:
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held
     missing, failed = [name for name in listed if name not in result], []
-    # compute the parts of studies on all cores; one that fails does so again, with its reason, in `measure`
-    tasks = [(name, part) for name in missing for part in parts(name)]
-    for done, (task, _) in enumerate(each(tasks, _made, timeout=LONGEST), 1):
-        report(done, len(tasks), f"runs for the study of {task[0]}")
-    together, alone = ([name for name in missing if listed[name].alone is apart] for apart in (False, True))
-    for name, facts in chain(each(together, _measured, timeout=LONGEST), each(alone, _measured, 1, LONGEST)):
+    # studies without parts, which take longest, beside the parts of others; what reads those; at last what takes times
+    parted = {name: own for name in missing if (own := parts(name))}
+    whole = [(name, None) for name in missing if not listed[name].alone]
+    first = [task for task in whole if task[0] not in parted]
+    first += [(name, part) for name, own in parted.items() for part in own]
+    reading = [task for task in whole if task[0] in parted]
+    last = [(name, None) for name in missing if listed[name].alone]
+    steps = chain(each(first, _made, timeout=LONGEST), each(reading, _made, timeout=LONGEST),
+                  each(last, _made, 1, LONGEST))  # fmt: skip
+    for done, ((name, part), facts) in enumerate(steps, 1):
         if isinstance(facts, str):
             failed.append(f"section {name}: {facts}")
-        else:
+        elif facts is not None:
             result[name] = keep(store, keys[name], Measured, facts)
-        report(len(result) + len(failed), len(listed), f"study of {name}")
+        what = f"study of {name}" if part is None else f"runs for the study of {name}"
+        report(done, len(first) + len(reading) + len(last), what)
     return failed
 
 
-def _made(call: Caller, task: tuple[str, Any]) -> None:
-    with suppress(Exception):  # raised in a process of its own
-        call(make, *task)
+def _made(call: Caller, task: tuple[str, Any]) -> Measured | str | None:
+    """Return a study's facts, or the sentence why there are none; nothing of one of its parts."""
+    name, part = task
+    if part is None:
+        return _measured(call, name)
+    with suppress(Exception):  # raised in a process of its own; `measure` meets it again
+        call(make, name, part)
+    return None
 
 
 def _measured(call: Caller, name: str) -> Measured | str:

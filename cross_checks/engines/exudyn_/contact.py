@@ -42,8 +42,7 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
 
 
 def _jointed(scene: Scene) -> list[str]:
-    names = ", ".join(repr(joint.name) for joint in scene.joints)
-    return [f"Exudyn's explicit solvers take no joint; the scene has {names}"] if names else []
+    return [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
 
 
 def _one_coefficient(contact: Any) -> list[str]:

@@ -42,8 +42,7 @@ class MuJoCo(LinkageEngine):
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
-        linkage = linkage_of(scene)
-        if method.name.endswith(TIGHT) and not reasons and not linkage.closures:
+        if method.name.endswith(TIGHT) and not reasons and not linkage_of(scene).closures:
             reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
         return reasons
 
