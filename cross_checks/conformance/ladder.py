@@ -24,10 +24,11 @@ from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.ladder import knob_of
 from cross_checks.judge.runs import gap
 from cross_checks.judge.tried import facts_of
-from cross_checks.metrics.metric import from_truth, known_to
-from cross_checks.truths.truth import ONE_FIGURE
-from mbs_ref.observables.distance import NAMES, largest, relative, units_of
+from cross_checks.metrics.metric import known_to
+from cross_checks.truths.truth import ONE_FIGURE, Truth
+from mbs_ref.observables.distance import NAMES, relative
 from mbs_ref.scene.scales import scales_of
+from mbs_ref.trajectory import Trajectory
 
 MORE = 7  # halvings of the finest step while no run resolves the motion
 LIKELY = 0.5  # odds from which a failure to converge is a finding; FAILING where forces jump, and errors scatter
@@ -85,17 +86,18 @@ class _Rungs:
 
     @cached_property
     def errors(self) -> list[float]:
-        """How far each run is from the truth, over the scene's scales."""
-        scene, units = self.question.scene, units_of(scales_of(self.question.scene))
-        counted = (from_truth(scene, run.path, self.question.truth).counted for run in self.runs)
-        return [float(largest(errors / units)) if errors.size else math.inf for errors in counted]
+        """How far each run is from the truth, over the scene's scales; infinite where it is beyond numbers."""
+        return [float(np.nan_to_num(self.apart(run, self.question.truth), nan=np.inf)) for run in self.runs]
+
+    def apart(self, run: Called, other: Trajectory | Truth) -> float:
+        """Return how far a run is from a motion, in what the truth knows."""
+        return gap(self.question.scene, self.question.truth, run.path, other)
 
     @cached_property
     def shown(self) -> Posterior | None:
         """What the runs show of convergence to the truth; None where one has no error."""
-        scene, paths = self.question.scene, [run.path for run in self.runs]
-        gaps = [[gap(scene, one, other) or 0.0 for other in paths] for one in paths]
-        return self.posterior(self.errors, gaps, known_to(scene, self.question.truth))
+        gaps = [[self.apart(one, other.path) for other in self.runs] for one in self.runs]
+        return self.posterior(self.errors, gaps, known_to(self.question.scene, self.question.truth))
 
     def posterior(self, errors: Sequence[float], gaps: list[list[float]], uncertainty: float = 0.0) -> Posterior | None:
         """Return what errors and gaps of the runs show."""
@@ -144,9 +146,9 @@ def _refined(engine: Engine, rising: _Rungs) -> _Rungs:
 
 
 def _failing(shown: Posterior, floor: float) -> tuple[str, float]:
-    """Return how the runs fail to converge to zero, if they do, and the odds of it; small errors never do."""
+    """Return how the runs fail to converge to zero, and the odds of it: 0 for errors that are small or falling."""
     error = float(shown.ladder.errors[-1])
-    if not error > floor:
+    if shown.ladder.is_falling or not error > floor:
         return "", 0.0
     limit = shown.odds_of_limit(max(floor, 0.3 * error))
     stall = shown.odds_of_stall(max(floor, 0.3 * error)) + shown.weights["lost"]
@@ -193,7 +195,7 @@ def _excusable(rising: _Rungs) -> Iterator[tuple[str, str]]:
 def _contact(rising: _Rungs) -> str:
     """Return a sentence where contacts are off by more than a target and than refinement explains."""
     error, last = rising.errors[-1], rising.runs[-1]
-    moved = max(gap(rising.question.scene, last.path, run.path) or 0.0 for run in rising.runs[-3:-1])
+    moved = max(rising.apart(last, run.path) for run in rising.runs[-3:-1])
     explained = min(RESOLVED, EXPLAINED * moved) if rising.meets_contacts else RESOLVED
     if error <= max(TARGETS[0], explained):
         return ""

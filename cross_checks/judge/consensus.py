@@ -47,6 +47,7 @@ WORST = 1e-3  # of the scene: engines further apart agree on nothing
 ENOUGH = AGREEMENT / ONE_FIGURE  # of the scene: a truth that is known so well shows agreement
 PER_ENGINE = 2  # methods of each
 BETWEEN = 4  # output times of a run between two of the judges'
+UNKNOWN = NoTruth("engines are to agree on it")
 SPREAD = 0.25  # by which the steps of two methods at the same level differ at most
 
 
@@ -175,7 +176,8 @@ class Consensus:
         self._witnesses[witness.engine, witness.method] = witness
         for other in self._witnesses.values():
             if other is not witness and (witness.is_sound or other.is_sound):
-                known_to = max(_distance(self.scene, witness, other), witness.moved, other.moved)
+                apart = gap(self.scene, UNKNOWN, witness.path, other.path)
+                known_to = max(apart, witness.moved, other.moved)
                 pair = Pair(known_to, *sorted((witness, other), key=lambda one: one.moved))
                 self._closest[pair.packages] = min(self._closest.get(pair.packages, pair), pair, key=lambda p: p[0])
 
@@ -202,11 +204,6 @@ def _agreed(scene: Scene, pair: Pair) -> Truth:
     )  # fmt: skip
 
 
-def _distance(scene: Scene, first: Witness, second: Witness) -> float:
-    apart = gap(scene, first.path, second.path)
-    return float("inf") if apart is None else apart
-
-
 def best_methods(engine: Engine, scene: Scene) -> list[Method]:
     """Return the methods of highest order that run the scene; those with a documented weakness on it come last."""
     able = engine.able(scene)
@@ -230,9 +227,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
         if path is None:
             return None
         paths.append(path)
-    moved = gap(scene, *paths[-2:])
-    if moved is None:
-        return None
+    moved = gap(scene, UNKNOWN, *paths[-2:])
     library, is_sound = engines.get(engine).library, not method.excused(scene)
     plain = Witness(engine, library, method.name, label(settings[-1]), paths[-1], moved, is_sound)
     if len(paths) < 3 or method.order is None:
@@ -242,8 +237,8 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
         extrapolated(coarse, fine, wide / narrow, method.order)
         for (coarse, wide), (fine, narrow) in pairwise(zip(paths, steps, strict=True))
     ]
-    settled = gap(scene, *limits[-2:])
-    if settled is None or settled >= moved:
+    settled = gap(scene, UNKNOWN, *limits[-2:])
+    if settled >= moved:
         return plain
     return plain._replace(setting=f"{plain.setting}, extrapolated,", path=limits[-1], moved=settled)
 

@@ -10,13 +10,14 @@ from cross_checks.isolation.parent import Caller, Lost, direct
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
-from cross_checks.metrics.metric import Judged
+from cross_checks.metrics.metric import Judged, from_truth
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store, run_name, truth_name
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, Settings, Trajectory
-from mbs_ref.observables.distance import largest, relative
+from mbs_ref.observables.distance import largest, relative, units_of
+from mbs_ref.scene.scales import scales_of
 
 PASSING = frozenset({"timeout", "out-of-memory"})  # the machine's doing: the next one may see the run come back
 NOT_COMPARED = NoTruth("runs are stored without a truth, which may become known later")
@@ -105,12 +106,18 @@ def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
     )  # fmt: skip
 
 
-def gap(scene: Scene, first: Trajectory | None, second: Trajectory | None) -> float | None:
-    """Return how far two runs are apart, in the measure of the error; None where one of them has no samples."""
-    if first is None or second is None or not len(first.times) or not len(second.times):
-        return None
-    apart = float(largest(relative(scene, first, second)))
-    return apart if np.isfinite(apart) else None
+def gap(scene: Scene, truth: Truth | NoTruth, first: Trajectory | None, second: Trajectory | Truth | None) -> float:
+    """Return how far two motions are apart, over the scene's scales; NaN where one of them has no samples.
+
+    What the truth knows counts, as in the error of a run; without a truth every component does.
+    """
+    if first is None or second is None or not len(first.position) or not len(second.position):
+        return np.nan
+    if isinstance(truth, NoTruth):
+        apart = float(largest(relative(scene, first, second)))
+    else:
+        apart = float(largest(from_truth(scene, first, truth, second).counted / units_of(scales_of(scene))))
+    return apart if np.isfinite(apart) else np.nan
 
 
 def _parts(truth: Truth | NoTruth) -> tuple[dict, dict[str, np.ndarray]]:

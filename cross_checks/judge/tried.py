@@ -75,8 +75,7 @@ class Tried:
         """Return the distance between two runs over the scene's scales; NaN where unknown."""
         key = (min(first, second), max(first, second))
         if key not in self.gaps:
-            apart = 0.0 if first == second else gap(self.scene, self.paths[first], self.paths[second])
-            self.gaps[key] = math.nan if apart is None else apart
+            self.gaps[key] = gap(self.scene, self.truth, self.paths[first], self.paths[second])
         return self.gaps[key]
 
     def facts(self) -> dict:

@@ -52,7 +52,7 @@ def energy_drift(scene: Scene, trajectory: Trajectory) -> tuple[np.ndarray | Non
 
 def _energy_curve(judged: Judged) -> np.ndarray | Absent:
     drift, reason = energy_drift(judged.scene, judged.path)
-    return Absent(f"no energy drift: {reason}") if drift is None else drift
+    return Absent(reason and f"no energy drift: {reason}") if drift is None else drift
 
 
 def _momentum_curve(judged: Judged) -> np.ndarray | Absent:

@@ -15,16 +15,19 @@ from mbs_ref.scene.scales import Scales, scales_of
 
 
 class Errors(NamedTuple):
-    """Differences from a truth at each common sample, each (n_t, n_bodies, 4): m, rad, m/s, rad/s."""
+    """Differences at each common sample, each (n_t, n_bodies, 4): m, rad, m/s, rad/s."""
 
     sizes: np.ndarray  # NaN where the truth lacks the quantity, or knows no figure of it
     bounds: np.ndarray  # what such an unknown size is at most: the difference and the uncertainty; NaN elsewhere
     counted: np.ndarray  # sizes of rates, and all differences of poses: their uncertainty is stated beside the total
 
 
-def from_truth(scene: Scene, path: Motion, truth: Truth) -> Errors:
-    """Return how far a run is from the truth."""
-    apart = distances(scene, path, truth)
+def from_truth(scene: Scene, path: Motion, truth: Truth, other: Motion | None = None) -> Errors:
+    """Return how far a run is from the truth, or from another run in what the truth knows.
+
+    Both are distances in one measure: two runs are no farther apart than the sum of their errors.
+    """
+    apart = distances(scene, path, other or truth)
     doubt = _uncertainty(scene, truth, len(apart))
     sizes = np.where(apart >= ONE_FIGURE * doubt, apart, np.nan)
     unknown = np.isnan(sizes) & np.isfinite(doubt)

@@ -19,12 +19,13 @@ from mbs_ref.scene.scales import is_celestial
 from mbs_ref.scene.signals import Constant, Signal
 from mbs_ref.trajectory import Trajectory
 
-OVERFLOWN = "the run has diverged: its energy is beyond all numbers"
-
 
 @dataclass(frozen=True)
 class EnergyBalance:
-    """Energy along a motion; `drift` is None, with a `reason`, where no balance can be drawn."""
+    """Energy along a motion; `drift` is None where no balance can be drawn.
+
+    `reason` states why, and is empty where samples are incomplete.
+    """
 
     energy: np.ndarray  # (n_t,) J, kinetic + potential
     work: np.ndarray | None  # (n_t,) J, done since t = 0 by dampers, time-dependent loads and user forces
@@ -81,8 +82,9 @@ def energy_balance(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     if any(isinstance(load, Newton) for load in scene.loads):
         return _attracted(scene, trajectory)
     energy = kinetic_energy(scene, trajectory) + potential_energy(scene, trajectory)
-    reason = OVERFLOWN if not np.isfinite(energy).all() else _undefined(scene, trajectory)
-    if reason:
+    is_known = bool(np.isfinite(energy).all())
+    reason = _undefined(scene, trajectory) if is_known else _not_finite(trajectory)
+    if reason or not is_known:
         return EnergyBalance(energy, None, None, 0.0, reason)
     power = powers(Motion(scene, trajectory), is_conservative)
     if power is None:
@@ -106,6 +108,12 @@ def _attracted(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
             spin = spin + _gradient(motion, load)
     energy = celestial.energy(scene, trajectory).astype(float) + spin
     return EnergyBalance(energy, np.zeros_like(energy), celestial.drift(scene, trajectory) + spin - spin[0], 0.0)
+
+
+def _not_finite(trajectory: Trajectory) -> str:
+    """Return why the energy of a run is no number; empty where its samples are incomplete."""
+    samples = trajectory.position, trajectory.orientation, trajectory.velocity, trajectory.angular_velocity
+    return "" if any(np.isnan(part).any() for part in samples) else "the run has diverged: its energy overflows"
 
 
 def _undefined(scene: Scene, trajectory: Trajectory) -> str:

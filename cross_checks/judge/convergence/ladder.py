@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cross_checks.judge.bounds import ALIKE
+
 SAME_STEPS = 1.05  # ratio of step counts below which a finer setting refines nothing: outputs or events set the steps
 SATURATED = 0.5  # of the scene: motions farther apart are unrelated, and only bound the law from below
 DOUBLE = 2.0**-53  # no run is closer to another than the rounding of its state
@@ -37,6 +39,11 @@ class Ladder:
         """The largest distance between two motions of this scene, as far as the runs show."""
         largest = np.nanmax(np.append(self.errors, self.gaps), initial=FARTHEST[0])
         return float(np.clip(largest, *FARTHEST))
+
+    @property
+    def is_falling(self) -> bool:
+        """Whether the finest error is below those of the two levels before by more than scatter; one level may fall."""
+        return bool(self.errors[-1] < np.min(self.errors[-3:-1], initial=np.inf) / ALIKE)
 
     def levels(self) -> Ladder:
         """Return one run per level: its largest error stands, at its finest setting.

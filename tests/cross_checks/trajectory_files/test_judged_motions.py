@@ -51,6 +51,8 @@ def test_arrays_are_judged_by_a_map_and_a_wrong_unit_is_suspected(tmp_path):
     wrong = cross_checks.judge(SCENE, metres, error=ERROR, column_map=column_map)
     assert wrong.verdict == "departs"
     assert wrong.suspicions
+    assert not [note for note in wrong.notes if "energy" in note]  # without velocities nothing is known of it
+    assert wrong.measures["energy_drift"] is None
 
 
 def test_columns_without_a_map_are_refused():
