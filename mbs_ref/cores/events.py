@@ -150,6 +150,9 @@ class ContactSystem(System):
         modes = self.groups.contact_modes
         return modes.mode, modes.grip, modes.anchor, modes.dashpot
 
+    def spread_events(self, factor: float) -> None:
+        self.groups.contact_modes.noise[:] *= factor
+
     @property
     def event_sources(self) -> tuple[str, ...]:
         return tuple(event_sources(self.scene))

@@ -16,6 +16,9 @@ from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory
 
+# Distance beyond its root at which a companion run locates an event, over the run's: a search ends between one and two
+# times `noise` beyond, so that the two places differ by more than half of the run's own distance.
+COMPANION_NOISE = 3.0
 RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
 
 
@@ -95,9 +98,14 @@ class System(ABC):
         return other
 
     def beside(self) -> System:
-        """Return a system for a run of which nothing is read later: a new one if a run leaves modes or times behind."""
+        """Return a system for a run of which nothing is read later: a new one if a run leaves modes or times behind.
+
+        Its events are located elsewhere, so that it does not share the errors which that causes.
+        """
         called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
-        return self.twin() if self.event_sources or called else self
+        other = self.twin() if self.event_sources or called else self
+        other.spread_events(COMPANION_NOISE)
+        return other
 
     # --- evaluation, common to all cores ------------------------------------------------------------
 
@@ -167,6 +175,10 @@ class System(ABC):
 
     def recall_modes(self, t: float) -> None:
         """Set every contact's mode to the one that held at t (s) in the last run."""
+        return None
+
+    def spread_events(self, factor: float) -> None:
+        """Locate events `factor` times as far beyond their roots."""
         return None
 
     @property
