@@ -21,7 +21,8 @@ PAIR_FLAT, PAIR_ROUND, PAIR_SPROCKET = range(3)  # on a line or plane, on a circ
 # BEHIND: found too deep to have come through the front. LEAVING: rigid, just hit, not yet clear. LIMITED: of a spring.
 MODE_OPEN, MODE_CLOSED, MODE_LIFTED, MODE_BEHIND, MODE_LEAVING, MODE_PLAIN, MODE_LIMITED = range(7)
 GRIP_BACKWARD, GRIP_STICK, GRIP_FORWARD, GRIP_PROBE = -1, 0, 1, 2
-ROOTS_EACH = 3  # event functions of a contact, a tension-only spring or a watch
+ROOTS_EACH = 4  # event functions of a contact, a tension-only spring or a watch
+ENDS = 3  # that of a contact's open ends
 # Rows of a table of event functions: the function, its rate where known, else 0, a bound on its rate at these
 # velocities while the bodies turn little, UNKNOWN where there is none, and how fast they turn (rad/s).
 VALUE, RATE, SPEED, TURN = range(4)

@@ -1,4 +1,4 @@
-"""The events of a scene: contacts, then tension-only springs, then declared events, three functions each.
+"""The events of a scene: contacts, then tension-only springs, then declared events, four functions each.
 
 A declared event is where a coordinate, a rate or a distance crosses its value; its mode is the side it is on.
 All functions are positive while the frozen modes hold. Each holds a little beyond its root, by `noise`, or contacts at
