@@ -16,9 +16,7 @@ from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory
 
-# Distance beyond its root at which a companion run locates an event, over the run's: a search ends between one and two
-# times `noise` beyond, so that the two places differ by more than half of the run's own distance.
-COMPANION_NOISE = 3.0
+COMPANION_NOISE = 3.0  # `noise` of a companion's events over the run's; a search ends 1 to 2 times it beyond a root
 RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
 
 

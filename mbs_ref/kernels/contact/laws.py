@@ -27,6 +27,7 @@ ENDS = 3  # that of a contact's open ends
 # velocities while the bodies turn little, UNKNOWN where there is none, and how fast they turn (rad/s).
 VALUE, RATE, SPEED, TURN = range(4)
 UNKNOWN = -1.0
+TURNED = -math.inf  # value of friction's function where only the direction of sliding is frozen anew: no event
 
 
 class ContactLaws(NamedTuple):
@@ -67,7 +68,8 @@ class ContactModes(NamedTuple):
     roots: Annotated[Ints, 1]  # event functions watched; 0 without contacts and in the plain mode
     noise: Annotated[Floats, 3]  # m, m/s, m/s^2: how far past its root a function must be, above roundoff
     slow: Annotated[Floats, 1]  # m/s, slip speed that counts as none in space: eps^(1/2) of the scene's speeds
-    # time (s), contact, mode, grip, anchor, dashpot after each event; then the time at which its bounces end
+    # time (s), contact, mode, grip, anchor, dashpot after each change; then the time at which its bounces end, NaN of a
+    # change that is no event
     log: Annotated[Floats, "most", "6 + tangents"]
     logged: Annotated[Ints, 1]  # events so far; beyond `most` they are only counted
 

@@ -41,24 +41,22 @@ def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
     i = ROOTS_EACH * k
     noise = modes.noise[0]
     mode = modes.mode[k]
-    table[SPEED, i], rate[i] = speed / noise, -closing / noise
+    table[SPEED, i] = speed / noise
     if mode == MODE_OPEN:
         g[i] = max(gap, beyond) / noise + 1.0
         rate[i] = (closing if gap >= beyond else leaving) / noise
-    elif mode == MODE_CLOSED:
-        g[i] = 1.0 - gap / noise
-        if laws.release[k] == RELEASE_FORCE:
-            g[i + 1] = _push(laws, modes, k, gap, closing) + 1.0
-            table[SPEED, i + 1] = UNKNOWN
+        return
+    g[i] = (1.0 if mode in (MODE_CLOSED, MODE_LIFTED) else 0.0) - gap / noise
+    rate[i] = -closing / noise
+    if mode == MODE_CLOSED and laws.release[k] == RELEASE_FORCE:
+        g[i + 1] = _push(laws, modes, k, gap, closing) + 1.0
     elif mode == MODE_LIFTED:
-        g[i] = 1.0 - gap / noise
         g[i + 1] = 1.0 - _push(laws, modes, k, gap, closing)
-        table[SPEED, i + 1] = UNKNOWN
+    elif mode == MODE_LEAVING:
+        g[i + 1] = closing / modes.noise[1] + 1.0
     else:
-        g[i] = -gap / noise
-        if mode == MODE_LEAVING:
-            g[i + 1] = closing / modes.noise[1] + 1.0
-            table[SPEED, i + 1] = UNKNOWN
+        return
+    table[SPEED, i + 1] = UNKNOWN
 
 
 @jit

@@ -21,6 +21,7 @@ from mbs_ref.kernels.contact.laws import (
     ROOTS_EACH,
     SPEED,
     TURN,
+    TURNED,
     UNKNOWN,
     VALUE,
     normal_force,
@@ -126,9 +127,13 @@ def contact_transition(model, work, t, y, g, dy):
             _impact(model, work, t, y, k)
         elif due == TOUCH:
             take_grip(model, y, k, touch)
-        elif due == FRICTION and change_grip(model, work, k, touch):
-            probe(modes, k)
-            stopped = True
+        elif due == FRICTION:
+            slid = modes.grip[k] != GRIP_STICK
+            if change_grip(model, work, k, touch):
+                probe(modes, k)
+                stopped = True
+            elif slid:
+                g[ROOTS_EACH * k + 2] = TURNED
     if held:
         settle_held(model, work, t, y, g)
     if stopped:

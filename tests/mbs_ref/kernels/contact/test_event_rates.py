@@ -100,8 +100,7 @@ def test_the_rate_of_an_event_function_is_its_derivative_along_the_motion(name, 
     slope = system.derivative(0.0, y)
     difference = (functions(y + STEP * slope) - functions(y - STEP * slope)) / (2.0 * STEP)
     functions(y)
-    has_ends = mode != MODE_OPEN and name != "in a tooth gap"
     known = table.new[RATE] != 0.0
-    assert known.tolist() == [True, False, False, has_ends]
+    assert known.tolist() == [True, False, False, mode != MODE_OPEN]
     assert table.new[RATE, known] == pytest.approx(difference[known], rel=1e-7)
     assert np.all((np.abs(difference) <= table.new[SPEED] * (1.0 + 1e-7)) | (table.new[SPEED] == UNKNOWN))
