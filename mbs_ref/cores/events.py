@@ -150,6 +150,9 @@ class ContactSystem(System):
         modes = self.groups.contact_modes
         return modes.mode, modes.grip, modes.anchor, modes.dashpot
 
+    def spread_events(self, factor: float) -> None:
+        self.groups.contact_modes.noise[:] *= factor
+
     @property
     def event_sources(self) -> tuple[str, ...]:
         return tuple(event_sources(self.scene))
@@ -161,6 +164,7 @@ class ContactSystem(System):
         """
         modes = self.groups.contact_modes
         log = modes.log[: modes.logged[0]]
+        log = log[np.isfinite(log[:, -1])]
         return log[np.argsort(log[:, -1], kind="stable")][:, (-1, 1)]
 
     def contact_oscillators(self, t: float, y: np.ndarray, speed: float) -> np.ndarray:

@@ -253,6 +253,9 @@ class RelativeSystem(System):
     def recall_modes(self, t: float) -> None:
         self.redundant.recall_modes(t)
 
+    def spread_events(self, factor: float) -> None:
+        self.redundant.spread_events(factor)
+
     @property
     def event_sources(self) -> tuple[str, ...]:
         return self.redundant.event_sources

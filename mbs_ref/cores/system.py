@@ -16,6 +16,7 @@ from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory
 
+COMPANION_NOISE = 3.0  # `noise` of a companion's events over the run's; a search ends 1 to 2 times it beyond a root
 RANK_TOLERANCE = 1e-10  # singular values of the scaled C_q below this share of the largest count as zero
 
 
@@ -95,9 +96,11 @@ class System(ABC):
         return other
 
     def beside(self) -> System:
-        """Return a system for a run of which nothing is read later: a new one if a run leaves modes or times behind."""
+        """Return a system for a companion run: another, if runs leave modes or times; it locates events elsewhere."""
         called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
-        return self.twin() if self.event_sources or called else self
+        other = self.twin() if self.event_sources or called else self
+        other.spread_events(COMPANION_NOISE)
+        return other
 
     # --- evaluation, common to all cores ------------------------------------------------------------
 
@@ -167,6 +170,10 @@ class System(ABC):
 
     def recall_modes(self, t: float) -> None:
         """Set every contact's mode to the one that held at t (s) in the last run."""
+        return None
+
+    def spread_events(self, factor: float) -> None:
+        """Locate events `factor` times as far beyond their roots."""
         return None
 
     @property

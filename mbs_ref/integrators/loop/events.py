@@ -17,7 +17,7 @@ import numpy as np
 from mbs_ref.integrators.loop.exclusion import BEYOND, FREEZE, first_open
 from mbs_ref.integrators.loop.leg import ENDLESS_EVENTS, RUNNING, STOP_EVENT
 from mbs_ref.kernels.border.questions import root_count, roots, transition
-from mbs_ref.kernels.contact.laws import RATE, VALUE
+from mbs_ref.kernels.contact.laws import RATE, TURNED, VALUE
 from mbs_ref.kernels.contact.modes import STOP
 from mbs_ref.kernels.jit import jit
 
@@ -62,7 +62,7 @@ def settle(model, work, t, y, table, run, most):
         if not np.any(table.low[VALUE] < 0.0):
             return RUNNING
         code, run.event_source = transition(model, work, t, run.span, y, table.low[VALUE], scratch)
-        run.events += np.sum(table.low[VALUE] < 0.0)  # those that are logged
+        run.events += np.sum((table.low[VALUE] < 0.0) & (table.low[VALUE] != TURNED))  # those that are reported
         if code == STOP:
             return STOP_EVENT
         if code != 0 or run.events > most:

@@ -21,11 +21,13 @@ PAIR_FLAT, PAIR_ROUND, PAIR_SPROCKET = range(3)  # on a line or plane, on a circ
 # BEHIND: found too deep to have come through the front. LEAVING: rigid, just hit, not yet clear. LIMITED: of a spring.
 MODE_OPEN, MODE_CLOSED, MODE_LIFTED, MODE_BEHIND, MODE_LEAVING, MODE_PLAIN, MODE_LIMITED = range(7)
 GRIP_BACKWARD, GRIP_STICK, GRIP_FORWARD, GRIP_PROBE = -1, 0, 1, 2
-ROOTS_EACH = 3  # event functions of a contact, a tension-only spring or a watch
+ROOTS_EACH = 4  # event functions of a contact, a tension-only spring or a watch
+ENDS = 3  # that of a contact's open ends
 # Rows of a table of event functions: the function, its rate where known, else 0, a bound on its rate at these
 # velocities while the bodies turn little, UNKNOWN where there is none, and how fast they turn (rad/s).
 VALUE, RATE, SPEED, TURN = range(4)
 UNKNOWN = -1.0
+TURNED = -math.inf  # value of friction's function where only the direction of sliding is frozen anew: no event
 
 
 class ContactLaws(NamedTuple):
@@ -66,7 +68,8 @@ class ContactModes(NamedTuple):
     roots: Annotated[Ints, 1]  # event functions watched; 0 without contacts and in the plain mode
     noise: Annotated[Floats, 3]  # m, m/s, m/s^2: how far past its root a function must be, above roundoff
     slow: Annotated[Floats, 1]  # m/s, slip speed that counts as none in space: eps^(1/2) of the scene's speeds
-    # time (s), contact, mode, grip, anchor, dashpot after each event; then the time at which its bounces end
+    # time (s), contact, mode, grip, anchor, dashpot after each change; then the time at which its bounces end, NaN of a
+    # change that is no event
     log: Annotated[Floats, "most", "6 + tangents"]
     logged: Annotated[Ints, 1]  # events so far; beyond `most` they are only counted
 

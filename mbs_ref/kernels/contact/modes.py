@@ -1,11 +1,13 @@
 """When a contact's mode ends and which one follows: the part that does not depend on shapes.
 
-Three functions a contact, all positive while its mode holds: the gap's, the force's and friction's. Each
-mode holds a little beyond its root, by its roundoff, or contacts at rest exactly at d = 0 would chatter: that of a gap
-or a speed is `noise`, that of a force what the noise makes of it. Functions are in units of their roundoff.
+Four functions a contact, all positive while its mode holds: the gap's, the force's, friction's and that of open ends. A
+function that is the smaller of two would hide a short dip of the larger one. Each mode holds a little beyond its root,
+by its roundoff, or contacts at rest exactly at d = 0 would chatter: that of a gap or a speed is `noise`, that of a
+force what the noise makes of it. Functions are in units of their roundoff.
 """
 
 from mbs_ref.kernels.contact.laws import (
+    ENDS,
     MODE_BEHIND,
     MODE_CLOSED,
     MODE_LEAVING,
@@ -31,7 +33,7 @@ NOTHING, IMPACT, TOUCH, FRICTION = range(4)  # what a change of mode leaves for 
 
 @jit
 def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
-    """Fill the functions of contact k; friction's stays 1.
+    """Fill the functions of contact k's gap and force, and while it is open, of its ends; the others stay 1.
 
     `closing` and `leaving` are the rates (m/s) of the gap and of the excess `beyond` open ends, `speed` bounds both.
     """
@@ -43,21 +45,18 @@ def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
     if mode == MODE_OPEN:
         g[i] = max(gap, beyond) / noise + 1.0
         rate[i] = (closing if gap >= beyond else leaving) / noise
-    elif mode == MODE_CLOSED:
-        g[i] = min(-gap, -beyond) / noise + 1.0
-        rate[i] = -(closing if gap >= beyond else leaving) / noise
-        if laws.release[k] == RELEASE_FORCE:
-            g[i + 1] = _push(laws, modes, k, gap, closing) + 1.0
-            table[SPEED, i + 1] = UNKNOWN
+        return
+    g[i] = (1.0 if mode in (MODE_CLOSED, MODE_LIFTED) else 0.0) - gap / noise
+    rate[i] = -closing / noise
+    if mode == MODE_CLOSED and laws.release[k] == RELEASE_FORCE:
+        g[i + 1] = _push(laws, modes, k, gap, closing) + 1.0
     elif mode == MODE_LIFTED:
-        g[i] = min(-gap, -beyond) / noise + 1.0
         g[i + 1] = 1.0 - _push(laws, modes, k, gap, closing)
-        table[SPEED, i + 1] = UNKNOWN
+    elif mode == MODE_LEAVING:
+        g[i + 1] = closing / modes.noise[1] + 1.0
     else:
-        g[i] = -max(gap, beyond) / noise
-        if mode == MODE_LEAVING:
-            g[i + 1] = closing / modes.noise[1] + 1.0
-            table[SPEED, i + 1] = UNKNOWN
+        return
+    table[SPEED, i + 1] = UNKNOWN
 
 
 @jit
@@ -71,7 +70,7 @@ def _push(laws, modes, k, gap, closing):
 def is_broken(g, k):
     """Return whether a function of contact k is negative."""
     i = ROOTS_EACH * k
-    return g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0
+    return g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0 or g[i + ENDS] < 0.0
 
 
 @jit
@@ -96,7 +95,8 @@ def next_mode(laws, modes, k, g, closing, behind):
     """Change the mode of a contact that has a negative function; return what is left to do."""
     i = ROOTS_EACH * k
     mode = modes.mode[k]
-    if mode == MODE_OPEN or (mode == MODE_LEAVING and g[i] >= 0.0):
+    has_left = g[i] < 0.0 or g[i + ENDS] < 0.0
+    if mode == MODE_OPEN or (mode == MODE_LEAVING and not has_left):
         if behind:
             modes.mode[k] = MODE_BEHIND
             return NOTHING
@@ -108,7 +108,7 @@ def next_mode(laws, modes, k, g, closing, behind):
             return NOTHING
         close(laws, modes, k, max(-closing, 0.0))
         return TOUCH
-    if g[i] < 0.0 or laws.release[k] == RELEASE_CONSTRAINT:
+    if has_left or laws.release[k] == RELEASE_CONSTRAINT:
         modes.mode[k] = MODE_OPEN
     elif g[i + 1] < 0.0:
         modes.mode[k] = MODE_CLOSED if mode == MODE_LIFTED else MODE_LIFTED

@@ -1,12 +1,13 @@
 """Contact modes: the functions whose roots end a mode, and what happens there.
 
-Three functions a contact: the gap's, the force's (of a constraint, the multiplier's) and friction's.
+Four functions a contact: the gap's, the force's (of a constraint, the multiplier's), friction's and that of open ends.
 """
 
 import numpy as np
 
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.contact.laws import (
+    ENDS,
     FRICTION_STICK_SLIP,
     GRIP_STICK,
     MODE_BEHIND,
@@ -14,11 +15,13 @@ from mbs_ref.kernels.contact.laws import (
     MODE_LEAVING,
     MODE_OPEN,
     MODE_PLAIN,
+    RATE,
     RELEASE_CONSTRAINT,
     RELEASE_RIGID,
     ROOTS_EACH,
     SPEED,
     TURN,
+    TURNED,
     UNKNOWN,
     VALUE,
     normal_force,
@@ -45,7 +48,7 @@ from mbs_ref.kernels.rows import clear
 
 @jit
 def contact_roots(model, work, t, y, duration, table):
-    """Fill three functions a contact, load the state at y, and return whether the list of near pairs is new.
+    """Fill four functions a contact, load the state at y, and return whether the list of near pairs is new.
 
     The list covers the last `duration` (s); where that is negative it stays as it is.
     """
@@ -61,15 +64,16 @@ def contact_roots(model, work, t, y, duration, table):
         k = near.pair[place]
         touch = contact_geometry(model, work, k)
         i = ROOTS_EACH * k
-        leaving = leaving_ends(model, work, k) if touch.beyond > touch.gap else 0.0
+        leaving = leaving_ends(model, work, k) if touch.beyond > -np.inf else 0.0
         closed = modes.mode[k] == MODE_CLOSED
         speed = _gap_speed(model, work, k, touch)
         for c in range(ROOTS_EACH):
             table[TURN, i + c] = core.spin(work, pairs.a[k]) + core.spin(work, pairs.b[k])
+        if modes.mode[k] != MODE_OPEN and touch.beyond > -np.inf:
+            table[VALUE, i + ENDS] = 1.0 - touch.beyond / modes.noise[0]
+            table[RATE, i + ENDS] = -leaving / modes.noise[0]
+            table[SPEED, i + ENDS] = speed / modes.noise[0]
         if closed and laws.release[k] == RELEASE_CONSTRAINT:
-            if touch.beyond > -np.inf:
-                table[VALUE, i] = 1.0 - touch.beyond / modes.noise[0]
-                table[SPEED, i] = speed / modes.noise[0]
             table[VALUE, i + 1] = contact_push(work, laws, k) / (modes.noise[2] * contact_mass(model, k)) + 1.0
             table[SPEED, i + 1] = UNKNOWN
             continue
@@ -117,14 +121,19 @@ def contact_transition(model, work, t, y, g, dy):
         before = modes.mode[k]
         due = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
         if MODE_BEHIND in (before, modes.mode[k]) or (before == MODE_LEAVING and due == NOTHING):
-            g[ROOTS_EACH * k] = g[ROOTS_EACH * k + 1] = 0.0  # nothing touches, so it is not logged
+            for c in range(ROOTS_EACH):  # nothing touches, so it is not logged
+                g[ROOTS_EACH * k + c] = 0.0
         if due == IMPACT:
             _impact(model, work, t, y, k)
         elif due == TOUCH:
             take_grip(model, y, k, touch)
-        elif due == FRICTION and change_grip(model, work, k, touch):
-            probe(modes, k)
-            stopped = True
+        elif due == FRICTION:
+            slid = modes.grip[k] != GRIP_STICK
+            if change_grip(model, work, k, touch):
+                probe(modes, k)
+                stopped = True
+            elif slid:
+                g[ROOTS_EACH * k + 2] = TURNED
     if held:
         settle_held(model, work, t, y, g)
     if stopped:

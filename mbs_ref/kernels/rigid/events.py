@@ -1,11 +1,13 @@
-"""The events of a scene: contacts, then tension-only springs, then declared events, three functions each.
+"""The events of a scene: contacts, then tension-only springs, then declared events, four functions each.
 
 A declared event is where a coordinate, a rate or a distance crosses its value; its mode is the side it is on.
 All functions are positive while the frozen modes hold. Each holds a little beyond its root, by `noise`, or contacts at
 rest exactly at d = 0 would chatter.
 """
 
-from mbs_ref.kernels.contact.laws import RATE, ROOTS_EACH, SPEED, TURN, UNKNOWN, VALUE
+import numpy as np
+
+from mbs_ref.kernels.contact.laws import RATE, ROOTS_EACH, SPEED, TURN, TURNED, UNKNOWN, VALUE
 from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
@@ -127,7 +129,8 @@ def _log(modes, t, g):
                 for c in range(modes.anchor.shape[1]):
                     row[4 + c] = modes.anchor[k, c]
                 row[4 + modes.anchor.shape[1]] = modes.dashpot[k]
-                row[5 + modes.anchor.shape[1]] = max(t, modes.stamp[k])
+                is_event = g[ROOTS_EACH * k + 2] != TURNED
+                row[5 + modes.anchor.shape[1]] = max(t, modes.stamp[k]) if is_event else np.nan
 
 
 @jit

@@ -27,8 +27,8 @@ from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove, prove_family, round_to
 from cross_checks.truths.proofs.taylor import Series, rescaled
 from cross_checks.truths.truth import Truth
-from mbs_ref import scenes
-from mbs_ref.observables.distance import farthest, unmasked_distances
+from mbs_ref import Settings, scenes, simulate
+from mbs_ref.observables.distance import farthest, relative, unmasked_distances
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, SpatialBody, Spherical
 from reports.cli import main
 
@@ -93,6 +93,19 @@ def test_a_stored_enclosure_is_a_proven_truth(tmp_path):
     assert (stored.kind, stored.difference) == ("proven", None)
     assert "log sha256 abc" in stored.how
     assert stored.uncertainty < 1e-15
+
+
+@pytest.mark.parametrize("method", ["dop853", "radau"])
+@pytest.mark.parametrize("name", ["disc_between_walls", pytest.param("colliding_spheres", marks=pytest.mark.slow)])
+def test_errors_after_impacts_are_within_the_estimate(name, method):
+    """An event is located a little beyond its root: no error of the run's alone."""
+    scene = scenes.make(name, **COVERED[name])
+    proof = as_truth(scene, check(log_of(name)).enclosures)
+    run = simulate(scene, Settings(method=method), np.array(TIMES))
+    assert run.estimate is not None
+    errors = np.nan_to_num(relative(scene, proof, run))  # NaN at impacts
+    assert errors.max() > 1e-13
+    assert (errors <= run.estimate.components).all()
 
 
 def test_impacts_have_proven_times():

@@ -8,7 +8,7 @@ import pytest
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators.loop.events import event_tables
 from mbs_ref.kernels.answers import call_roots
-from mbs_ref.kernels.contact.laws import RATE, SPEED, UNKNOWN, VALUE
+from mbs_ref.kernels.contact.laws import MODE_LEAVING, MODE_OPEN, RATE, SPEED, UNKNOWN, VALUE
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.contact import CircleOnLine, PinOnSprocket, SphereOnPlane, SpringDamperLaw
 
@@ -84,11 +84,13 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.parametrize("mode", [MODE_OPEN, MODE_LEAVING])
 @pytest.mark.parametrize("name", SCENES)
-def test_the_rate_of_an_event_function_is_its_derivative_along_the_motion(name):
+def test_the_rate_of_an_event_function_is_its_derivative_along_the_motion(name, mode):
     system = compile_scene(SCENES[name])
     y = system.initial_state()
     system.start_contacts(0.0, y, True)
+    system.groups.contact_modes.mode[0] = mode
     _, table = event_tables(system.model)
 
     def functions(state: np.ndarray) -> np.ndarray:
@@ -98,6 +100,7 @@ def test_the_rate_of_an_event_function_is_its_derivative_along_the_motion(name):
     slope = system.derivative(0.0, y)
     difference = (functions(y + STEP * slope) - functions(y - STEP * slope)) / (2.0 * STEP)
     functions(y)
-    assert table.new[RATE, 0] != 0.0
-    assert table.new[RATE] == pytest.approx(difference, rel=1e-7)
+    known = table.new[RATE] != 0.0
+    assert known.tolist() == [True, False, False, mode != MODE_OPEN]
+    assert table.new[RATE, known] == pytest.approx(difference[known], rel=1e-7)
     assert np.all((np.abs(difference) <= table.new[SPEED] * (1.0 + 1e-7)) | (table.new[SPEED] == UNKNOWN))

@@ -116,6 +116,15 @@ def test_a_sphere_slides_then_rolls_at_five_sevenths(settings, spin):
         assert np.linalg.norm(run.velocity[-1, 0]) == pytest.approx(2.0 * 5.0 / 7.0, abs=1e-10)
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-7])
+def test_the_end_of_sliding_is_one_event(rtol):
+    """Errors of Newton's iteration turn the last of the slip about, which is no event."""
+    scene = scenes.make("rolling_sphere")
+    run = _run(scene, Settings(method="radau", rtol=rtol))
+    assert run.event_times is not None
+    assert run.event_times[:, 0].tolist() == pytest.approx([stop_of_slip(scene)[0]], abs=1e-7)
+
+
 def _plate(heading: float, angle: float, speed: float = 0.0, friction: float = 0.3) -> Scene:
     """A plate on four corners level with its centre of mass, on an incline: friction makes no moment."""
     normal = G * math.cos(angle)
@@ -166,6 +175,8 @@ def test_sliding_across_a_slope_turns_downhill():
     speed = np.sum(run.velocity[-1] ** 2)
     assert 0.5 * speed == pytest.approx(2.0 + fall - 0.3 * G * math.cos(0.5) * path, abs=1e-6)  # path by chords
     assert run.velocity[-1, 0, 0] > 3.0 * abs(run.velocity[-1, 0, 1])
+    assert run.event_times is not None
+    assert not len(run.event_times)  # a direction that turns is no event
 
 
 def _collision(law: Any, friction: Any = None, spin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Scene:
