@@ -1,5 +1,6 @@
 """Runs of scenes, each computed once: what the store lacks is computed in this process or another, and stored."""
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -14,8 +15,8 @@ from cross_checks.metrics.metric import Judged
 from cross_checks.records.naming import run_name, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
-from cross_checks.truths import seek_truth
-from cross_checks.truths.truth import NoTruth, Truth
+from cross_checks.truths import LIMIT_S, seek_truth
+from cross_checks.truths.truth import NoTruth, Truth, granted
 from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -74,7 +75,7 @@ class Runs:
     def truth(self, scene: Scene, times: np.ndarray | None = None) -> Truth | NoTruth:
         """Return the scene's truth at `times` (s; the judges' grid unless given): stored, or computed and stored.
 
-        The reason where there is none.
+        The reason where there is none; one that a shorter limit of time stored is no reason.
         """
         requested = self.grid(scene) if times is None else times
         key = truth_name(scene, requested)
@@ -82,7 +83,8 @@ class Runs:
         if stored is not None:
             facts, arrays = stored
             given: dict[str, Any] = {**facts, **arrays}
-            return NoTruth(**given) if "reason" in facts else Truth(**given)
+            if facts.get("limit_s", math.inf) >= granted(LIMIT_S):
+                return NoTruth(**given) if "reason" in facts else Truth(**given)
         truth = getattr(self.call, "patient", self.call)(seek_truth, scene, requested)
         self.store.keep_arrays(key, *_parts(truth))
         return truth

@@ -13,7 +13,8 @@ from cross_checks.truths import certificate, of, stored_poses
 from cross_checks.truths.made_by.agreement import LARGEST_UNCERTAINTY
 from cross_checks.truths.made_by.numerics import rates
 from cross_checks.truths.stored_poses import physics_of
-from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, OutsideDomainError, Truth, time_limit
+from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, OutOfTimeError, OutsideDomainError, Truth
+from cross_checks.truths.truth import granted, time_limit
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
@@ -59,8 +60,9 @@ def seek_truth(scene: Scene, times: np.ndarray, *, afresh: bool = False) -> Trut
     twin = library_twin(scene)
     if twin is None:
         return NoTruth(f"no truth is known of the physics of {scene.name}")
-    with time_limit(math.inf if afresh else LIMIT_S):
-        return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(requested.tolist()), afresh)
+    limit = granted(math.inf if afresh else LIMIT_S)
+    with time_limit(limit):
+        return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(requested.tolist()), limit)
 
 
 def library_twin(scene: Scene) -> Scene | None:
@@ -105,15 +107,16 @@ def _library() -> dict[str, tuple[str, tuple]]:
 
 
 @lru_cache(maxsize=64)
-def _solved(name: str, parameters: tuple, times: tuple[float, ...], afresh: bool) -> Truth | NoTruth:
-    """Return the truth or the reason for having none; one computed without a limit of time is cached separately."""
+def _solved(name: str, parameters: tuple, times: tuple[float, ...], limit: float) -> Truth | NoTruth:
+    """Return the truth or the reason for having none, each cached with the limit (s) that it was computed within."""
     solve, scene, requested = _solvers()[name], scenes.make(name, **dict(parameters)), np.array(times)
     try:
         truth = solve(scene, requested)
         if isinstance(truth, Truth) and truth.velocity is None:
             truth = _with_rates(solve, scene, requested, truth)
     except NoConvergenceError as error:
-        return NoTruth(f"the truth does not converge: {error}")
+        ended = limit if isinstance(error, OutOfTimeError) else None
+        return NoTruth(f"the truth does not converge: {error}", limit_s=ended)
     except OutsideDomainError as error:
         return NoTruth(str(error))
     except Exception as error:

@@ -59,30 +59,41 @@ class NoTruth:
 
     reason: str
     kind: Literal["none", "one-package", "defect"] = "none"
+    limit_s: float | None = None  # s of processor time, whose end is the reason: a longer limit may find a truth
 
 
 class NoConvergenceError(ArithmeticError):
-    """The computation of a truth does not reach its tolerance, or not within its limit of processor time."""
+    """The computation of a truth does not reach its tolerance."""
+
+
+class OutOfTimeError(NoConvergenceError):
+    """The computation of a truth reaches its limit of processor time."""
 
 
 class OutsideDomainError(ValueError):
     """The equations of a truth do not hold at these parameters."""
 
 
-_deadline: ContextVar[float] = ContextVar("deadline", default=math.inf)  # s of the thread's processor time
+# the end (s of the thread's processor time) and the length (s) of the limit that holds
+_limit: ContextVar[tuple[float, float]] = ContextVar("limit", default=(math.inf, math.inf))
 
 
 @contextmanager
 def time_limit(seconds: float) -> Iterator[None]:
     """Limit the computation inside to so much processor time (s); an outer limit that ends earlier holds."""
-    token = _deadline.set(min(_deadline.get(), time.thread_time() + seconds))
+    token = _limit.set((min(_limit.get()[0], time.thread_time() + seconds), granted(seconds)))
     try:
         yield
     finally:
-        _deadline.reset(token)
+        _limit.reset(token)
+
+
+def granted(seconds: float) -> float:
+    """Return the shortest of a limit (s) and those that enclose it."""
+    return min(_limit.get()[1], seconds)
 
 
 def check_time(t: float) -> None:
-    """Raise NoConvergenceError with the time reached, t (s) of the motion, where the limit is exceeded."""
-    if time.thread_time() > _deadline.get():
-        raise NoConvergenceError(f"the limit of processor time ends the computation at t = {float(t):.6g} s")
+    """Raise OutOfTimeError with the time reached, t (s) of the motion, where the limit is exceeded."""
+    if time.thread_time() > _limit.get()[0]:
+        raise OutOfTimeError(f"the limit of processor time ends the computation at t = {float(t):.6g} s")
