@@ -13,8 +13,9 @@ def short(value: float | None, digits: int = 2) -> str:
         return ABSENT
     if value == 0.0:
         return "0"
-    if 1e-2 <= abs(value) < 1e4:
-        return f"{float(f'{value:.{digits}g}'):g}"
+    rounded = float(f"{value:.{digits}g}")
+    if 1e-2 <= abs(rounded) < 1e4:
+        return f"{rounded:g}"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
 
