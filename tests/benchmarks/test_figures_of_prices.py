@@ -25,8 +25,9 @@ def made(chance: random.Random, engine: str, method: str) -> Record:
     error = Error(
         10 ** chance.uniform(-9, -4), "exact", 10 ** chance.uniform(-10, -9), None, length=chance.uniform(2, 9)
     )
-    return Record("pendulum", {"length": 2.0}, engine, method, {chance.choice(("step", "rtol")): 10 ** chance.uniform(-6, -1)},
-                  "success", error=error, times={"loop_s": 10 ** chance.uniform(-4, 0), "build_s": 9.0},
+    given = {chance.choice(("step", "rtol")): 10 ** chance.uniform(-6, -1)}
+    return Record("pendulum", {"length": 2.0}, engine, method, given, "success",
+                  error=error, times={"loop_s": 10 ** chance.uniform(-4, 0), "build_s": 9.0},
                   measures={"compliance_position": 10 ** chance.uniform(-9, -4)})  # fmt: skip
 
 
@@ -159,8 +160,8 @@ def test_loop_times_of_a_record_and_an_interval():
     ratios = np.random.default_rng(1).lognormal(size=25)
     low, high = timing.interval(ratios, np.random.default_rng(7))
     draws = np.sort(np.median(np.random.default_rng(7).choice(ratios, (timing.RESAMPLES, 25)), axis=1))
-    assert np.mean(draws < low) == pytest.approx(0.025, abs=3e-3)
-    assert np.mean(draws > high) == pytest.approx(0.025, abs=3e-3)
+    assert draws[24] <= low <= draws[25]  # 2.5 % of 1000
+    assert draws[974] <= high <= draws[975]
     assert timing.half_width([1.0, 4.0, 2.0]) == 0.75
     assert timing.half_width([0.0, 0.0, 0.0]) == 0.0
 

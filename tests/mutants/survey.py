@@ -200,7 +200,9 @@ def drawn(files: list[Path], each: int, seed: int) -> list[Defect]:
         for own in groups.values():
             chance.shuffle(own)
             kinds = {d.breaks: d for d in own}
-            found += (list(kinds.values()) + own)[:each] if len(kinds) < each else chance.sample(list(kinds.values()), each)
+            found += (
+                (list(kinds.values()) + own)[:each] if len(kinds) < each else chance.sample(list(kinds.values()), each)
+            )
     return list({d.name: d for d in found}.values())
 
 
@@ -239,7 +241,10 @@ def survey(session: pytest.Session, defects: list[Defect], known: tuple[Any, Any
             with out.open("a") as file:
                 file.write(json.dumps(row) + "\n")
         if verdict != "noticed":
-            print(f"{verdict:9} {defect.file}: {defect.old!r} -> {defect.new!r}: {defect.breaks} [{len(tests)}]", flush=True)
+            print(
+                f"{verdict:9} {defect.file}: {defect.old!r} -> {defect.new!r}: {defect.breaks} [{len(tests)}]",
+                flush=True,
+            )
     print(json.dumps(counted))
 
 
@@ -264,7 +269,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     parser.add_argument("--lines", type=Path, help="a file that keeps which test executes which line")
     asked = parser.parse_args()
-    files = [f for s in asked.sources for f in (sorted((ROOT / s).rglob("*.py")) if (ROOT / s).is_dir() else [ROOT / s])]
+    files = [
+        f for s in asked.sources for f in (sorted((ROOT / s).rglob("*.py")) if (ROOT / s).is_dir() else [ROOT / s])
+    ]
     session = session_of(asked.tests)
     if asked.lines and asked.lines.is_file():
         known = pickle.loads(asked.lines.read_bytes())

@@ -95,7 +95,7 @@ def test_figures_of_curves():
 
 def test_a_run_that_stops_early_is_not_held_against_the_truth(monkeypatch):
     path = Trajectory(np.arange(3.0), **random_motion(np.random.default_rng(2), 3))
-    truth = Truth(path.position + (3.0, 4.0), path.orientation, 0.0, "exact", "")
+    truth = Truth(path.position + np.array([3.0, 4.0]), path.orientation, 0.0, "exact", "")
     monkeypatch.setattr(metric, "truth_for", lambda scene, times: truth)
     off = metric.off_truth(SCENE, path)
     assert off

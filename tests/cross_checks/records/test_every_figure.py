@@ -75,7 +75,7 @@ def test_a_frame_of_samples_holds_every_number_in_si(monkeypatch, scene):
     parts = (path.position, path.orientation, path.velocity, path.angular_velocity)
     expected = np.concatenate([np.reshape(part, (len(path.times), len(scene.bodies), -1)) for part in parts], axis=2)
     assert np.array_equal(np.array(list(table.values())).T, expected.reshape(len(path.times), -1))
-    assert list(table)[0].startswith(scene.body_names[0])
+    assert next(iter(table)).startswith(scene.body_names[0])
 
 
 def test_a_library_that_lacks_a_part_of_its_own_says_which(monkeypatch):

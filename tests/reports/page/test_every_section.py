@@ -6,6 +6,7 @@ import math
 import random
 from collections import Counter
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -140,7 +141,7 @@ def test_extremes(monkeypatch, seed):
 def test_values_between_those_of_an_axis_stand_by_their_logarithms(seed):
     chance = random.Random(seed)
     values = axis_of(seed % 2 == 0, chance).values
-    for k, (a, b) in enumerate(zip(values, values[1:], strict=False)):
+    for k, (a, b) in enumerate(pairwise(values)):
         between = math.exp(chance.uniform(*sorted((math.log(a), math.log(b)))))
         share = k + math.log(between / a) / math.log(b / a)
         assert extremes.place(between, values) == pytest.approx(extremes.LEFT + extremes.WIDTH * share / 4, abs=0.051)
@@ -250,7 +251,8 @@ def test_advice_where_targets_are_missed(seed):
             parts.setdefault(min(answers, key=list(ANSWERS).index), []).append(label)
         text = line.limit
         for answer, labels in parts.items():
-            words = {"not-reached": "Its own limit keeps it from 1e-6 on {}.", "unjudged": "No truth judges 1e-6 on {}.",
+            words = {"not-reached": "Its own limit keeps it from 1e-6 on {}.",
+                     "unjudged": "No truth judges 1e-6 on {}.",
                      "not-tried": f"1e-6 would take more than {MOST_STEPS:,} steps on {{}}.",
                      "cannot": "At no setting tried does it run to the end on {}."}  # fmt: skip
             sentence = words[answer].format(", ".join(labels))
