@@ -22,13 +22,14 @@ import time
 import types
 from collections import defaultdict
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.mutants.defect import ROOT, Defect, read
-from tests.mutants.operators import SWAPPED, defects_of
+from tests.mutants.operators import defects_of
 
 MOST = 3.0  # s of tests for one defect
 LOUD = ("arguments exchanged",)  # mostly noticed by an exception
@@ -101,10 +102,8 @@ def run(session: pytest.Session, items: list[pytest.Item], plugin: Any) -> None:
     """Run tests of a session."""
     session.items = items
     session.config.pluginmanager.register(plugin)
-    try:
+    with suppress(session.Failed, session.Interrupted):
         session.config.hook.pytest_runtestloop(session=session)
-    except (session.Failed, session.Interrupted):
-        pass
 
 
 def in_child(do: Any, cpu_s: float) -> Any:

@@ -177,15 +177,15 @@ def test_zeros_and_gaps_of_a_series():
 
 def test_every_method_is_drawn_in_its_engines_colour_and_a_dash_of_its_own():
     ours, *others = engines.names()[:3]
-    runs = [replace(curved(5)[0], engine=e, method=m) for e in (others[1], others[0], ours) for m in "dcba"]
+    runs = [replace(curved(5)[0], engine=e, method=m) for e in (others[1], others[0], ours) for m in "hgfedcba"]
     found = plot.styles(runs)
-    assert list(found) == [(e, m) for e in (ours, *sorted(others)) for m in "abcd"]
+    assert list(found) == [(e, m) for e in (ours, *sorted(others)) for m in "abcdefgh"]
     places = [name for name in engines.names() if engines.is_ours(name)]
     for engine in (ours, *others):
-        own = [found[engine, m] for m in "abcd"]
+        own = [found[engine, m] for m in "abcdefgh"]
         assert {style.colour for style in own} == {plot.COLOURS[places.index(engine) % len(plot.COLOURS)]}
         assert {style.symbol.removesuffix("-open") for style in own} == {plot.SYMBOLS[places.index(engine)]}
-        assert len({(style.dash, style.symbol) for style in own}) == 4
+        assert len({(style.dash, style.symbol) for style in own}) == 8
     strange = [plot.style_of.__wrapped__(name) for name in ("solver of mine", "another")]
     assert strange[0] != strange[1]
 
@@ -195,6 +195,7 @@ def test_bands_of_two_coordinates_stand_one_below_the_other(monkeypatch):
     quantiles = np.sort(np.random.default_rng(2).normal(size=(3, 5, 4)), axis=0)
     zero = np.zeros((5, 4))
     one = Statistics(7, zero, zero, quantiles, zero, zero, zero, zero)
+    monkeypatch.setattr(bands, "SHOWN", 3)
     monkeypatch.setattr(bands, "coordinates", lambda ensemble: named)
     monkeypatch.setattr(bands, "statistics", lambda ensemble: [one, None, replace(one, count=1)])
     ensemble: Any = SimpleNamespace(times=np.arange(5.0), scene=SimpleNamespace(body_names=("a", "b")),
@@ -214,6 +215,7 @@ def test_bands_of_two_coordinates_stand_one_below_the_other(monkeypatch):
     for line, (_, axis, k) in zip(medians, shown, strict=True):
         assert line["y"] == quantiles[1, :, k].tolist()
         assert line["showlegend"] == (axis == "y")
+    assert [line["visible"] for line in medians] == [True if k // 2 < 3 else "legendonly" for k in range(8)]
     assert len(figure.data) - len(medians) == 4  # of the first point; the last has one run
 
 
@@ -286,6 +288,17 @@ def test_one_run_stands_for_each_engine_and_the_last_of_equals():
     first, last = (replace(made(random.Random(1), "z"), status="timeout", steps=k) for k in (1, 2))
     assert records.best_of_engines([first, last]) == [last]
     assert records.best_of_engines([twin, replace(twin, steps=78)])[0].steps == 78
+
+
+def test_a_run_is_usable_where_it_ended_with_an_error_and_a_time():
+    run = made(random.Random(3))
+    good = replace(run, status="success", times={"loop_s": 1e-9})
+    bad = (replace(good, times={"loop_s": 0.0}), replace(good, times={}), replace(good, error=None),
+           replace(good, status="timeout"))  # fmt: skip
+    assert [records.usable(one) for one in (good, *bad)] == [True, False, False, False, False]
+    exact = replace(good, error=replace(good.error, value=6e-7, uncertainty=4e-7)) if good.error else good
+    close = replace(exact, error=replace(exact.error, value=1e-9), times={"loop_s": 2.0}) if exact.error else exact
+    assert records.best_of_engines([exact, close]) == [exact]  # 1e-6 is within 1e-6
 
 
 def test_numbers_at_the_ends_of_their_classes():
