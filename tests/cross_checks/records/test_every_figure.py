@@ -64,6 +64,7 @@ def test_a_frame_holds_every_leaf_of_every_run(monkeypatch):
                 value = value.get(part) if isinstance(value, dict) else None
             value = None if isinstance(value, dict) else "; ".join(value) if isinstance(value, tuple) else value
             assert column[k] == value, name
+    assert dict(frames._flat({"a": {"b": {"c": 1}, "d": (2, 3)}})) == {"a.b.c": 1, "a.d": "2; 3"}
 
 
 @pytest.mark.parametrize("scene", [PLANAR, SPATIAL], ids=lambda scene: scene.name)
