@@ -1,6 +1,5 @@
 """Runs of scenes, each computed once: what the store lacks is computed in this process or another, and stored."""
 
-import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,7 +15,7 @@ from cross_checks.records.naming import run_name, truth_name
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
 from cross_checks.truths import LIMIT_S, seek_truth
-from cross_checks.truths.truth import NoTruth, Truth, granted
+from cross_checks.truths.truth import NoTruth, Truth, time_limit
 from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
@@ -80,11 +79,10 @@ class Runs:
         requested = self.grid(scene) if times is None else times
         key = truth_name(scene, requested)
         stored = self.store.arrays(key)
-        if stored is not None:
-            facts, arrays = stored
-            given: dict[str, Any] = {**facts, **arrays}
-            if facts.get("limit_s", math.inf) >= granted(LIMIT_S):
-                return NoTruth(**given) if "reason" in facts else Truth(**given)
+        with time_limit(LIMIT_S) as limit:
+            if stored is not None and stored[0].get("limit_s", limit) >= limit:
+                given: dict[str, Any] = {**stored[0], **stored[1]}
+                return NoTruth(**given) if "reason" in given else Truth(**given)
         truth = getattr(self.call, "patient", self.call)(seek_truth, scene, requested)
         self.store.keep_arrays(key, *_parts(truth))
         return truth

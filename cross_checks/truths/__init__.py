@@ -13,8 +13,7 @@ from cross_checks.truths import certificate, of, stored_poses
 from cross_checks.truths.made_by.agreement import LARGEST_UNCERTAINTY
 from cross_checks.truths.made_by.numerics import rates
 from cross_checks.truths.stored_poses import physics_of
-from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, OutOfTimeError, OutsideDomainError, Truth
-from cross_checks.truths.truth import granted, time_limit
+from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, OutsideDomainError, Truth, time_limit
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
@@ -60,18 +59,14 @@ def seek_truth(scene: Scene, times: np.ndarray, *, afresh: bool = False) -> Trut
     twin = library_twin(scene)
     if twin is None:
         return NoTruth(f"no truth is known of the physics of {scene.name}")
-    limit = granted(math.inf if afresh else LIMIT_S)
-    with time_limit(limit):
+    with time_limit(math.inf if afresh else LIMIT_S) as limit:
         return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(requested.tolist()), limit)
 
 
 def library_twin(scene: Scene) -> Scene | None:
     """Return the library's scene of the same physics that has a truth, whatever the given one is called."""
-    candidates = [(scene.name, tuple(sorted(scene.parameters.items())))] if scene.name in known() else []
-    for name, parameters in candidates:
-        twin = _made(name, parameters)
-        if twin is not None and _same(twin, scene):
-            return twin
+    if scene.name in known() and is_unchanged(scene):
+        return _made(scene.name, tuple(sorted(scene.parameters.items())))
     entry = _library().get(physics_of(scene))
     return None if entry is None else _made(*entry)
 
@@ -115,8 +110,7 @@ def _solved(name: str, parameters: tuple, times: tuple[float, ...], limit: float
         if isinstance(truth, Truth) and truth.velocity is None:
             truth = _with_rates(solve, scene, requested, truth)
     except NoConvergenceError as error:
-        ended = limit if isinstance(error, OutOfTimeError) else None
-        return NoTruth(f"the truth does not converge: {error}", limit_s=ended)
+        return NoTruth(f"the truth does not converge: {error}", limit_s=limit)
     except OutsideDomainError as error:
         return NoTruth(str(error))
     except Exception as error:

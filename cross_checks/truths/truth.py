@@ -59,15 +59,11 @@ class NoTruth:
 
     reason: str
     kind: Literal["none", "one-package", "defect"] = "none"
-    limit_s: float | None = None  # s of processor time, whose end is the reason: a longer limit may find a truth
+    limit_s: float | None = None  # of processor time: within a longer limit there may be a truth
 
 
 class NoConvergenceError(ArithmeticError):
-    """The computation of a truth does not reach its tolerance."""
-
-
-class OutOfTimeError(NoConvergenceError):
-    """The computation of a truth reaches its limit of processor time."""
+    """The computation of a truth does not reach its tolerance, or not within its limit of processor time."""
 
 
 class OutsideDomainError(ValueError):
@@ -79,21 +75,18 @@ _limit: ContextVar[tuple[float, float]] = ContextVar("limit", default=(math.inf,
 
 
 @contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Limit the computation inside to so much processor time (s); an outer limit that ends earlier holds."""
-    token = _limit.set((min(_limit.get()[0], time.thread_time() + seconds), granted(seconds)))
+def time_limit(seconds: float) -> Iterator[float]:
+    """Limit the computation inside to so much processor time (s), or what limits around it leave; yield the shortest."""
+    end, length = _limit.get()
+    shortest = min(length, seconds)
+    token = _limit.set((min(end, time.thread_time() + seconds), shortest))
     try:
-        yield
+        yield shortest
     finally:
         _limit.reset(token)
 
 
-def granted(seconds: float) -> float:
-    """Return the shortest of a limit (s) and those that enclose it."""
-    return min(_limit.get()[1], seconds)
-
-
 def check_time(t: float) -> None:
-    """Raise OutOfTimeError with the time reached, t (s) of the motion, where the limit is exceeded."""
+    """Raise NoConvergenceError with the time reached, t (s) of the motion, where the limit is exceeded."""
     if time.thread_time() > _limit.get()[0]:
-        raise OutOfTimeError(f"the limit of processor time ends the computation at t = {float(t):.6g} s")
+        raise NoConvergenceError(f"the limit of processor time ends the computation at t = {float(t):.6g} s")

@@ -119,7 +119,8 @@ def in_child(do: Any, cpu_s: float) -> Any:
         signal.signal(signal.SIGALRM, lambda *_: os._exit(1))
         signal.alarm(6 * limit)
         null = os.open(os.devnull, os.O_RDWR)
-        os.dup2(null, 1), os.dup2(null, 2)
+        for shown in (1, 2):
+            os.dup2(null, shown)
         try:
             answer = pickle.dumps(do())
             with os.fdopen(outlet, "wb") as pipe:

@@ -304,8 +304,8 @@ def test_a_run_is_usable_where_it_ended_with_an_error_and_a_time():
 
 def test_numbers_at_the_ends_of_their_classes():
     assert [numbers.of_scene(x) for x in (0.01, 0.00999, None)] == ["1 % of the scene", "0.01", "–"]
-    ends = 0.01, 0.0099, 0.00999, 9949.0, 9950.0, 1e4, float("nan")
-    assert [numbers.short(x) for x in ends] == ["0.01", "9.9e-3", "0.01", "9900", "1e4", "1e4", "–"]
+    ends = 0.0, -0.0, 0.01, 0.0099, 0.00999, 9949.0, 9950.0, 1e4, float("nan")
+    assert [numbers.short(x) for x in ends] == ["0", "0", "0.01", "9.9e-3", "0.01", "9900", "1e4", "1e4", "–"]
     assert [numbers.metres(x) for x in (0.5, None, float("inf"))] == ["0.5 m", "–", "–"]
     assert [numbers.count(k, "cell") for k in (0, 1, 2)] == ["0 cells", "1 cell", "2 cells"]
     assert [numbers.duration(x) for x in (1.0, 1e-3, 9.99e-4, None)] == ["1 s", "1 ms", "999 µs", "–"]

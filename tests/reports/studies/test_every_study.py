@@ -55,8 +55,8 @@ def results(android) -> Any:
         forces=SimpleNamespace(external=series(bodies, 3), constraint=series(bodies, 3)), energy=series(),
         works={"pulse": series(), "belts": series()}, seat_force=series(), belt_force=series(),
         head_excursion=series(2), hip_excursion=series(2), head_g=series(), thorax_g=series(), neck_axial=series(),
-        nij=series(), measures={"HIC36": 77.0, "Nij": 0.3}, cervical_torques={"C1": 2.0 * series(), "C2": 3.0 * series()},
-        neck_moment=series(),
+        nij=series(), measures={"HIC36": 77.0, "Nij": 0.3}, neck_moment=series(),
+        cervical_torques={"C1": 2.0 * series(), "C2": 3.0 * series()},
     )  # fmt: skip
 
 
@@ -113,7 +113,8 @@ def test_figures_of_a_crash(monkeypatch, android, results):
     changes = [t for torque in torques if (t := first_change(torque)) is not None]
     if changes:
         expected |= {"neck_changes": len(changes), "neck_first": min(changes), "neck_last": max(changes),
-                     "neck_most": max(t.max() for t in torques), "neck_least": min(t.min() for t in torques)}  # fmt: skip
+                     "neck_most": max(t.max() for t in torques),
+                     "neck_least": min(t.min() for t in torques)}  # fmt: skip
     assert found == pytest.approx(expected)
     assert seen == [("thorax", joint.point)]
     never = replace(path, contacts={touch: np.array([5.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0])[:, None]})
@@ -240,7 +241,7 @@ def test_the_loss_of_norm_of_rk4(monkeypatch):
     exact = (1.0 - half**2 / 2.0 + half**4 / 24.0) ** 2 + (half - half**3 / 6.0) ** 2
     assert 1.0 - math.sqrt(exact) == pytest.approx(half**6 / 144.0, rel=0.01)
     monkeypatch.setattr(space, "off_truth", lambda scene, path: [0.0, path.steps * 1e-3, 0.0, 0.0])
-    row = space._norm_drift(half)
+    row: dict[str, Any] = dict(space._norm_drift(half))
     assert row["measured"] == pytest.approx(row["steps"] * half**6 / 144.0, rel=0.02)
     assert row["formula"] == pytest.approx(row["measured"], rel=0.02)
     assert row["steps"] == math.ceil(20.0 * math.pi / half)
@@ -264,8 +265,8 @@ def test_figures_against_physics():
     curve = measured.curves["Figures against physics"]
     assert curve.lines == {"earth": (3.0, 4.0, 9.0, 4.2), "mars": (2.5, 6.0, 9.0, 6.5), "moon": (None, 1.0, 9.0, 3.5)}
     assert curve.x == tuple(sky.LEVELS[str(r.parameters["model"])] for r in runs)
-    rigid = replace(record("newton", earth=4.0, moon=1.0), steps=9, times={"loop_s": 0.5, "build_s": 7.0}, final={"a": {}, "b": {}},
-                    measures={"compliance_position": 1e-12})  # fmt: skip
+    rigid = replace(record("newton", earth=4.0, moon=1.0), steps=9, times={"loop_s": 0.5, "build_s": 7.0},
+                    final={"a": {}, "b": {}}, measures={"compliance_position": 1e-12})  # fmt: skip
     turning = replace(rigid, parameters=rigid.parameters | {"formulation": "euler_parameters", "spin": True})
     sky.add_formulations(measured, [rigid, turning])
     point, body = measured.tables["formulations"]
@@ -417,7 +418,8 @@ def test_pairs_side_by_side(seed):
         (title,) = (name for name in drawn if name.startswith(f"{scene} "))
         assert title == f"{scene} {pairs.CHEAPEST}{', '.join(dict.fromkeys(cheapest))}"
         for engine, line in drawn[title].lines.items():
-            assert line == tuple(next((r.entry.best.times["loop_s"] for r in rows if r.entry.best and (
-                r.scene, r.target, r.entry.engine) == (scene, target, engine)), None) for target in targets)  # fmt: skip
+            times = {r.target: r.entry.best.times["loop_s"] for r in rows
+                     if r.entry.best and (r.scene, r.entry.engine) == (scene, engine)}  # fmt: skip
+            assert line == tuple(map(times.get, targets))
         assert drawn[title].x == targets
     assert table["b", "z"][f"within {short(targets[0])}"] == "cannot: no"
