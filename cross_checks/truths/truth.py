@@ -76,7 +76,7 @@ _limit: ContextVar[tuple[float, float]] = ContextVar("limit", default=(math.inf,
 
 @contextmanager
 def time_limit(seconds: float) -> Iterator[float]:
-    """Limit the computation inside to so much processor time (s), or what limits around it leave; yield the shortest."""
+    """Limit the computation inside to so much processor time (s), or to an outer limit; yield the shortest."""
     end, length = _limit.get()
     shortest = min(length, seconds)
     token = _limit.set((min(end, time.thread_time() + seconds), shortest))
