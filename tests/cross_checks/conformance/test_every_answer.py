@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,8 +10,8 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.conformance import clock, examine, figures, ladder, questions, repeatability
-from cross_checks.conformance.apart import Called
+from cross_checks.conformance import clock, examine, figures, ladder, loading, questions, repeatability
+from cross_checks.conformance.apart import Apart, Called
 from cross_checks.conformance.bounces import LAWS, bounces
 from cross_checks.conformance.cases import LABORATORY, LOOSER, RELATIVE, SKY, SKY_STEPS, STEP, cases
 from cross_checks.conformance.finding import Finding, Report, Row, verdict
@@ -261,3 +262,20 @@ def test_every_law_bounces_in_the_plane_and_all_but_those_that_hold_in_space():
         body = scene.bodies[0]
         radius = getattr(scene.contacts[0], "radius", None) or scene.contacts[0].radius_a  # type: ignore[union-attr]
         assert body.gyration_radius == pytest.approx(radius * 0.4**0.5)
+
+
+def test_an_adapter_is_announced_once_beside_those_before(monkeypatch, tmp_path):
+    files = [tmp_path / name for name in ("a_.py", "b_.py")]
+    monkeypatch.setenv(engines.ADAPTERS, "")
+    for file in (*files, files[0]):
+        file.write_text("")
+        loading.announce(file)
+    assert os.environ[engines.ADAPTERS] == os.pathsep.join(map(str, files))
+
+
+def test_runs_that_were_lost_are_named_by_method_and_scene():
+    engine = Apart(engines.get("mbs_ref"), None)  # type: ignore[arg-type]
+    engine.lost["rk4", "b"] = "it hangs"
+    asked: Any = [SimpleNamespace(scene=SimpleNamespace(name=name)) for name in "ab"]
+    found = examine._lost(engine, RK4, asked)
+    assert [(one.scene, one.outcome, one.detail) for one in found] == [("a", "passed", ""), ("b", "failed", "it hangs")]

@@ -177,7 +177,7 @@ def test_figures_of_a_contact_that_lasts(monkeypatch, start, end, labels):
     times = np.linspace(0.0, 4.0, n)
     way = np.linspace(0.0, 3e-3, n)
     still = np.zeros((n, 1))
-    place = np.stack((way, 2.0 * way), axis=1)[:, None]
+    place = 7.0 + np.stack((way, 2.0 * way), axis=1)[:, None]
     path = Trajectory(times, place, still, np.zeros((n, 1, 2)), still)
     scene = SimpleNamespace(body_index=lambda name: 0)
     motion: Any = SimpleNamespace(trajectory=path, times=times, scene=scene)
@@ -188,3 +188,14 @@ def test_figures_of_a_contact_that_lasts(monkeypatch, start, end, labels):
     assert found.get("static sink, m", 5e-3) == pytest.approx(5e-3)
     assert found.get("stop distance, m", 3e-3 * 5**0.5) == pytest.approx(3e-3 * 5**0.5)
     assert found.get("creep, m/s", 1.5e-3 * 5**0.5 / 2.0) == pytest.approx(1.5e-3 * 5**0.5 / 2.0)
+
+
+@pytest.mark.parametrize(("events", "kept"), [(None, True), ([[0.1, 1.0]], True), ([[0.1, 0.0]], False), ([], False)])
+def test_a_contact_that_begins_open_has_figures_where_an_event_opens_or_closes_it(monkeypatch, events, kept):
+    gap = np.array([1e-3, -4e-3, -9e-3, 2e-3])
+    monkeypatch.setattr(contact_figures, "gap_of", lambda motion, contact: (gap, np.ones(4), np.ones(4)))
+    located = None if events is None else np.array(events, dtype=float).reshape(-1, 2)
+    path = SimpleNamespace(event_times=located, event_names=("other", "touch"))
+    motion: Any = SimpleNamespace(trajectory=path, times=np.arange(4.0), scene=None)
+    found = contact_figures._of_contact(motion, SimpleNamespace(name="touch", friction=None))
+    assert bool(found) == kept

@@ -12,6 +12,7 @@ from cross_checks.trajectory_files import columns, formats
 from cross_checks.trajectory_files.columns import columns_of, read_columns
 from cross_checks.trajectory_files.formats import Columns, FileError
 from cross_checks.trajectory_files.judgement import MOST, Judgement, Part, _parts, _verdict, truth_rows
+from cross_checks.trajectory_files.motion import _column
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref.trajectory import POSES
 from tests.cross_checks.trajectory_files.test_figures_of_judgements import SCENE, irregular
@@ -172,3 +173,10 @@ def test_a_component_that_the_truth_does_not_know_is_stated_with_its_bound():
     assert rows.velocity is not None
     assert truth.velocity is not None
     assert np.array_equal(rows.velocity, truth.velocity[[4, 1]])
+
+
+def test_a_column_that_is_not_there_is_answered_by_twenty_that_are():
+    held = Columns(Path("a.csv"), {f"c{k}": np.zeros(1) for k in range(25)})
+    listed = ", ".join(f"c{k}" for k in range(20))
+    with pytest.raises(FileError, match=f"time: a.csv has no column 'zz'; it has: {listed}, \\.\\.\\.$"):
+        _column(held, "zz", "time")

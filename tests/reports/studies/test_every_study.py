@@ -21,7 +21,8 @@ from mbs_ref.scene.celestial import AU_M
 from mbs_ref.trajectory import Status, Timing, Trajectory
 from reports.facts.cheapest import Entry
 from reports.facts.curves import Measured
-from reports.studies import crash
+from reports.studies import claims, crash, document, study
+from reports.studies.androids import measure as androids
 from reports.studies.contact import measure as contact
 from reports.studies.crashes import measure as crashes
 from reports.studies.models import measure as models
@@ -29,6 +30,7 @@ from reports.studies.models.choice import Ladder, Rung, choose
 from reports.studies.pairs import measure as pairs
 from reports.studies.sky import measure as sky
 from reports.studies.space import measure as space
+from reports.studies.trust import measure as trust
 
 N = 7
 RNG = np.random.default_rng(3)
@@ -423,3 +425,78 @@ def test_pairs_side_by_side(seed):
             assert line == tuple(map(times.get, targets))
         assert drawn[title].x == targets
     assert table["b", "z"][f"within {short(targets[0])}"] == "cannot: no"
+
+
+def test_both_androids_and_both_impacts_stand_under_their_own_names(monkeypatch, android, results):
+    monkeypatch.setattr(crashes, "crash_results", lambda scene, path: results)
+    monkeypatch.setattr(crashes, "film", lambda *given: "film")
+    monkeypatch.setattr(crash, "figures", lambda scene, path, result: {"a": len(scene.bodies)})
+    measured, path = Measured(), motion(android)
+    names = ("head", "thorax", "bottom", "thigh", "C1", "C3", "C6")
+    for name, count in (("android_simplified", 3), ("android_vertebral", 5)):
+        for impact in ("front", "rear"):
+            scene: Any = SimpleNamespace(name=name, bodies=[None] * count, body_index=names.index,
+                                         parameters={"impact": impact})  # fmt: skip
+            crashes.add_crash(measured, scene, path)
+    assert measured.figures == {
+        "simplified.front.a": 3,
+        "simplified.rear.a": 3,
+        "vertebral.front.a": 5,
+        "vertebral.rear.a": 5,
+    }
+    for impact in ("front", "rear"):
+        lines = measured.curves[f"impact from the {impact}: Head acceleration"].lines
+        assert lines.keys() == {"3 bodies", "5 bodies"}
+        assert f"whiplash: android_vertebral, {impact}" in measured.tables
+        external = measured.curves[f"android_simplified, {impact}: External forces Q_e: x"].lines
+        assert external["thorax"] == pytest.approx(results.forces.external[:, 1, 0], rel=1e-5)
+    assert measured.films.keys() == {f"{n}, {i}" for n in crash.NAMES for i in crash.IMPACTS}
+
+
+def test_a_run_of_an_android(monkeypatch, android):
+    gaps = np.array([[0.0, 0.0], [0.1, 2e-5], [0.15, 7e-4], [0.2, 1e-5]])
+    path = motion(android, steps=50, rejected_steps=7, rhs_calls=99, events=3, step_compliance=gaps,
+                  timing=Timing(build_s=9.0, loop_s=0.5))  # fmt: skip
+    stopped = replace(path, status=Status.COMPLIANCE, message="|C| > h")
+    monkeypatch.setattr(androids, "with_test", lambda scene, settings, tested: (path, stopped, 3e-6))
+    measured = Measured()
+    androids.add_run(measured, android, androids.Settings(method="rk4", step=1e-4))
+    (row,) = measured.tables["runs"]
+    expected = {"android": "android_simplified, front", "method": "rk4, h = 1e-4 s", "end": "reached 0.2 s",
+                "error": 3e-6, "compliance": 7e-4, "steps": 50, "rejected": 7, "rhs_calls": 99, "events": 3,
+                "loop_s": 0.5, "test": "|C| > h", "switches": None}  # fmt: skip
+    assert row == expected
+    assert measured.figures == {"androids.rk4.compliance": 7e-4}
+    (line,) = measured.curves.values()
+    assert (line.x, line.lines["|C|"]) == ((0.1, 0.15, 0.2), (2e-5, 7e-4, 1e-5))
+
+
+def test_rows_of_trust_and_figures_of_claims():
+    ways = [{"way": "at once", "differ": 3, "largest": 2e-5}, {"way": "two threads", "differ": 2, "largest": None},
+            {"way": "another order", "differ": 0, "largest": 0.0}]  # fmt: skip
+    row = trust._repeated({"engine": "e", "method": "m", "runs": 4, "ways": ways})
+    assert row == {"engine": "e", "method": "m", "runs": 4, "at once": "3: 2e-05", "two threads": "2: 0",
+                   "another order": "none"}  # fmt: skip
+    given = (999.4, 1000.4, 54321.0, 999999.0, 1e6, 0.01234, "words")
+    assert [claims.figure(x) for x in given] == ["999", "1000", "54321", "999999", "1.00e6", "0.0123", "words"]
+
+
+def test_plots_of_a_page_have_their_titles_and_labels(monkeypatch):
+    line = contact._line({str(n): 1.0 / n for n in contact.STEPS})
+    monkeypatch.setattr(document, "_named", lambda held, wanted, figures: {"the name": ("The title", line)})
+    (shown,) = document._plots(Measured(), {"plots": ()}, None)  # type: ignore[arg-type]
+    assert (shown["title"], shown["label"]) == ("The title", "the name")
+
+
+def test_a_study_that_fails_says_how_and_is_measured_again_where_engines_change(monkeypatch):
+    def fails(*given):
+        raise ZeroDivisionError("why")
+
+    assert study._measured(fails, "a") == "ZeroDivisionError: why"
+    asked: list[Any] = []
+    monkeypatch.setattr(study, "every", lambda: {"space": None})
+    monkeypatch.setattr(study, "digest_of", lambda facts: asked.append(facts) or "key")
+    monkeypatch.setattr(study, "recall", lambda *given: Measured())
+    for engines in (["1"], ["2"]):
+        study.measure_all(None, {}, engines, lambda *given: None)  # type: ignore[arg-type]
+    assert [facts[:3] for facts in asked] == [["study", "space", ["1"]], ["study", "space", ["2"]]]
