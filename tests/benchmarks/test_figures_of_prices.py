@@ -271,3 +271,20 @@ def test_a_change_of_an_error_or_of_a_gap(before, after, doubt, move):
     (one,) = changes(*([r] for r in gaps))
     assert one.move == ("same" if after == 1.9e-6 else "better" if after < before else "worse")
     assert not one.sentence or re.fullmatch(r"compliance \S+, then \S+ m or rad", one.sentence)
+
+
+def test_a_loop_is_timed_until_its_times_agree_and_not_its_shares(monkeypatch):
+    clock = iter([Sample(0.2), Sample(0.100, 0.2), Sample(0.101, 0.9), Sample(0.102, 0.5), Sample(9.0)])
+    monkeypatch.setattr(timing, "sample", lambda *given: next(clock))
+    assert timing.time_loops(*[None] * 3)[0] == [0.100, 0.101, 0.102]  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "move"),
+    [("crashed", "success", "better"), ("success", "crashed", "worse"), ("crashed", "failed", "same"),
+     ("success", "timeout", "not measured")],
+)  # fmt: skip
+def test_a_change_of_status_is_stated(before, after, move):
+    run = runs_of(9)[0]
+    (one,) = changes([replace(run, status=before)], [replace(run, status=after, message="why")])
+    assert (one.move, one.sentence) == (move, f"{before}, then {after}: why")

@@ -279,3 +279,13 @@ def test_runs_that_were_lost_are_named_by_method_and_scene():
     asked: Any = [SimpleNamespace(scene=SimpleNamespace(name=name)) for name in "ab"]
     found = examine._lost(engine, RK4, asked)
     assert [(one.scene, one.outcome, one.detail) for one in found] == [("a", "passed", ""), ("b", "failed", "it hangs")]
+
+
+def test_a_wrapped_engine_is_the_inner_one():
+    inner = engines.get("mbs_ref")
+    outer = Apart(inner, None)  # type: ignore[arg-type]
+    for name in ("name", "package", "part_types"):
+        assert getattr(outer, name) == getattr(inner, name)
+    assert (outer.methods(), outer.version()) == (inner.methods(), inner.version())
+    assert outer.refusals(SCENE) == inner.refusals(SCENE)
+    assert outer.method_refusals(SCENE, RK4) == inner.method_refusals(SCENE, RK4)

@@ -199,3 +199,24 @@ def test_a_contact_that_begins_open_has_figures_where_an_event_opens_or_closes_i
     motion: Any = SimpleNamespace(trajectory=path, times=np.arange(4.0), scene=None)
     found = contact_figures._of_contact(motion, SimpleNamespace(name="touch", friction=None))
     assert bool(found) == kept
+
+
+def test_a_drift_is_unknown_without_a_balance_and_known_to_a_tenth_of_its_largest(monkeypatch):
+    def balance(drift, resolution):
+        found = SimpleNamespace(drift=drift, reason="no work", resolution=resolution, energy=np.array([1.0, 2.0]))
+        monkeypatch.setattr(drifts, "energy_balance", lambda scene, path: found)
+        return drifts.energy_drift(None, None)  # type: ignore[arg-type]
+
+    assert balance(None, None) == (None, "no work")
+    known, reason = balance(np.array([0.0, -1e-3, 1e-4]), 0.9e-4)
+    assert known is not None
+    assert (known.tolist(), reason) == ([0.0, 1e-3, 1e-4], "")
+    assert balance(np.array([0.0, -1e-3]), 1.1e-4)[0] is None
+
+
+@pytest.mark.parametrize("lacking", ["before", "after", "neither"])
+def test_a_bounce_needs_two_samples_of_flight_on_both_sides(lacking):
+    gap, rate = np.array([2.0, 1.0, -1.0, -1.0, 1.0, 2.0]), np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0])
+    rows = {"before": slice(1, None), "after": slice(None, -1), "neither": slice(None)}[lacking]
+    found = contact_figures._flights(gap[rows], rate[rows])
+    assert found == (((0, 1), (4, 5)) if lacking == "neither" else (None, None))

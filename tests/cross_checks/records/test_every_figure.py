@@ -148,6 +148,8 @@ def test_work_and_precision_by_the_hover_of_each_run():
     runs = curved(4)
     figure = figures.work_precision(runs)
     by_step = {numbers.setting(run.settings): run for run in runs}
+    drawn = {(line.meta["engine"], line.name) for line in figure.data}
+    assert drawn == {(e, n) for r in runs for e, n in ((r.engine, r.method), (r.engine, "frontier"))}
     for line in figure.data:
         for x, y, text in zip(line.x, line.y, line.text, strict=True):
             head, setting, error, joints, loop = text.split("<br>")

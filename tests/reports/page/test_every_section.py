@@ -307,6 +307,9 @@ def test_runs_timed_alone_and_on_a_busy_machine_are_counted():
     assert [prices.spread(run) for run in runs[:4]] == [
         "one run, beside others", "1 s to 2 s in 3 runs", "one run, beside others",
         "1 s to 2 s in 3 runs; busy machine"]  # fmt: skip
+    assert shown["inside"] == {"exudyn": cheapest.INSIDE["exudyn"]}
+    strange = ReportData((), (replace(base, engine="strange"),))
+    assert method.context(strange)["inside"] == prices.inside(strange) == {}
     constants = {name: value for name, value, _ in shown["constants"]}
     assert constants["most steps"].replace("_", "") == str(MOST_STEPS)
 
