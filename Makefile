@@ -4,6 +4,9 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: help venv kernels test report lint nightly mutants bench site pictures lock clean
 
+# Every worker and child process would compile all modules again.
+unexport PYTHONDONTWRITEBYTECODE
+
 BIN := .venv/bin
 STAMP := .venv/.installed
 # The nightly run's own environment: JPL's ephemerides, LSODAR and every optional engine besides, so that nothing is

@@ -13,18 +13,15 @@ from typing import Any
 import numpy as np
 
 from cross_checks.records import lines
-from cross_checks.records.naming import code_of
+from cross_checks.records.store import code_of
 from cross_checks.truths.oracle.random_scenes import random_scene
 from cross_checks.truths.truth import ONE_FIGURE
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables.distance import largest, relative
-from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import free_fall_time, tolerance_unit
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.plan import make_plan
-from mbs_ref.trajectory import Trajectory
 
 TIGHT = {"dop853": 1e-13, "lsodar": 1e-12}  # relative tolerances of the two runs that are the truth
 LARGEST = 12  # bodies of a random mechanism

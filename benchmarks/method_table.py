@@ -15,15 +15,12 @@ from functools import partial
 import numpy as np
 
 from cross_checks.prices.timing import interleaved
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.observables.distance import largest, relative
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.method_choice import AUTO
-from mbs_ref.trajectory import Trajectory
 
 ASKED = (1e-4, 1e-6, 1e-8, 1e-10)  # rtol
 TRIED = tuple(10.0**-k for k in range(3, 13))

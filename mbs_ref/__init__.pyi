@@ -7,6 +7,7 @@ from mbs_ref.simulate.many.batch import simulate_scenes as simulate_scenes
 from mbs_ref.simulate.many.batch import simulate_starts as simulate_starts
 from mbs_ref.simulate.one_run import simulate as simulate
 from mbs_ref.simulate.start.equilibrium import at_equilibrium as at_equilibrium
+from mbs_ref.trajectory import Status as Status
 from mbs_ref.trajectory import Trajectory as Trajectory
 
 from . import scene as scene

@@ -1,7 +1,7 @@
 """What the report shows, read from the store of runs: what it lacks is computed on all cores, then timed alone."""
 
 import tomllib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -15,14 +15,13 @@ from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
 from cross_checks.isolation.parent import Isolated
+from cross_checks.isolation.workers import Report
 from cross_checks.judge.answers import questions
 from cross_checks.judge.capabilities import Capability, capabilities
 from cross_checks.judge.cell import tasks
 from cross_checks.prices.timing import timed_all
-from cross_checks.records.naming import code_of, digest_of
-from cross_checks.records.store import Store
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from cross_checks.records.store import Store, code_of, digest_of
+from mbs_ref import Scene, scenes
 from reports import inputs
 from reports.facts import stored as facts
 from reports.facts.cheapest import contenders
@@ -30,7 +29,7 @@ from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
 from reports.facts.report_data import ReportData
 from reports.facts.scene_facts import SceneFacts, TruthFacts, scene_facts, truth_facts
-from reports.studies.study import Progress, every, measure_all, stored
+from reports.studies.study import every, measure_all, stored
 
 LISTS = tomllib.loads((files(__package__) / "scenes.toml").read_text(encoding="utf-8"))
 SCENES, QUICK = LISTS["report"], LISTS["quick"]
@@ -62,7 +61,7 @@ class Gathering:
 
     store: Store
     quick: bool = False
-    progress: Progress | None = None
+    progress: Report | None = None
     files: Sequence[Path] = ()
     again: bool = False
     call: Isolated | None = None
@@ -84,23 +83,29 @@ class Gathering:
         if self.progress is not None:
             self.progress(done, total, what)
 
-    def stages(self) -> Iterator[ReportData]:
-        """Yield the cells, runs and studies of the scenes, after each stage what there is.
+    def stages(self) -> Generator[ReportData]:
+        """Yield the cells, runs and studies of the scenes: what there is after each cell, then after each stage.
 
         `incomplete` states what is still being computed; after Ctrl-C, what was interrupted.
         """
         data = ReportData((), (), environment=environment(), quick=self.is_part, studies=stored())
-        stages = STAGES[:-1] if self.is_part else STAGES
-        for (_, stage), (following, _) in zip(stages, (*stages[1:], ("", None)), strict=True):
-            data = stage(self, data)
-            if data.incomplete.startswith(INTERRUPTED) or not following:
+        data = yield from self.judged(data)
+        for waited_for, stage in STAGES[:-1] if self.is_part else STAGES:
+            if data.incomplete.startswith(INTERRUPTED):
                 break
-            yield replace(data, incomplete=f"still being computed: {following}")
+            yield replace(data, incomplete=f"still being computed: {waited_for}")
+            data = stage(self, data)
         self.report(1, 1, "writing the page")
         yield data
 
-    def judged(self, data: ReportData) -> ReportData:
-        """Judge every method on every scene; unfinished ones are left out after Ctrl-C."""
+    def judged(self, data: ReportData) -> Generator[ReportData, None, ReportData]:
+        """Judge every method on every scene, and yield what there is; unfinished ones are left out after Ctrl-C."""
+
+        def there(incomplete: str) -> ReportData:
+            held = [result[question] for question in wanted if question in result]
+            records = tuple(record for answer in held for record in answer.records)
+            return replace(data, cells=tuple(one.cell for one in held), records=records, incomplete=incomplete)
+
         wanted = questions(list(self.shown.values()), tasks(self.engines or engines.names()))
         result = facts.stored_answers(self.store, wanted)
         missing = [question for question in wanted if question not in result]
@@ -116,9 +121,8 @@ class Gathering:
                             self.store, facts.truth_key(answer.question.scene), TruthFacts, truths[answer.cell.label]
                         )
                     result[answer.question] = facts.Stored(answer.cell, answer.records)
-        there = [result[question] for question in wanted if question in result]
-        records = tuple(record for answer in there for record in answer.records)
-        return replace(data, cells=tuple(one.cell for one in there), records=records, incomplete="; ".join(reasons))
+                    yield there(f"still being computed: {len(wanted) - len(result)} of {len(wanted)} verdicts")
+        return there("; ".join(reasons))
 
     def timed(self, data: ReportData) -> ReportData:
         """Time what is ranked, alone."""
@@ -171,8 +175,8 @@ class Gathering:
 
 
 STAGES: tuple[tuple[str, Callable[[Gathering, ReportData], ReportData]], ...] = (  # each with what a page waits for
-    ("verdicts", Gathering.judged), ("times taken alone", Gathering.timed),
-    ("capabilities and extremes", Gathering.beyond), ("studies", Gathering.studied),
+    ("times taken alone", Gathering.timed), ("capabilities and extremes", Gathering.beyond),
+    ("studies", Gathering.studied),
 )  # fmt: skip
 
 

@@ -14,15 +14,12 @@ from pydantic import ValidationError
 from cross_checks import engines
 from cross_checks.conformance.loading import NoEngine, load
 from cross_checks.engine import Engine
-from cross_checks.engine.initial_state import broken_start
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from cross_checks.engine.plan import broken_start
+from mbs_ref import Scene, Settings, at_equilibrium, scenes
 from mbs_ref.scene import messages as problems
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_scene
-from mbs_ref.settings import Settings
 from mbs_ref.simulate.start.consistent import fitted_rates
-from mbs_ref.simulate.start.equilibrium import at_equilibrium
 from reports.terminal.console import EngineAbsent, NothingSelected
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)

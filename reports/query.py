@@ -20,7 +20,7 @@ from cross_checks.records import lines
 from cross_checks.records.lines import key_of
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store, default_path
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.traits import python_parts
 from reports import inputs
 from reports.terminal.console import Failed, Incomplete, Report, complain, finite_record, progress

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from mbs_ref import Scene
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.scene import Scene
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.simulate.linearised import stiffness_at_start

@@ -10,8 +10,8 @@ import numpy as np
 
 from cross_checks.isolation.parent import Caller, Isolated
 from cross_checks.isolation.workers import each
+from mbs_ref import Settings
 from mbs_ref.cores.system import Poses
-from mbs_ref.settings import Settings
 from mbs_ref.simulate.many import ensemble as ensembles
 from mbs_ref.simulate.many.ensemble import Design, Ensemble, Variants
 

@@ -7,6 +7,9 @@ import tempfile
 
 import pytest
 
+# Of BLAS, before NumPy is loaded: workers share the cores, and threads that wait for small matrices occupy them.
+os.environ["OMP_NUM_THREADS"] = "1"
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Give all workers one store of runs, and hear SIGINT as in a terminal.

@@ -14,12 +14,10 @@ import pytest
 from cross_checks.engine import Plan, plan_run
 from cross_checks.engines.mujoco_ import Built, MuJoCo
 from cross_checks.engines.mujoco_.build import rolled_out
-from mbs_ref import scenes
+from mbs_ref import Settings, Trajectory, scenes
 from mbs_ref.cores.system import Poses
 from mbs_ref.observables.distance import Partial, farthest
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_starts
-from mbs_ref.trajectory import Trajectory
 
 STARTS, THREADS, DURATION = 1000, 2, 1.0  # s
 ROUNDS = 5  # of interleaved pairs

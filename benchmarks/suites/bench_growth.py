@@ -16,8 +16,7 @@ from cross_checks.judge.runs import Runs
 from cross_checks.prices.pick import pick, setting
 from cross_checks.prices.sweep import sweep
 from cross_checks.prices.timing import interleaved
-from mbs_ref import scenes
-from mbs_ref.settings import Settings
+from mbs_ref import Settings, scenes
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.one_run import compiled, run_legs, start_run
 

@@ -17,11 +17,9 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, scenes
 from mbs_ref.cores.relative import no_tree
 from mbs_ref.observables.distance import Partial, farthest
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
 
 DURATION = 1.0  # s
 TIMES = np.array([0.0, DURATION])

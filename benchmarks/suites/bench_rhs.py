@@ -11,11 +11,10 @@ import pytest
 
 from benchmarks.trees.worker import right_hand_sides
 from cross_checks.prices.timing import interleaved
-from mbs_ref import scenes
+from mbs_ref import Scene, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.cores.spatial import SpatialSystem
-from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
 

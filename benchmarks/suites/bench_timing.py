@@ -12,12 +12,11 @@ from benchmarks.trees.slowed import HERE, calibrate, copy_tree
 from cross_checks import engines
 from cross_checks.judge import ladder
 from cross_checks.prices.timing import Pace, Sample, compare
-from mbs_ref import scenes
+from mbs_ref import Settings, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import progress
 from mbs_ref.kernels.jit import jit
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import integration_options
 
 IDENTICAL, SLOWED = 40, 20  # comparisons

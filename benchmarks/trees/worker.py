@@ -51,8 +51,7 @@ def timed(scene: str, parameters: dict[str, Any], engine: str, settings: dict[st
     """Time one run: the loop (s), and the share of a processor that the process got meanwhile."""
     from cross_checks import engines
     from cross_checks.judge import ladder
-    from mbs_ref import scenes
-    from mbs_ref.settings import Settings
+    from mbs_ref import Settings, scenes
 
     built = scenes.make(scene, **parameters)
     chosen, times = Settings(**settings), ladder.grid(built)

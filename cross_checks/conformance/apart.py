@@ -11,9 +11,8 @@ from cross_checks.engine.plan import stopped
 from cross_checks.isolation.parent import Caller, Lost
 from cross_checks.judge.ladder import label
 from cross_checks.judge.one_run import ENGINE_FAILURES
+from mbs_ref import Settings, Status, Trajectory
 from mbs_ref.scene import Scene, UserForce
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Trajectory
 
 TIMEOUT = 60.0  # s that one run may compute or sleep
 

@@ -11,10 +11,9 @@ from cross_checks.conformance.apart import Wrapped
 from cross_checks.conformance.finding import Report
 from cross_checks.engine import Engine, Method
 from cross_checks.engine.plan import stopped
+from mbs_ref import Settings, Status, Trajectory
 from mbs_ref.scene import Cylindrical, PlanarBody, Prismatic, Scene, SpatialBody, TorqueVector, UserForce, Weld
 from mbs_ref.scene.euler_parameters import conjugate, rotation_matrices
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Trajectory
 
 type Change = Callable[[Scene], Scene]
 type Spoil = Callable[[Scene, Trajectory], Trajectory]

@@ -7,9 +7,7 @@ from typing import Any, NamedTuple
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings, scenes
 
 STEP = 1e-3  # s, in the laboratory
 SKY_STEPS = 2000  # of a fixed step in the sky
@@ -49,11 +47,7 @@ LABORATORY, SKY, RELATIVE, BLAS = (
 
 def cases(names: list[str], more: tuple[Placed, ...] = ()) -> Iterator[Case]:
     """Yield every method of these engines with every scene that it takes, `more` too; a missing engine has none."""
-    for name in names:
-        try:
-            engine = engines.get(name)
-        except engines.EngineMissing:
-            continue
+    for engine in engines.installed(names):
         for method in engine.methods():
             yield from _of(engine, method, more)
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 from cross_checks.conformance.apart import Called, called
 from cross_checks.conformance.questions import Question
 from cross_checks.engine import Engine
-from mbs_ref.settings import Settings
+from mbs_ref import Settings
 
 FASTEST = 5e-9  # s: no processor evaluates a right-hand side, or takes a step, in less
 WORK = 0.1  # s of processor time, by which a longer run must exceed a shorter one to be compared

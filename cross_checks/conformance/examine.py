@@ -12,8 +12,7 @@ from cross_checks.conformance.ladder import climb
 from cross_checks.conformance.questions import Question, impossible, open_pendulum, questions, rungs, takes, uncovered
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status
+from mbs_ref import Settings, Status
 
 ENGINE_WIDE = ""  # the method or scene of what concerns the whole engine
 QUESTIONS = (

@@ -3,11 +3,11 @@
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
+from mbs_ref import Trajectory
 from mbs_ref.observables import constraint_residual, energy_balance, kinetic_energy
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.trajectory import Trajectory
 
 ORDERS = (5, 7)  # degrees of the splines through samples whose slopes are compared: errors of orders 6 and 8
 EDGE = 4  # samples at either end whose slopes are one-sided

@@ -16,8 +16,8 @@ from cross_checks.conformance.clock import impossible_time
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Question, rungs
 from cross_checks.engine import Engine
-from cross_checks.engine.initial_state import initial_sample
 from cross_checks.engine.method import Method
+from cross_checks.engine.plan import initial_sample
 from cross_checks.judge.bounds import FAILING, RESOLVED, TARGETS
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior

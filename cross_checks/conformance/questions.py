@@ -11,11 +11,10 @@ from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method
 from cross_checks.truths import Truth, known, truth_for
-from mbs_ref import scenes
+from mbs_ref import Settings, scenes
 from mbs_ref.scene import GROUND, PointMass, Scene, UserForce
 from mbs_ref.scene import Distance as Rod
 from mbs_ref.scene.traits import is_smooth, part_types
-from mbs_ref.settings import Settings
 
 SPANS = {  # s: long enough for every part to matter, short enough for many runs
     "pendulum": 1.0, "spring_pendulum": 1.0, "double_pendulum": 1.0, "n_four_bar": 1.0, "slider_crank": 0.5,

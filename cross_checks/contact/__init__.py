@@ -14,9 +14,7 @@ def model_of(engine: str) -> ContactModel | str:
     """Return the contact model of an engine, or the reason why there is none; ValueError for another name."""
     if engine not in ENGINES:
         raise ValueError(f"engine = {engine!r} has no contact model here; allowed: {', '.join(ENGINES)}")
-    try:
-        engines.get(engine)
-    except engines.EngineMissing:
+    if not any(engines.installed([engine])):
         return "not installed"
     if not Path(__file__).with_name(f"{engine}_.py").exists():
         return "its contact parameters are not translated yet"

@@ -13,13 +13,12 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.contact import request as wanted
 from cross_checks.contact.request import GRAVITY, ContactModel, Request, Translation
+from cross_checks.engine import Engine
 from cross_checks.judge.one_run import checked_run
 from cross_checks.metrics.contact_figures import contact_figures
-from mbs_ref import scenes
+from mbs_ref import Settings, Trajectory, scenes
 from mbs_ref.scene import GROUND, Force, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, StickSlip
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 
 RADIUS = 0.1  # m
 UNTURNED = 1e9  # kg m^2: a body of this inertia slides without turning
@@ -63,9 +62,14 @@ def _row(label: str, request: Request, figures: dict, translation: Translation, 
 
 
 def run(model: ContactModel, method: str, scene: Scene, step: float) -> Trajectory | str:
-    """Return the motion at every step, or the sentence why there is none."""
+    """Return the motion at every step (s), or the sentence why there is none."""
     settings = Settings(method=method, step=step, reactions=False, initial_tolerance=1.0)
-    path = checked_run(model.engine, scene, settings, step * np.arange(round(scene.duration / step) + 1))
+    return motion(model.engine, scene, settings, step * np.arange(round(scene.duration / step) + 1))
+
+
+def motion(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory | str:
+    """Return the motion at times (s), or the sentence why there is none."""
+    path = checked_run(engine, scene, settings, times)
     if not isinstance(path, Trajectory):
         return path[1]
     return path if path.ok else path.message

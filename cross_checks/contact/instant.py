@@ -6,6 +6,7 @@ Components are the normal one, then the tangential ones. Everything is assembled
 engine. Files have the names and layout of FCLIB's local problems (Acary et al., INRIA RT-0444, 2014).
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,21 +14,25 @@ from pathlib import Path
 import numpy as np
 from scipy.sparse import csc_array
 
-from cross_checks.contact.by_figure import run
+from cross_checks import engines
+from cross_checks.contact.by_figure import RTOL, motion, run
 from cross_checks.contact.request import ContactModel
 from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, augmented, unit_rates
+from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.contact_gap import relative_motion, shapes_known
-from mbs_ref.scene import Scene
 from mbs_ref.scene.base.part import normals
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.scene.signals import Constant
+from mbs_ref.scene.traits import traits
+from mbs_ref.simulate.start.equilibrium import restated
 
+REFERENCE = "mbs_ref"
 ITERATIONS = 20_000  # of the projected gradient ...
 RESOLVED = 1e-12  # of the largest impulse: ... which ends once a step changes them by less
 
 
 @dataclass(frozen=True)
 class Instant:
-    """The contacts that may touch within a step from the start of a scene."""
+    """The contacts that may touch within a step from one state of a scene, which is its start."""
 
     scene: Scene
     system: Augmented
@@ -53,6 +58,24 @@ class Instant:
         c = self.system.jacobian
         matrix = np.block([[self.system.mass, c.T], [c, np.zeros((len(c), len(c)))]])
         return np.linalg.lstsq(matrix, np.concatenate((load, gamma)))[0][: len(self.system.mass)]
+
+
+def state_at(scene: Scene, time: float) -> Scene:
+    """Return the scene that starts in its state at a time (s), by the reference solver; ValueError if it has none."""
+    if time == 0.0:
+        return scene
+    signals = [signal for part in (*scene.loads, *scene.joints) for signal in part.signals]
+    if "rheonomic" in traits(scene) or not all(isinstance(signal, Constant) for signal in signals):
+        raise ValueError(f"{scene.name}: its signals would begin anew at t = {time:g} s; only t = 0 is allowed")
+    path = _reached(scene, time)
+    if isinstance(path, str):
+        raise ValueError(f"{scene.name}: no state at t = {time:g} s: {path}")
+    return restated(scene, path)
+
+
+def _reached(scene: Scene, time: float) -> Trajectory | str:
+    settings = Settings(rtol=RTOL, atol=RTOL, reactions=False, estimate="off", initial_tolerance=1.0)
+    return motion(engines.get(REFERENCE), scene, settings, np.array((0.0, time)))
 
 
 def instant(scene: Scene, step: float) -> Instant:
@@ -102,23 +125,37 @@ class Violation:
     pushing_apart: float | None = None  # J, sum of u_N r_N
     not_opposed: float | None = None  # J, sum of mu r_N |u_T| + r_T u_T: friction that slides without its full force
     unexplained: float | None = None  # m/s, of u - q that no impulses inside the friction cones give
+    residual: float | None = None  # m/s, |W| times the largest change of r by one projection, 0 for solutions alone
     reason: str = ""
 
 
 def violation(problem: Instant, u: np.ndarray, engine: str = "", method: str = "") -> Violation:
     """Assess contact velocities (n d,), m/s; the impulses are the nearest in energy inside the friction cones."""
-    r = _impulses(problem, u - problem.free)
+    r = nearest_impulses(problem, u)
     speeds, impulses = (x.reshape(len(problem.contacts), -1) for x in (u, r))
     sliding = np.linalg.norm(speeds[:, 1:], axis=1)
     lost = problem.friction * impulses[:, 0] * sliding + np.sum(impulses[:, 1:] * speeds[:, 1:], axis=1)
     left = np.abs(u - problem.free - problem.delassus @ r).max()
-    return Violation(engine, method, float(max(0.0, -speeds[:, 0].min())),
-                     float(np.abs(speeds[:, 0] * impulses[:, 0]).sum()), float(lost.sum()), float(left))  # fmt: skip
+    return Violation(
+        engine, method, float(max(0.0, -speeds[:, 0].min())), float(np.abs(speeds[:, 0] * impulses[:, 0]).sum()),
+        float(lost.sum()), float(left), natural_residual(problem, r),
+    )  # fmt: skip
 
 
-def _impulses(problem: Instant, change: np.ndarray) -> np.ndarray:
+def natural_residual(problem: Instant, r: np.ndarray) -> float:
+    """Return |W| max |r - P(r - (u + mu |u_T| n)/|W|)|, m/s, of impulses r (n d,) and their u = W r + q.
+
+    P projects on the friction cones. The residual vanishes for solutions alone (Acary et al. 2014, the natural map).
+    """
+    size, u = np.linalg.norm(problem.delassus, 2), problem.delassus @ r + problem.free
+    shifted = u.reshape(len(problem.contacts), -1).copy()
+    shifted[:, 0] += problem.friction * np.linalg.norm(shifted[:, 1:], axis=1)
+    return float(size * np.abs(r - _projected(problem, r - shifted.ravel() / size)).max())
+
+
+def nearest_impulses(problem: Instant, u: np.ndarray) -> np.ndarray:
     """Return the r in the friction cones that minimises r W r / 2 - r (u - q), by accelerated projected gradients."""
-    w = problem.delassus
+    w, change = problem.delassus, u - problem.free
     rate, r = 1.0 / np.linalg.norm(w, 2), np.zeros_like(change)
     before = r
     for k in range(ITERATIONS):
@@ -140,14 +177,17 @@ def _projected(problem: Instant, r: np.ndarray) -> np.ndarray:
     return impulses.ravel()
 
 
-def assess(problem: Instant, model: ContactModel) -> list[Violation]:
-    """Return the violations of one step by every method of an engine's own contact model."""
-    found, scene = [], problem.scene.model_copy(update={"duration": problem.step})
-    for method in (method.name for method in model.engine.methods()):
-        path = run(model, method, scene, problem.step)
-        if not isinstance(path, Trajectory):
-            found.append(Violation(model.engine.name, method, reason=path))
+def assess(problem: Instant, models: Iterable[ContactModel]) -> list[Violation]:
+    """Return the violations of one step by the reference solver with the scene's laws and by engines' own contacts."""
+    scene = problem.scene.model_copy(update={"duration": problem.step})
+    runs: list[tuple[str, str, Trajectory | str]] = [(REFERENCE, "auto", _reached(scene, problem.step))]
+    runs += [(model.engine.name, method.name, run(model, method.name, scene, problem.step))
+             for model in models for method in model.engine.methods()]  # fmt: skip
+    found = []
+    for engine, method, path in runs:
+        if isinstance(path, str):
+            found.append(Violation(engine, method, reason=path))
             continue
         after = Moment.of(scene, path, -1)
-        found.append(violation(problem, problem.rows @ after.rate[after.used], model.engine.name, method))
+        found.append(violation(problem, problem.rows @ after.rate[after.used], engine, method))
     return found

@@ -21,7 +21,7 @@ from cross_checks.engines.mujoco_.contact import add_pair, effective_mass
 from cross_checks.engines.mujoco_.forces import force_refusals, shared_forces, takes_shared_forces
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import closure_refusals, linkage_of
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.contact import Friction, PinOnSprocket, RegularisedCoulomb, SpringDamperLaw
 from mbs_ref.scene.joints import Drive
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from cross_checks.engine.method import LOOPS, RTOLS, SINGLE, STEPS, Method, Refusal, adaptive, exponential, fixed
 from cross_checks.engine.plan import End, Loop, Plan, end_of, output_times, plan_run, stopped
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 from mbs_ref.trajectory import Timing, Trajectory
 
 __all__ = [
@@ -153,6 +152,10 @@ class Engine:
         sentence = f"{self.name} is not yet taught the part type"
         return [Refusal(f"{sentence} {kind!r}", permanent=False) for kind in missing] + self.topology_refusals(scene)
 
+    def able(self, scene: Scene) -> list[Method]:
+        """Return the methods that can run the scene."""
+        return [] if self.refusals(scene) else [m for m in self.methods() if not self.method_refusals(scene, m)]
+
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         """Return why this method of the engine cannot run the scene."""
         from mbs_ref.scene.traits import traits
@@ -161,3 +164,7 @@ class Engine:
         reasons = [f"{method.name} needs a scene that is {t}" for t in sorted(method.requires - present)]
         reasons += [f"{method.name} cannot model a scene that is {t}" for t in sorted(method.excludes & present)]
         return [Refusal(reason, permanent=True) for reason in reasons]
+
+    def refusal(self, scene: Scene, method: Method) -> str:
+        """Return why this method cannot run the scene as one text; empty when it can."""
+        return Refusal.text((*self.refusals(scene), *self.method_refusals(scene, method)))

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from mbs_ref import Scene
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness, RadiationPressure, ThirdBody
 from mbs_ref.scene.scales import attraction
 

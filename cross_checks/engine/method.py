@@ -1,15 +1,18 @@
 """A method of an engine, and why an engine cannot run a scene."""
 
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import factorial
 from typing import Any, Literal
 
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.traits import traits
 
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s, that a sweep of a fixed-step method tries
 RTOLS = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)  # that a sweep of an adaptive method tries
 LOOPS = frozenset({"closed-loop"})
+MOST_ALIKE = 8  # reasons that differ by names alone and are shown in full
 DOUBLE, SINGLE = 2.0**-53, 2.0**-24  # unit roundoff of IEEE 754 arithmetic
 
 
@@ -71,3 +74,14 @@ class Refusal:
 
     reason: str
     permanent: bool  # True: never, by its nature; False: not yet taught
+
+    @staticmethod
+    def text(refusals: Iterable["Refusal"]) -> str:
+        """Return the reasons as one text; a count for more than MOST_ALIKE that differ by quoted names."""
+        alike: dict[str, dict[str, None]] = {}
+        for one in refusals:
+            alike.setdefault(re.sub(r"'[^']*'", "''", one.reason), {})[one.reason] = None
+        return "; ".join(
+            "; ".join(group) if len(group) <= MOST_ALIKE else f"{next(iter(group))} (and {len(group) - 1} more like it)"
+            for group in alike.values()
+        )

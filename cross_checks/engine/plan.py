@@ -1,15 +1,73 @@
-"""The plan of a run (method, output times, steps between them, tolerances), and how its loop ended."""
+"""The plan of a run: its consistent start, method, output times, steps, tolerances; and how its loop ended."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
 
-from cross_checks.engine.initial_state import inconsistency
 from cross_checks.engine.method import Method, Refusal
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Trajectory
+from mbs_ref import Scene, Settings, Status, Trajectory
+from mbs_ref.observables import rows
+from mbs_ref.scene import Revolute, Weld
+
+# By dimension: the name of a body's orientation, and the orientation and angular velocity of a particle.
+TURNING = {2: ("angle", 0.0, 0.0), 3: ("orientation", (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))}
+
+
+@dataclass(frozen=True)
+class Gap:
+    """How far a joint's worst row is from satisfied at t = 0."""
+
+    joint: str
+    position: float  # m or rad
+    velocity: float  # m/s or rad/s
+
+
+def initial_sample(scene: Scene) -> Trajectory:
+    """Return the scene's own initial state as a trajectory of one sample."""
+    orientation, level, still = TURNING[scene.dimension]
+    names = ("position", ()), (orientation, level), ("velocity", ()), ("angular_velocity", still)
+    parts = [[getattr(body, name, default) for body in scene.bodies] for name, default in names]
+    position, turn, velocity, spin = (np.array(part, dtype=float)[None] for part in parts)
+    return Trajectory(np.zeros(1), position, turn, velocity, spin)
+
+
+def worst_gap(scene: Scene) -> Gap | None:
+    """Return the joint farthest from satisfied; None where there is no joint."""
+    constraints = rows(scene, initial_sample(scene))
+    if not constraints.joints:
+        return None
+    size = np.maximum(np.abs(constraints.residual[0]), np.abs(constraints.rate[0]))
+    joint = constraints.joints[int(np.argmax(size))]
+    own = np.array([name == joint for name in constraints.joints])
+    return Gap(joint, float(np.abs(constraints.residual[0, own]).max()), float(np.abs(constraints.rate[0, own]).max()))
+
+
+def open_loop(scene: Scene) -> str:
+    """Return a sentence on a joint whose two marks are apart at t = 0: engines take one world point a joint."""
+    for joint in scene.joints:
+        if isinstance(joint, Revolute | Weld) and joint.point_b is not None:
+            gap = math.dist(joint.point, joint.point_b)
+            if gap > 0.0:
+                return f"joint {joint.name!r} starts {gap:.3g} m open, and only mbs_ref closes such loops"
+    return ""
+
+
+def inconsistency(scene: Scene, tolerance: float) -> str:
+    """Return why engines that take one world point a joint cannot start the scene, or nothing."""
+    return open_loop(scene) or broken_start(scene, tolerance)
+
+
+def broken_start(scene: Scene, tolerance: float) -> str:
+    """Return a sentence on the worst gap above the tolerance, or nothing."""
+    gap = worst_gap(scene)
+    if gap is None or max(gap.position, gap.velocity) <= tolerance:
+        return ""
+    return (
+        f"the initial state breaks joint {gap.joint!r} by {gap.position:.3g} (m, rad) and "
+        f"{gap.velocity:.3g} (m/s, rad/s), more than initial_tolerance = {tolerance:g}"
+    )
 
 
 def stopped(scene: Scene, status: Status, message: str) -> Trajectory:
@@ -94,9 +152,9 @@ def plan_run(engine: Planned, scene: Scene, settings: Settings, times: np.ndarra
     grid = step_grid(scene, settings) if times is None and settings.step else output_times(scene, settings, times)
     if grid.ndim != 1 or len(grid) < 2 or grid[0] != 0.0 or not np.all(np.diff(grid) > 0.0):
         raise ValueError("times must be at least two increasing numbers, the first 0")
-    reasons = engine.refusals(scene) + engine.method_refusals(scene, method)
-    if reasons:
-        return stopped(scene, Status.REFUSED, "; ".join(refusal.reason for refusal in reasons))
+    refusal = engine.refusal(scene, method)
+    if refusal:
+        return stopped(scene, Status.REFUSED, refusal)
     broken = inconsistency(scene, settings.initial_tolerance)
     if broken:
         return stopped(scene, Status.INCONSISTENT, broken)

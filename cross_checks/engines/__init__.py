@@ -6,7 +6,8 @@ MBS_REF_ADAPTERS may list adapter files (separated as in PATH) that are neither 
 import os
 import re
 import sys
-from contextlib import redirect_stdout
+from collections.abc import Iterable, Iterator
+from contextlib import redirect_stdout, suppress
 from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata
@@ -27,6 +28,7 @@ class EngineMissing(ImportError):
     """The engine's own package is not installed."""
 
 
+@cache
 def _entry_points() -> dict[str, EntryPoint]:
     return {entry.name: entry for entry in entry_points(group=GROUP)}
 
@@ -48,6 +50,13 @@ def names() -> list[str]:
     """Return every engine's name: the reference first, then the others sorted."""
     known = sorted({*_files(), *_entry_points(), *_adapters()})
     return sorted(known, key=lambda name: name != "mbs_ref")
+
+
+def installed(chosen: Iterable[str] | None = None) -> Iterator[Engine]:
+    """Yield the engines chosen, of all unless given, whose packages are installed."""
+    for name in names() if chosen is None else chosen:
+        with suppress(EngineMissing):
+            yield get(name)
 
 
 def is_ours(name: str) -> bool:

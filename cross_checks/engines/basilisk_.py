@@ -30,7 +30,7 @@ from Basilisk.utilities import SimulationBaseClass
 
 from cross_checks.engine import RTOLS, End, Engine, Loop, Method, Plan, Poses, Refusal, exponential
 from cross_checks.engine.celestial import no_satellites, normalized_zonals, of_particles, planet_of
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.celestial import Drag, Oblateness
 from mbs_ref.scene.scales import attraction, is_celestial
 

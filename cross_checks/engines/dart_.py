@@ -15,7 +15,7 @@ from cross_checks.engine import STEPS, End, Loop, Method, Plan, Refusal
 from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
 from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 LOOPS = {"error_reduction": 0.01, "force_mixing": 1e-9, "largest_correction": 10.0}  # DART's defaults, pinned; m/s
 EULER, OWN_HINGE = "symplectic_euler", "symplectic_euler_own_hinge"

@@ -12,11 +12,9 @@ import numpy as np
 from cross_checks.engine import Engine, Method, Refusal, stopped
 from cross_checks.isolation.environments import python_of, surroundings
 from cross_checks.isolation.parent import Isolated, Lost
+from mbs_ref import Scene, Settings, Status, Trajectory
 from mbs_ref.kernels.jit import source_digest
-from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import python_parts
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Trajectory
 
 Get = Callable[[str], Engine]  # the registry's, which here and there finds the engine
 

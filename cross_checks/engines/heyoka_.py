@@ -11,10 +11,9 @@ import numpy as np
 
 from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engine.celestial import of_particles, untaught
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Status
 from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.scene.scales import attraction, is_celestial
-from mbs_ref.trajectory import Status
 
 TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15, 1e-18)  # of the Taylor series' remainder; 1e-18 is below roundoff
 UNROLLED = 3  # bodies; beyond, unrolled code takes minutes to compile

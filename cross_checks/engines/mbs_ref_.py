@@ -7,17 +7,15 @@ import numpy as np
 
 from cross_checks.engine import Engine, Method, Refusal, stopped
 from cross_checks.engine.celestial import contradictions
+from mbs_ref import Scene, Settings, Status, Trajectory
 from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator
-from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import is_celestial
 from mbs_ref.scene.traits import NO_DEFLECTIONS, NO_SLIP, PART_TYPES, deflecting, traits
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.simulate.method_choice import AUTO
 from mbs_ref.simulate.start.soundness import UnsoundScene
-from mbs_ref.trajectory import Status, Trajectory
 
 CHOSEN = Method(AUTO, "adaptive", None, "chosen by what the scene contains and what its first steps tell")
 
@@ -56,10 +54,9 @@ class MbsRef(Engine):
         return super().method_refusals(scene, method) + unheld + (absent if missing else []) + (only if foreign else [])
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        method = self.method(settings.method)
-        reasons = self.refusals(scene) + self.method_refusals(scene, method)
-        if reasons:
-            return stopped(scene, Status.REFUSED, "; ".join(refusal.reason for refusal in reasons))
+        refusal = self.refusal(scene, self.method(settings.method))
+        if refusal:
+            return stopped(scene, Status.REFUSED, refusal)
         try:
             return simulate(scene, settings, times)
         except InconsistentScene as error:

@@ -23,7 +23,7 @@ from cross_checks.engines.mujoco_.build import METHODS as OF_MUJOCO
 from cross_checks.engines.mujoco_.build import at_start, compile_links
 from cross_checks.engines.mujoco_.forces import own_refusals
 from cross_checks.linkage.links import closure_refusals, linkage_of
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 jax.config.update("jax_enable_x64", True)  # else everything is in single precision, without a word
 

@@ -11,10 +11,9 @@ import rebound
 
 from cross_checks.engine import RTOLS, End, Engine, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engine.celestial import of_particles, untaught
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Status
 from mbs_ref.scene.celestial import Oblateness, Relativity
 from mbs_ref.scene.scales import attraction, free_fall_time, is_celestial
-from mbs_ref.trajectory import Status
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; WHFast and SABA, in time units of the Kepler scene
 EPSILONS = (1e-3, 1e-5, 1e-7, 1e-9)  # IAS15's own measure; its default 1e-9 is machine precision

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths import is_unchanged
-from mbs_ref import ephemeris
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, ephemeris
 from mbs_ref.scenes.solar_system import julian_date
 
 REFERENCE = "de440"

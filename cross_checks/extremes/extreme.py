@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cross_checks.engine import Method
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
+from mbs_ref import Scene, Settings, Trajectory
 
 STEP, RTOL = 1e-3, 1e-8  # s and relative: the settings of a run, unless an axis changes them
 MAX_STEPS = 1_000_000  # of a run: several times what a second of wall time allows

@@ -25,7 +25,7 @@ from cross_checks.judge.convergence.model import posterior
 from cross_checks.judge.convergence.prediction import odds_below
 from cross_checks.judge.tried import facts_of
 from cross_checks.records.record import CANNOT
-from mbs_ref.trajectory import Status, Trajectory
+from mbs_ref import Status, Trajectory
 
 EVEN = 0.5  # odds from which a statement counts as true
 

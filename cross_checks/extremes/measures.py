@@ -7,10 +7,8 @@ import numpy as np
 from cross_checks.extremes.extreme import Measure, Measured
 from cross_checks.metrics.drifts import compliance
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import observables
+from mbs_ref import Scene, Trajectory, observables
 from mbs_ref.observables.distance import Partial, farthest, largest, point_distances
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
 
 Positions = Callable[[np.ndarray], np.ndarray]  # times (n_t,) s -> centres of mass (n_t, n_bodies, dimension) m
 

@@ -1,7 +1,7 @@
 """Run the matrix: each run in a child process, two children at a time, cell after cell."""
 
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,7 +13,7 @@ from cross_checks.extremes.cell import Cell, made_of
 from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
 from cross_checks.extremes.fate import Fate, Point, judge
 from cross_checks.isolation.parent import Isolated, Lost
-from cross_checks.isolation.workers import each
+from cross_checks.isolation.workers import Report, each
 from cross_checks.judge.one_run import checked_run
 from cross_checks.records.record import MISSING
 
@@ -23,7 +23,6 @@ LOADING = 30.0  # s for a new child, which has everything to load
 PATIENCE = {False: 2.0, True: 60.0}  # s for any other run, by `full`
 MEMORY = 2 * 2**30  # bytes of one child
 
-Progress = Callable[[int, int, str], None]
 Task = tuple[str, str, Extreme]  # engine, method (empty where the engine is not installed), extreme
 
 
@@ -44,9 +43,7 @@ def cannot(extreme: Extreme, engine: Engine, method: Method) -> str:
     """Return why a method has no say on an axis, or nothing."""
     if not extreme.takes(method):
         return "the axis is about fixed steps" if method.kind == "adaptive" else "it has no tolerance"
-    scene = extreme.case(extreme.axis.values[0]).scene
-    reasons = [*engine.refusals(scene), *engine.method_refusals(scene, method)]
-    return "; ".join(dict.fromkeys(refusal.reason for refusal in reasons))
+    return engine.refusal(extreme.case(extreme.axis.values[0]).scene, method)
 
 
 def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: Isolated) -> Cell:
@@ -107,7 +104,7 @@ def matrix(
     *,
     full: bool = False,
     known: Collection[Cell] = (),
-    progress: Progress | None = None,
+    progress: Report | None = None,
     children: int = CHILDREN,
     call: Isolated | None = None,
 ) -> Iterator[Cell]:

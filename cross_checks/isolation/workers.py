@@ -17,6 +17,8 @@ TIMEOUT = 300.0  # s for one call; the search bounds its work by steps, so that 
 BRIEF = 10.0  # s that a call of a task's first try may compute: longer than nearly all runs, short enough to wait for
 TICK = 1.0  # s between reports while no task ends
 
+Report = Callable[[int, int, str], None]  # done, of how many, what is under way
+
 
 class Late(RuntimeError):
     """A call of a task's first try computed longer than it may."""

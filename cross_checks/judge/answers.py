@@ -1,6 +1,6 @@
 """Every method on every scene, side by side: truths, and answers that are provisional while a truth is refined."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
@@ -11,7 +11,7 @@ import numpy as np
 from cross_checks import engines as registry
 from cross_checks.engine import Method
 from cross_checks.isolation.parent import Caller
-from cross_checks.isolation.workers import BRIEF, Late, Pool
+from cross_checks.isolation.workers import BRIEF, Late, Pool, Report
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.cell import judged, refusal_of, tasks
 from cross_checks.judge.consensus import ENOUGH, Consensus, Request
@@ -19,12 +19,10 @@ from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 USEFUL = 1e-3 / ONE_FIGURE  # of the scene: a truth that is known so well shows which methods are within 1e-3
 SEARCH = 1.0  # s that a search is expected to take, beside the levels of a consensus
-
-Progress = Callable[[int, int, str], None]  # (questions settled, of how many, what is under way)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +66,7 @@ def questions(scenes: Sequence[Scene], offered: Sequence[tuple[str, Method | Non
 
 
 def answers(
-    runs: Runs, requested: Sequence[Question], targets: Sequence[float] = TARGETS, progress: Progress | None = None,
+    runs: Runs, requested: Sequence[Question], targets: Sequence[float] = TARGETS, progress: Report | None = None,
     patient: bool = True,
 ) -> Iterator[Answer]:  # fmt: skip
     """Yield answers as they come; a later one to the same question replaces the earlier one.

@@ -5,8 +5,7 @@ from typing import Literal
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method, Refusal
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 from mbs_ref.scene.traits import ALL_TRAITS, PART_TYPES, traits
 
 

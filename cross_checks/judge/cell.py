@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method
-from cross_checks.engine.initial_state import broken_start
+from cross_checks.engine.plan import broken_start
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.consensus import ENOUGH, working_truth
 from cross_checks.judge.ladder import label
@@ -15,8 +15,7 @@ from cross_checks.judge.verdict import Judgement
 from cross_checks.judge.vocabulary import SILENT, Cell, TargetResult, Verdict
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 ALONE = "one package, not certified"
 BY_TRUTH = SILENT | {Verdict.AGREES, Verdict.BELOW_TRUTH, Verdict.CONVERGING}  # verdicts that a truth decides
@@ -83,9 +82,8 @@ def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]
     if method is None:
         return "", f"engine {engine!r} is not installed"
     solver: Engine = registry.get(engine)
-    reasons = [r.reason for r in (*solver.refusals(scene), *solver.method_refusals(scene, method))]
     broken = broken_start(scene, Settings().initial_tolerance)  # the scene's fault, not an engine's
-    return method.name, "; ".join(dict.fromkeys([*reasons, broken] if broken else reasons))
+    return method.name, "; ".join(filter(None, (solver.refusal(scene, method), broken)))
 
 
 def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:

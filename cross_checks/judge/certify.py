@@ -14,7 +14,7 @@ from cross_checks.judge.one_run import evaluate
 from cross_checks.truths import seek_truth, stored_poses
 from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 PACKAGES = ("numpy", "scipy")  # whose versions may matter; extended precision is the processor's
 
@@ -45,8 +45,8 @@ def store_poses(scene: Scene) -> Path | None:
 def _confirmation(scene: Scene) -> tuple[str, float | None]:
     """Run the reference solver at its finest: it shares the scene's data with the truth, and no code of motion."""
     solver = engines.get("mbs_ref")
-    fit = [method for method in solver.methods() if not solver.method_refusals(scene, method)]
-    if solver.refusals(scene) or not fit:
+    fit = solver.able(scene)
+    if not fit:
         return "the reference solver does not run it", None
     finest = ladder.rungs(fit[0], scene)[-1]
     record = evaluate(scene, solver.name, finest, ladder.grid(scene))

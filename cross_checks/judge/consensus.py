@@ -4,7 +4,8 @@ Every engine that runs the scene gives its best methods, side by side: cheap set
 scene is not known well enough, those of fast methods before those of slow ones. A method's limit comes from two
 tolerances, or from three steps that halve: the last two show where they lead, and the first two how well. The pair is
 chosen that is closest, its members' own last refinements included, of engines that stand on different packages: the
-scene is known to that distance, agreed and not certified.
+scene is known to that distance, agreed and not certified. A method with a documented weakness on the scene comes last
+and needs a partner without one.
 
 Runs that look for events at the same times are one witness. Each run therefore has output times of its own between
 those of the judges, and each method steps of its own. Where one package runs the scene alone, two unlike methods of it
@@ -27,15 +28,13 @@ from cross_checks.engine import Engine, Method
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import BRIEF, Late, Pool
 from cross_checks.judge.bounds import AGREEMENT
-from cross_checks.judge.convergence.extrapolation import extrapolated
+from cross_checks.judge.convergence.prediction import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
 from cross_checks.records.store import SAMPLES
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 
 LEVELS: tuple[dict[str, tuple[float, ...]], ...] = (
     {"adaptive": (1e-6, 1e-8), "fixed": (6.4e-4, 3.2e-4, 1.6e-4)},
@@ -60,6 +59,7 @@ class Witness(NamedTuple):
     setting: str
     path: Trajectory
     moved: float  # over the scene's scales
+    is_sound: bool = True  # whether no weakness on the scene is documented
 
     @property
     def name(self) -> str:
@@ -99,7 +99,7 @@ class Consensus:
 
     Runs are requested from the pool, whose user hands every result of a Request to `receive`. A scene is settled when
     it is known to `enough` of its scales, or when no run remains. A method whose run computes for long is
-    waited for only where the others agree on nothing.
+    waited for only where the others agree on nothing, or where it is one of the closest pair.
     """
 
     def __init__(self, pool: Pool, runs: Runs, scene: Scene, reason: str = "", enough: float = ENOUGH) -> None:
@@ -108,7 +108,7 @@ class Consensus:
         self._witnesses: dict[tuple[str, str], Witness] = {}
         self._closest: dict[int, Pair] = {}  # by the number of packages, of all pairs so far
         self._late: list[Request] = []
-        able = [(name, method) for name in engines.names() for method in _best_methods(name, scene)]
+        able = [(engine.name, method) for engine in engines.installed() for method in best_methods(engine, scene)]
         self._packages = len({engines.get(name).library for name, _ in able})
         self._open = [self._requested(Request(self, name, method, 0)) for name, method in able]
 
@@ -155,8 +155,15 @@ class Consensus:
         if self._is_known(self._enough):
             self._pool.drop(lambda name: name in self._open)
             self._open = []
-        elif not self._open and not self._is_known(WORST):
-            self._open, self._late = [self._requested(late, again=True) for late in self._late], []
+        elif not self._open:
+            again, self._late = [late for late in self._late if self._decides(late)], []
+            self._open = [self._requested(late, again=True) for late in again]
+
+    def _decides(self, late: Request) -> bool:
+        """Whether the truth depends on a method: the scene is not known, or the method is one of the closest pair."""
+        pair = self._closest.get(min(2, self._packages))
+        names = [] if pair is None else [(one.engine, one.method) for one in (pair.first, pair.second)]
+        return not self._is_known(WORST) or (late.engine, late.method.name) in names
 
     def _requested(self, request: Request, seconds: float = 0.0, again: bool = False) -> Request:
         self._pool.add(request, partial(_timed, self._runs, request), seconds, again)
@@ -167,7 +174,7 @@ class Consensus:
             return
         self._witnesses[witness.engine, witness.method] = witness
         for other in self._witnesses.values():
-            if other is not witness:
+            if other is not witness and (witness.is_sound or other.is_sound):
                 known_to = max(_distance(self.scene, witness, other), witness.moved, other.moved)
                 pair = Pair(known_to, *sorted((witness, other), key=lambda one: one.moved))
                 self._closest[pair.packages] = min(self._closest.get(pair.packages, pair), pair, key=lambda p: p[0])
@@ -200,16 +207,10 @@ def _distance(scene: Scene, first: Witness, second: Witness) -> float:
     return float("inf") if apart is None else apart
 
 
-def _best_methods(name: str, scene: Scene) -> list[Method]:
-    """Return the methods of highest order that run the scene and are not known to go wrong on it, unlike ones first."""
-    try:
-        engine: Engine = engines.get(name)
-    except engines.EngineMissing:
-        return []
-    if engine.refusals(scene):
-        return []
-    able = [m for m in engine.methods() if not engine.method_refusals(scene, m) and not m.excused(scene)]
-    return sorted(able, key=lambda m: (m.kind != "adaptive", -(m.order or 4)))[:PER_ENGINE]
+def best_methods(engine: Engine, scene: Scene) -> list[Method]:
+    """Return the methods of highest order that run the scene; those with a documented weakness on it come last."""
+    able = engine.able(scene)
+    return sorted(able, key=lambda m: (bool(m.excused(scene)), m.kind != "adaptive", -(m.order or 4)))[:PER_ENGINE]
 
 
 def _timed(runs: Runs, request: Request, call: Caller) -> tuple[Witness | None, float]:
@@ -232,7 +233,8 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
     moved = gap(scene, *paths[-2:])
     if moved is None:
         return None
-    plain = Witness(engine, engines.get(engine).library, method.name, label(settings[-1]), paths[-1], moved)
+    library, is_sound = engines.get(engine).library, not method.excused(scene)
+    plain = Witness(engine, library, method.name, label(settings[-1]), paths[-1], moved, is_sound)
     if len(paths) < 3 or method.order is None:
         return plain
     steps = [knob_of(one) for one in settings]

@@ -5,9 +5,8 @@ import math
 import numpy as np
 
 from cross_checks.engine import Method
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Settings
 from mbs_ref.scene.scales import free_fall_time, scales_of
-from mbs_ref.settings import Settings
 
 SAMPLES = 41  # output times of a judged run
 STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s, where a method names none

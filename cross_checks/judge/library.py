@@ -10,10 +10,9 @@ from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import NOT_COMPARED, Runs, against
 from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.store import Run, Store, default_path
+from mbs_ref import Scene, Settings
 from mbs_ref.display import listing
-from mbs_ref.scene import Scene
 from mbs_ref.scene.messages import sentences
-from mbs_ref.settings import Settings
 
 
 class Cells(list[Cell]):

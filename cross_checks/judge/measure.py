@@ -12,9 +12,8 @@ from cross_checks.metrics.errors import COMPONENTS, significant_figures
 from cross_checks.metrics.metric import Absent, Judged, figures, known_to
 from cross_checks.records.record import Error
 from cross_checks.truths.truth import Truth
+from mbs_ref import Scene, Trajectory
 from mbs_ref.observables.distance import NAMES, largest, units_of
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
 
 BROKEN = 1e-3  # m, rad: a joint this far open is named in the notes
 

@@ -16,9 +16,7 @@ from cross_checks.metrics.metric import Judged
 from cross_checks.records.record import CANNOT, MISSING, Record
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Trajectory
+from mbs_ref import Scene, Settings, Status, Trajectory
 
 ON_TIME = 1e-9  # s; a sample further from its requested time is a skipped or restarted clock
 # What native engines raise when a run goes wrong. A TypeError or AttributeError is a broken adapter: it propagates.
@@ -55,9 +53,9 @@ def judged_run(
         return without_run(scene, engine_name, settings, MISSING, str(error)), None
     method = engine.method(settings.method)
     settings = settings.model_copy(update={"method": method.name})
-    reasons = [r.reason for r in (*engine.refusals(scene), *engine.method_refusals(scene, method))]
-    if reasons:
-        return without_run(scene, engine_name, settings, CANNOT, "; ".join(dict.fromkeys(reasons)), engine), None
+    refusal = engine.refusal(scene, method)
+    if refusal:
+        return without_run(scene, engine_name, settings, CANNOT, refusal, engine), None
     requested = output_times(scene, settings, times)
     outcome = checked_run(engine, scene, settings, requested)
     if not isinstance(outcome, Trajectory):

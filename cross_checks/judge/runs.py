@@ -11,15 +11,12 @@ from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.metric import Judged
-from cross_checks.records.naming import run_name, truth_name
 from cross_checks.records.record import Record
-from cross_checks.records.store import Run, Store
+from cross_checks.records.store import Run, Store, run_name, truth_name
 from cross_checks.truths import LIMIT_S, seek_truth
 from cross_checks.truths.truth import NoTruth, Truth, time_limit
+from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.distance import largest, relative
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 
 PASSING = frozenset({"timeout", "out-of-memory"})  # the machine's doing: the next one may see the run come back
 NOT_COMPARED = NoTruth("runs are stored without a truth, which may become known later")

@@ -15,11 +15,10 @@ from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Trajectory
 from mbs_ref.scene.scales import free_fall_time
 from mbs_ref.scene.traits import is_smooth
 from mbs_ref.simulate.linearised import may_be_stiff, stiffness_at_start
-from mbs_ref.trajectory import Trajectory
 
 FIRST_RTOL, FIRST_STEP = 1e-5, 5e-3  # where the search begins; steps in free-fall times
 STABLE = 0.7  # of the step that the linearised motion allows an explicit method
@@ -140,17 +139,11 @@ def typical_facts(kind: str, order: int, expected: float, duration: float, uncer
 def _alike(scene: Scene, engine: str, method: Method):
     if method.order is None:
         return
-    for name in engines.names():
-        try:
-            other = engines.get(name)
-        except engines.EngineMissing:
-            continue
-        if other.library == engines.get(engine).library or other.refusals(scene):
-            continue
-        able = [m for m in other.methods() if m.kind == method.kind and (m.order or 0) >= method.order]
-        sound = [m for m in able if not other.method_refusals(scene, m) and not m.excused(scene)]
-        if sound:
-            yield name, min(sound, key=lambda m: m.order or 0)
+    for other in engines.installed():
+        if other.library != engines.get(engine).library:
+            alike = [m for m in other.able(scene) if m.kind == method.kind and (m.order or 0) >= method.order]
+            if sound := [m for m in alike if not m.excused(scene)]:
+                yield other.name, min(sound, key=lambda m: m.order or 0)
 
 
 def search(

@@ -11,13 +11,13 @@ import numpy as np
 from cross_checks.engine import Engine, Plan, Poses, Refusal
 from cross_checks.linkage.links import Linkage, closure_refusals
 from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, poses_of, project, rotated
+from mbs_ref import Scene
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.dynamics import load_state as load_planar
 from mbs_ref.kernels.spatial.marks import cross, plus, put, symmetric_times, triple
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
-from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import CelestialLoad, Epoch, GravityGradient, Newton
 from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
 from mbs_ref.scene.euler_parameters import conjugate, from_matrix, parameter_matrix, product

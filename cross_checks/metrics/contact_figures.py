@@ -8,11 +8,11 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
+from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import gap_of, shapes_known
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.contact import RoundPair
-from mbs_ref.trajectory import Trajectory
 
 STILL = 1e-4  # m/s: slower is at rest, regularised friction creeps
 STEADY = 0.1  # relative change of a mean speed that counts as steady

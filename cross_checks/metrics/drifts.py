@@ -3,9 +3,8 @@
 import numpy as np
 
 from cross_checks.metrics.metric import Absent, Judged, Metric
+from mbs_ref import Scene, Trajectory
 from mbs_ref.observables import energy_balance, momentum_drift, rows
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
 
 
 def compliance(scene: Scene, trajectory: Trajectory) -> tuple[np.ndarray, np.ndarray]:

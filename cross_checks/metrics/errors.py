@@ -4,9 +4,8 @@ import numpy as np
 
 from cross_checks.ephemerides import Observed
 from cross_checks.metrics.metric import Absent, Judged, Metric
+from mbs_ref import Scene, Trajectory
 from mbs_ref.observables.distance import NAMES, UNITS, largest
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
 
 
 def _component(place: int):

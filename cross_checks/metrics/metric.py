@@ -9,10 +9,9 @@ import numpy as np
 
 from cross_checks.truths import truth_for
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
+from mbs_ref import Scene, Trajectory
 from mbs_ref.observables.distance import Motion, distances, farthest
-from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import Scales, scales_of
-from mbs_ref.trajectory import Trajectory
 
 
 class Errors(NamedTuple):

@@ -6,14 +6,14 @@ from contextlib import nullcontext
 from cross_checks import engines as registry
 from cross_checks.engine import Method
 from cross_checks.isolation.parent import Isolated
-from cross_checks.judge.answers import Answer, Progress, Question, answers, questions
+from cross_checks.isolation.workers import Report
+from cross_checks.judge.answers import Answer, Question, answers, questions
 from cross_checks.judge.cell import tasks
 from cross_checks.judge.one_run import without_run
 from cross_checks.judge.runs import Runs
 from cross_checks.prices.timing import timed
 from cross_checks.records.record import Record
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 DECADES = tuple(10.0**-k for k in range(2, 11))  # targets of a sweep, over the scene's scales
 Worth = Callable[[Sequence[Record]], Collection[Record]]  # those of all runs that are timed
@@ -21,7 +21,7 @@ Worth = Callable[[Sequence[Record]], Collection[Record]]  # those of all runs th
 
 def sweep(
     runs: Runs, scene: Scene, engines: Collection[str] | None = None, methods: Collection[str] | None = None,
-    progress: Progress = lambda done, total, what: None, targets: Sequence[float] = DECADES,
+    progress: Report = lambda done, total, what: None, targets: Sequence[float] = DECADES,
     seen: Callable[[list[Record]], None] = lambda records: None, worth: Worth | None = None,
 ) -> Iterator[Record]:  # fmt: skip
     """Yield every run of every method's search for the targets, judged and timed, coarse to fine.

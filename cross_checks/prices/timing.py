@@ -20,12 +20,9 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Isolated, Lost
 from cross_checks.judge.ladder import grid
-from cross_checks.records.naming import run_name
 from cross_checks.records.record import BUSY_NOTE, Record
-from cross_checks.records.store import Store
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from cross_checks.records.store import Store, run_name
+from mbs_ref import Scene, Settings, scenes
 
 PAIRS = 5  # runs of each in a block, of which the fastest counts
 FEWEST_BLOCKS, MOST_BLOCKS = 10, 40  # of a comparison
@@ -36,6 +33,7 @@ AGAIN = 3  # times a disturbed run is repeated
 FEWEST_RUNS, MOST_RUNS = 3, 5  # of a setting
 NARROW = 0.05  # of the median: half of the interval
 ENOUGH = 1.0  # s of loop time: a longer run is timed once, a scheduler's quanta are small beside it
+WARMED = 0.2  # s of loop time: warming caches up is a small part of a longer run, which counts
 ROUNDS = 3  # turns, of which a run's least time counts
 CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
 SHARED = " while others used it"  # of a machine's name, under which times of a busy one are stored
@@ -189,11 +187,11 @@ def measured(store: Store, call: Caller, scene: Scene, record: Record) -> Record
 
 
 def time_loops(scene: Scene, engine: str, settings: Settings) -> tuple[list[float], float]:
-    """Return the loop times (s), and the share of a processor that the process got meanwhile; a first run warms up."""
+    """Return the loop times (s), and the share of a processor that the process got meanwhile; a short run warms up."""
     first = sample(scene, engine, settings)
-    if first.loop_s > ENOUGH:  # warming up is a small part of it
+    if first.loop_s > ENOUGH:
         return [first.loop_s], first.cpu_share
-    samples: list[Sample] = []
+    samples = [first] if first.loop_s > WARMED else []
     while not is_enough([one.loop_s for one in samples]):
         samples.append(sample(scene, engine, settings))
     return [one.loop_s for one in samples], float(np.mean([one.cpu_share for one in samples]))

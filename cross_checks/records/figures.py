@@ -12,9 +12,8 @@ from cross_checks.records.plots.of_runs import work_precision as work_precision_
 from cross_checks.records.plots.plot import new_figure, to_data
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Trajectory
 from mbs_ref.simulate.many.ensemble import Ensemble
-from mbs_ref.trajectory import Trajectory
 
 AXES = "xyz"
 

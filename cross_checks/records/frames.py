@@ -6,7 +6,7 @@ from typing import Any
 
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.trajectory import POSES, Trajectory, pose_columns
 
 LIBRARIES = ("pandas", "polars")

@@ -4,10 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from mbs_ref import scenes
+from mbs_ref import Settings, Status, scenes
 from mbs_ref.display import facts
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status
 
 CANNOT, MISSING = "cannot", "engine-missing"  # statuses of what was refused, and of what no installed package runs
 

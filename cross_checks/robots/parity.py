@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from cross_checks import robots
-from cross_checks.engine.initial_state import initial_sample
+from cross_checks.engine.plan import initial_sample
 from cross_checks.robots.robot import RobotError, root_of
 from mbs_ref.observables import kinetic_energy, potential_energy
 

@@ -121,7 +121,7 @@ class ColumnMap(Stated):
     time: Time
     bodies: dict[str, Body] = Field(min_length=1)
     world: World = World()
-    delimiter: str = Field(",", min_length=1, max_length=1)
+    delimiter: str = Field("", max_length=1)
 
 
 def read_map(path: Path) -> ColumnMap:
@@ -141,9 +141,7 @@ def own_map(header: list[str], bodies: list[str]) -> ColumnMap | None:
     """Return the map of columns named as `mbs-ref simulate -o` names them, all or whole parts; None of others."""
     for world in OWN:
         stated = {
-            body: {
-                name: part for name, part in _named(world, f"{body}.{{}}").items() if {*part["columns"]} <= {*header}
-            }
+            body: {name: own for name, own in _named(world, f"{body}.{{}}").items() if {*own["columns"]} <= {*header}}
             for body in bodies
         }
         used = {column for parts in stated.values() for part in parts.values() for column in part["columns"]}

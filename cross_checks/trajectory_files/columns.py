@@ -16,7 +16,7 @@ Report = Callable[[int, int, str], None]  # done, total, what
 
 
 def read_columns(
-    path: Path, delimiter: str = ",", clock: str = "t", only: Only | None = None, report: Report | None = None
+    path: Path, delimiter: str = "", clock: str = "t", only: Only | None = None, report: Report | None = None
 ) -> Columns:
     """Read a file's columns in bounded memory; more than MOST_ROWS rows are thinned by a power of 2.
 

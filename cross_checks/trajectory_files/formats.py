@@ -17,6 +17,7 @@ import numpy as np
 
 from mbs_ref.trajectory import POSES, pose_columns
 
+DELIMITERS = ",;\t"  # of a CSV; the one that its header has most, unless stated
 SUFFIXES = (".csv", ".txt", ".tsv", ".npz", ".parquet")
 OWN = {"bodies", "times", *POSES}  # in the files that `mbs-ref simulate -o` writes
 PART = 2**18  # numbers in memory
@@ -55,7 +56,7 @@ class Columns:
         return replace(self, values={k: v[rows] for k, v in self.values.items()}, numbers=self.counted[rows])
 
 
-def parts(path: Path, delimiter: str = ",") -> Iterator[Columns]:
+def parts(path: Path, delimiter: str = "") -> Iterator[Columns]:
     """Yield the rows of a file, PART numbers at a time.
 
     Raises FileError: no file, an unknown suffix, rows of unequal length, a cell that is no number, a column that
@@ -64,7 +65,7 @@ def parts(path: Path, delimiter: str = ",") -> Iterator[Columns]:
     if path.suffix not in SUFFIXES:
         raise FileError(f"{path}: suffix {path.suffix!r} is unknown; allowed: {', '.join(SUFFIXES)}")
     if not path.is_file():
-        raise FileError(f"{path}: there is no such file")
+        raise FileError(f"{path}: is no file" if path.exists() else f"{path}: there is no such file")
     try:
         match path.suffix:
             case ".npz":
@@ -75,13 +76,7 @@ def parts(path: Path, delimiter: str = ",") -> Iterator[Columns]:
                 yield from _text(path, delimiter)
     except FileError:
         raise
-    except (
-        OSError,
-        EOFError,
-        ValueError,
-        csv.Error,
-        zipfile.BadZipFile,
-    ) as error:  # pyarrow's own are of these classes
+    except (OSError, EOFError, ValueError, csv.Error, zipfile.BadZipFile) as error:  # pyarrow's are of these classes
         raise FileError(f"{path}: cannot be read as {path.suffix[1:].upper()}: {error}") from error
 
 
@@ -116,7 +111,9 @@ def _own(held: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 def _text(path: Path, delimiter: str) -> Iterator[Columns]:
     with path.open("rb") as raw, io.TextIOWrapper(raw, encoding="utf-8-sig", newline="") as file:
-        rows = csv.reader(file, delimiter=delimiter, skipinitialspace=True)
+        head = next((text for text in file if text.strip() and not text.lstrip().startswith("#")), "")
+        file.seek(0)
+        rows = csv.reader(file, delimiter=delimiter or max(DELIMITERS, key=head.count), skipinitialspace=True)
         stripped = ((rows.line_num, [cell.strip() for cell in row]) for row in rows)
         filled = ((line, row) for line, row in stripped if any(row) and not row[0].startswith("#"))
         line, names = next(filled, (0, []))

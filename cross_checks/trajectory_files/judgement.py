@@ -14,10 +14,9 @@ from cross_checks.records.record import Error
 from cross_checks.trajectory_files.formats import FileError
 from cross_checks.trajectory_files.motion import SAME_TIME, DescribedMotion
 from cross_checks.truths.truth import NoTruth, Truth
+from mbs_ref import Scene, Trajectory
 from mbs_ref.observables.distance import NAMES, UNITS, largest, units_of
-from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.trajectory import Trajectory
 
 MOST = 8  # errors in the text of a judgement
 

@@ -16,7 +16,7 @@ from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.motion import Read, read_motion
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.trajectory import COLUMNS, Trajectory
 
 TruthAt = Callable[[np.ndarray], Truth | NoTruth]  # of times (n_t,), s

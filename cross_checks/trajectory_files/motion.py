@@ -222,7 +222,7 @@ def read_motion(
     clock, unit = ("t", 1.0) if stated is None else (stated.time.column, units.factor("time", stated.time.unit))
     only: Only | None = None if at is None else (at / unit, SAME_TIME * scene.duration / unit)
     if isinstance(source, Path):
-        columns = read_columns(source, "," if stated is None else stated.delimiter, clock, only, report)
+        columns = read_columns(source, "" if stated is None else stated.delimiter, clock, only, report)
     else:
         columns = columns_of(source, clock, only)
     stated = stated or own_map(list(columns.values), list(scene.body_names))

@@ -14,8 +14,7 @@ from cross_checks.truths.made_by.agreement import LARGEST_UNCERTAINTY
 from cross_checks.truths.made_by.numerics import rates
 from cross_checks.truths.stored_poses import physics_of
 from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, OutsideDomainError, Truth, time_limit
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 from mbs_ref.scene.scales import scales_of
 
 LIMIT_S = 60.0  # s of processor time for one truth; those that `certify` stores have no limit

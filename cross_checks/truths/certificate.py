@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref import scenes
+from mbs_ref import Scene, scenes
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.observables.distance import Partial, unmasked_distances
-from mbs_ref.scene import Scene
 
 FOLDER = Path(__file__).parent / "data" / "certificates"
 

@@ -12,8 +12,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from cross_checks.writers.script import Form, Job, NotWritable
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 __all__ = ["Form", "Job", "NotWritable", "forms", "write"]
 SCRIPT = ".py"  # the suffix of forms that run

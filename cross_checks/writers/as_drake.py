@@ -8,8 +8,8 @@ from cross_checks.engines import get
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED
 from cross_checks.writers.script import Form, NotWritable, job_of, refuse_shared, script, turns_of
+from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
-from mbs_ref.settings import Settings
 
 # Drake's joint of each kind of link
 JOINTS = {

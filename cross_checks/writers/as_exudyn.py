@@ -14,8 +14,8 @@ import numpy as np
 from cross_checks.engines import get
 from cross_checks.linkage.forces import BY_SHARED_CODE
 from cross_checks.writers.script import Form, Job, job_of, literal, refuse, refuse_shared, script, turns_of
+from mbs_ref import Settings
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
-from mbs_ref.settings import Settings
 
 KINDS = ("Node", "Object", "Marker", "Load", "Sensor")  # in this order, items refer only to earlier ones
 NAMED = "UserFunction"  # in the names of fields that hold Python functions, as {"function": ..., "type": ...}

@@ -12,8 +12,7 @@ from markupsafe import escape
 
 from cross_checks.linkage.links import linkage_of
 from cross_checks.writers.script import Form, Job, NotWritable, job_of, refuse_shared, script, turns_of, xml
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 DISABLED, ENABLED = {16: "contact", 512: "warmstart"}, {32: "diagexact"}  # bits of flags in the words of MJCF
 SAME = 1e-13  # of an array's largest number: MuJoCo normalises quaternions and axes again

@@ -7,9 +7,9 @@ import numpy as np
 
 from cross_checks.engines import get
 from cross_checks.writers.script import Form, Job, job_of, refuse_shared, script, turns_of
+from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.settings import Settings
 
 
 def write_pinocchio(scene: Scene, settings: Settings) -> str:

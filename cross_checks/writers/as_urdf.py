@@ -12,8 +12,8 @@ import numpy as np
 from cross_checks.linkage.links import Link, Linkage, linkage_of
 from cross_checks.linkage.tree import FIXED
 from cross_checks.writers.script import Form, refuse, xml
+from mbs_ref import Settings
 from mbs_ref.scene import Bushing, Drive, Scene, TorsionSpring
-from mbs_ref.settings import Settings
 
 KINDS = {"revolute": "continuous", "prismatic": "prismatic", "weld": "fixed"}
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # a plane's x, y, z in the file's axes

@@ -13,8 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from cross_checks import engines
 from cross_checks.engine import Engine, Plan, plan_run
 from cross_checks.linkage.links import linkage_of
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 from mbs_ref.trajectory import COLUMNS, Trajectory
 
 

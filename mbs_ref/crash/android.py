@@ -168,13 +168,9 @@ class _Model:
         return bodies
 
     def revolutes(self) -> list[parts.Revolute]:
+        at = self.places.point
         return [
-            parts.Revolute(
-                name=_pair(j),
-                body_a=j["body_j"],
-                body_b=j["body_i"],
-                point=self.places.point(j["body_i"], j["point_i"]),
-            )
+            parts.Revolute(name=_pair(j), body_a=j["body_j"], body_b=j["body_i"], point=at(j["body_i"], j["point_i"]))
             for j in self.data["joints"]
         ]
 

@@ -8,11 +8,10 @@ from scipy.integrate import cumulative_simpson
 from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.crash import injury
 from mbs_ref.crash.stops import STOP, stop_load, tension
-from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.attachment import Motion, twist_of
 from mbs_ref.observables.energy import kinetic_energy, potential_energy
 from mbs_ref.observables.powers import LOADS, contact_power
 from mbs_ref.observables.signal_values import values
-from mbs_ref.observables.springs import twist_of
 from mbs_ref.scene import Force, PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
 from mbs_ref.trajectory import Trajectory
 

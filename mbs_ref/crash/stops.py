@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.crash.places import Places, Point
-from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.springs import length_of, pull_of
+from mbs_ref.observables.attachment import Motion, length_of, pull_of
 from mbs_ref.scene import SpringDamper
 
 STOP = "stop."

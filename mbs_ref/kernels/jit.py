@@ -68,8 +68,19 @@ def _source(module: str) -> tuple[bytes, frozenset[str]]:
         if plain:
             found |= {name.split(" as ")[0].strip() for name in plain.split(",")}
         else:
-            found |= {parent, *(f"{parent}.{name}" for name in re.findall(r"(\w+)(?: as \w+)?", names))}
+            homes = _public(parent)
+            found.add(parent)
+            for name in re.findall(r"(\w+)(?: as \w+)?", names):
+                found.add(homes.get(name, f"{parent}.{name}"))
     return content, frozenset(name for name in found if _lies_in(home, name) or _lies_in(_PROJECT, name))
+
+
+@cache
+def _public(package: str) -> dict[str, str]:
+    """Return the module of each public name of a package, as its stub imports them (see `public_names`)."""
+    stub = _PROJECT.joinpath(*package.split("."), "__init__.pyi")
+    imports = _IMPORT.findall(stub.read_text()) if stub.is_file() else []
+    return {name: module for module, names, _ in imports for name in re.findall(r" as (\w+)", names) if module != "."}
 
 
 @cache

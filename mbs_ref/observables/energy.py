@@ -8,10 +8,10 @@ import numpy as np
 
 from mbs_ref import scene as parts
 from mbs_ref.observables import celestial
-from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, pull_of, twist_of
+from mbs_ref.observables.momentum import spins
 from mbs_ref.observables.powers import powers
-from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, pull_of, twist_of
-from mbs_ref.scene import PlanarBody, Scene, SpatialBody
+from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive, UserConstraint
@@ -37,23 +37,14 @@ class EnergyBalance:
 def kinetic_energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
     """Return the kinetic energy (n_t,), J; infinite or NaN where a run that diverged is beyond squares."""
     mass = np.array([body.mass for body in scene.bodies])
-    if scene.dimension == 3:
-        return 0.5 * np.sum(trajectory.velocity**2, axis=2) @ mass + _spatial_rotation(scene, trajectory)
-    inertia = np.array([body.inertia if isinstance(body, PlanarBody) else 0.0 for body in scene.bodies])
-    rigid = inertia > 0.0  # a particle's spin means nothing
-    translation = 0.5 * np.sum(trajectory.velocity**2, axis=2) @ mass
-    return translation + 0.5 * trajectory.angular_velocity[:, rigid] ** 2 @ inertia[rigid]
+    return 0.5 * np.sum(trajectory.velocity**2, axis=2) @ mass + _rotation(scene, trajectory)
 
 
-def _spatial_rotation(scene: Scene, trajectory: Trajectory) -> np.ndarray:
-    """omega^T A J A^T omega / 2 of every rigid body."""
-    total = np.zeros(len(trajectory.times))
-    for k, body in enumerate(scene.bodies):
-        if isinstance(body, SpatialBody):
-            turned = rotation_matrices(trajectory.orientation[:, k])
-            omega = np.einsum("tij,ti->tj", turned, trajectory.angular_velocity[:, k])  # body axes
-            total += 0.5 * np.einsum("ti,ij,tj->t", omega, body.inertia_matrix, omega)
-    return total
+def _rotation(scene: Scene, trajectory: Trajectory) -> np.ndarray:
+    """omega . J omega / 2 of all bodies (n_t,), J; a particle's spin means nothing."""
+    turns = np.array([not isinstance(body, PointMass) for body in scene.bodies], dtype=bool)
+    omega, own = trajectory.angular_velocity[:, turns], spins(scene, trajectory)[:, turns]
+    return 0.5 * np.sum((omega * own).reshape(len(omega), -1), axis=1)
 
 
 def potential_energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
@@ -109,7 +100,7 @@ def _attracted(scene: Scene, trajectory: Trajectory) -> EnergyBalance:
     if scene.joints or others:
         reason = "the energy balance supports attracting bodies without joints or other loads alone"
         return EnergyBalance(np.zeros(len(trajectory.times)), None, None, 0.0, reason)
-    spin, motion = _spatial_rotation(scene, trajectory), Motion(scene, trajectory)
+    spin, motion = _rotation(scene, trajectory), Motion(scene, trajectory)
     for load in scene.loads:
         if isinstance(load, GravityGradient):
             spin = spin + _gradient(motion, load)

@@ -18,24 +18,22 @@ def linear_momentum(scene: Scene, trajectory: Trajectory) -> np.ndarray:
 def angular_momentum(scene: Scene, trajectory: Trajectory) -> np.ndarray:
     """Return the angular momentum about the world origin (n_t,), or (n_t, 3) in space, kg m^2/s."""
     mass = np.array([body.mass for body in scene.bodies])
-    if scene.dimension == 3:
-        orbital = np.einsum("k,tkd->td", mass, np.cross(trajectory.position, trajectory.velocity))
-        return orbital + _spatial_spin(scene, trajectory)
-    inertia = np.array([body.inertia if isinstance(body, PlanarBody) else 0.0 for body in scene.bodies])
-    rigid = inertia > 0.0
-    (x, y), (vx, vy) = np.moveaxis(trajectory.position, 2, 0), np.moveaxis(trajectory.velocity, 2, 0)
-    return (x * vy - y * vx) @ mass + trajectory.angular_velocity[:, rigid] @ inertia[rigid]
+    x, v, own = trajectory.position, trajectory.velocity, spins(scene, trajectory).sum(axis=1)
+    moments = np.cross(x, v) if x.shape[2] == 3 else x[..., 0] * v[..., 1] - x[..., 1] * v[..., 0]
+    return np.einsum("k,tk...->t...", mass, moments) + own
 
 
-def _spatial_spin(scene: Scene, trajectory: Trajectory) -> np.ndarray:
-    """A J A^T omega of every rigid body."""
-    total = np.zeros((len(trajectory.times), 3))
+def spins(scene: Scene, trajectory: Trajectory) -> np.ndarray:
+    """Return J omega of every body about its centre of mass, like angular velocities; kg m^2/s, 0 for particles."""
+    result = np.zeros_like(trajectory.angular_velocity)
     for k, body in enumerate(scene.bodies):
-        if isinstance(body, SpatialBody):
+        omega = trajectory.angular_velocity[:, k]
+        if isinstance(body, PlanarBody):
+            result[:, k] = body.inertia * omega
+        elif isinstance(body, SpatialBody):
             turned = rotation_matrices(trajectory.orientation[:, k])
-            inertia = turned @ body.inertia_matrix @ np.swapaxes(turned, 1, 2)
-            total += np.einsum("tij,tj->ti", inertia, trajectory.angular_velocity[:, k])
-    return total
+            result[:, k] = np.einsum("tij,jk,tlk,tl->ti", turned, body.inertia_matrix, turned, omega, optimize=True)
+    return result
 
 
 def momentum_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | None:

@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 from mbs_ref import scene as parts
-from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, pull_of, twist_of
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
-from mbs_ref.observables.springs import bushing_strain, gap_of, length_of, pull_of, twist_of
 from mbs_ref.scene.contact import Contact
 
 
@@ -64,7 +63,7 @@ def _coordinate_drive(motion: Motion, joint: parts.CoordinateDrive) -> np.ndarra
     return motion.trajectory.reactions[joint.name][:, names.index(joint.coordinate)] * rate
 
 
-def _rotation_drive(motion: Motion, joint: parts.RotationDrive) -> np.ndarray:
+def _turn_drive(motion: Motion, joint: parts.RotationDrive) -> np.ndarray:
     torque = motion.trajectory.reactions[joint.name][:, 3:]
     return np.sum(torque * (motion.turning(joint.body_b) - motion.turning(joint.body_a)), axis=1)
 
@@ -85,8 +84,4 @@ LOADS: dict[type, Callable[[Motion, Any], np.ndarray]] = {
     parts.PointBushing: lambda motion, load: -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1),
     parts.UserForce: _user_force,
 }
-DRIVES = {
-    parts.CoordinateDrive: _coordinate_drive,
-    parts.PointDrive: _point_drive,
-    parts.RotationDrive: _rotation_drive,
-}
+DRIVES = {parts.CoordinateDrive: _coordinate_drive, parts.PointDrive: _point_drive, parts.RotationDrive: _turn_drive}

@@ -188,17 +188,5 @@ class Epoch(CelestialPart):
         return self
 
 
-CelestialLoad = (
-    Newton
-    | Relativity
-    | Oblateness
-    | LunarFigure
-    | Tide
-    | Ring
-    | ThirdBody
-    | Drag
-    | StandardDrag
-    | RadiationPressure
-    | GravityGradient
-    | Epoch
-)
+Attraction = Newton | Relativity | Oblateness | LunarFigure | Tide | Ring | ThirdBody  # by bodies
+CelestialLoad = Attraction | Drag | StandardDrag | RadiationPressure | GravityGradient | Epoch

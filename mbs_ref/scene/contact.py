@@ -10,18 +10,8 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
+from mbs_ref.scene.base import part
 from mbs_ref.scene.base.attached import Attached
-from mbs_ref.scene.base.part import (
-    Direction,
-    Direction3,
-    EndName,
-    NonNegative,
-    Part,
-    Point,
-    Point3,
-    Positive,
-    require_perpendicular,
-)
 from mbs_ref.scene.joints import axis_complaints
 
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -43,7 +33,7 @@ class LawNumbers(NamedTuple):
     release: Literal["gap", "force", "rigid", "constraint"] = "gap"  # rule by which the contact opens
 
 
-class Law(Part):
+class Law(part.Part):
     """A contact law."""
 
     IMPULSIVE: ClassVar[bool] = False  # acts at touch-down, in an instant
@@ -64,8 +54,8 @@ class SpringDamperLaw(Law):
     """
 
     type: Literal["spring_damper_law"] = "spring_damper_law"
-    stiffness: Positive  # N/m
-    damping: NonNegative = 0.0  # N s/m
+    stiffness: part.Positive  # N/m
+    damping: part.NonNegative = 0.0  # N s/m
     release: Literal["gap", "force"] = "gap"  # what opens the contact
 
     def numbers(self) -> LawNumbers:
@@ -76,8 +66,8 @@ class ProgressiveLaw(Law):
     """F = k d + c d d' (Fox 1999 eq 33, Fox 2001 eq 34): continuous with a kink; opens at d = 0, where F = 0."""
 
     type: Literal["progressive_law"] = "progressive_law"
-    stiffness: Positive  # N/m
-    damping: NonNegative = 0.0  # N s/m^2
+    stiffness: part.Positive  # N/m
+    damping: part.NonNegative = 0.0  # N s/m^2
 
     def numbers(self) -> LawNumbers:
         return LawNumbers(self.stiffness, self.damping, damping_exponent=1.0)
@@ -87,8 +77,8 @@ class HuntCrossleyLaw(Law):
     """F = d^n (k + c d') (Hunt and Crossley 1975); opens at d = 0, where F = 0."""
 
     type: Literal["hunt_crossley_law"] = "hunt_crossley_law"
-    stiffness: Positive  # N/m^n
-    damping: NonNegative = 0.0  # N s/m^(n + 1)
+    stiffness: part.Positive  # N/m^n
+    damping: part.NonNegative = 0.0  # N s/m^(n + 1)
     exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5  # -, n
 
     def numbers(self) -> LawNumbers:
@@ -102,12 +92,12 @@ class BekkerLaw(Law):
     """
 
     type: Literal["bekker_law"] = "bekker_law"
-    cohesive: NonNegative  # N/m^(n + 1), k_c
-    frictional: NonNegative  # N/m^(n + 2), k_phi
+    cohesive: part.NonNegative  # N/m^(n + 1), k_c
+    frictional: part.NonNegative  # N/m^(n + 2), k_phi
     exponent: Annotated[float, Field(ge=0.1, le=3.0)]  # -, n
-    width: Positive  # m, b, of the track or plate that the foot is part of
-    length: Positive  # m, l
-    damping: NonNegative = 0.0  # N s/m^2
+    width: part.Positive  # m, b, of the track or plate that the foot is part of
+    length: part.Positive  # m, l
+    damping: part.NonNegative = 0.0  # N s/m^2
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -129,10 +119,10 @@ class LankaraniNikraveshLaw(Law):
     NEEDS_IMPACT_SPEED: ClassVar[bool] = True
 
     type: Literal["lankarani_nikravesh_law"] = "lankarani_nikravesh_law"
-    stiffness: Positive  # N/m^n
+    stiffness: part.Positive  # N/m^n
     restitution: Restitution  # -, e
     exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5  # -, n
-    slowest: Positive = 1e-3  # m/s, v0 is taken no smaller: a contact that starts at rest has no impact speed
+    slowest: part.Positive = 1e-3  # m/s, v0 is taken no smaller: a contact that starts at rest has no impact speed
 
     def numbers(self) -> LawNumbers:
         factor = 0.75 * (1.0 - self.restitution**2)
@@ -148,10 +138,10 @@ class FloresLaw(Law):
     NEEDS_IMPACT_SPEED: ClassVar[bool] = True
 
     type: Literal["flores_law"] = "flores_law"
-    stiffness: Positive  # N/m^n
+    stiffness: part.Positive  # N/m^n
     restitution: Annotated[float, Field(gt=0.0, le=1.0)]  # -, e
     exponent: Annotated[float, Field(ge=1.0, le=10.0)] = 1.5  # -, n
-    slowest: Positive = 1e-3  # m/s, v0 is taken no smaller
+    slowest: part.Positive = 1e-3  # m/s, v0 is taken no smaller
 
     def numbers(self) -> LawNumbers:
         factor = 1.6 * (1.0 - self.restitution) / self.restitution
@@ -190,17 +180,8 @@ class ConstraintLaw(Law):
         return LawNumbers(release="constraint")
 
 
-ContactLaw = Annotated[
-    SpringDamperLaw
-    | ProgressiveLaw
-    | HuntCrossleyLaw
-    | BekkerLaw
-    | LankaraniNikraveshLaw
-    | FloresLaw
-    | RigidLaw
-    | ConstraintLaw,
-    Field(discriminator="type"),
-]
+ForceLaw = SpringDamperLaw | ProgressiveLaw | HuntCrossleyLaw | BekkerLaw | LankaraniNikraveshLaw | FloresLaw
+ContactLaw = Annotated[ForceLaw | RigidLaw | ConstraintLaw, Field(discriminator="type")]
 
 
 # --- friction -------------------------------------------------------------------------------------
@@ -217,20 +198,20 @@ class FrictionNumbers(NamedTuple):
     grip_damping: float = 0.0  # N s/m
 
 
-class RegularisedCoulomb(Part):
+class RegularisedCoulomb(part.Part):
     """F_t = -mu F_n tanh(v_t / v_s): smooth, and creeps where Coulomb's law would stick."""
 
     STICKS: ClassVar[bool] = False
 
     type: Literal["regularised_coulomb"] = "regularised_coulomb"
-    coefficient: NonNegative  # -, mu
-    speed: Positive = 1e-3  # m/s, v_s
+    coefficient: part.NonNegative  # -, mu
+    speed: part.Positive = 1e-3  # m/s, v_s
 
     def numbers(self) -> FrictionNumbers:
         return FrictionNumbers("smooth", self.coefficient, creep=self.speed)
 
 
-class StickSlip(Part):
+class StickSlip(part.Part):
     """Coulomb's law with located transitions: F_t = -mu F_n sign(v_t), or a stiff spring while it sticks.
 
     Sticks where the tangential force needed is within mu_s F_n, and slips where it is not.
@@ -239,10 +220,10 @@ class StickSlip(Part):
     STICKS: ClassVar[bool] = True  # located transitions; in space its deflections are states
 
     type: Literal["stick_slip"] = "stick_slip"
-    coefficient: NonNegative  # -, mu
-    static: NonNegative | None = None  # -, mu_s; mu unless given
-    stiffness: Positive  # N/m, of the sticking contact
-    damping: NonNegative = 0.0  # N s/m, of the sticking contact
+    coefficient: part.NonNegative  # -, mu
+    static: part.NonNegative | None = None  # -, mu_s; mu unless given
+    stiffness: part.Positive  # N/m, of the sticking contact
+    damping: part.NonNegative = 0.0  # N s/m, of the sticking contact
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -303,14 +284,14 @@ class CircleOnLine(ContactPart):
     SHAPED_B: ClassVar[bool] = True
 
     type: Literal["circle_on_line"] = "circle_on_line"
-    body_a: EndName  # carries the circle
-    center: Point  # m, world, t = 0
-    radius: NonNegative  # m
-    body_b: EndName = "ground"  # carries the line
-    point_1: Point  # m, world, t = 0
-    point_2: Point  # m, world, t = 0
+    body_a: part.EndName  # carries the circle
+    center: part.Point  # m, world, t = 0
+    radius: part.NonNegative  # m
+    body_b: part.EndName = "ground"  # carries the line
+    point_1: part.Point  # m, world, t = 0
+    point_2: part.Point  # m, world, t = 0
     extent: Literal["line", "segment", "capped"] = "line"  # where the surface ends
-    thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
+    thickness: part.Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
     friction: Friction | None = None  # none unless given
 
     @model_validator(mode="after")
@@ -323,12 +304,12 @@ class CircleOnLine(ContactPart):
 class RoundPair(ContactPart):
     """Two round shapes that touch from outside."""
 
-    body_a: EndName
-    center_a: Point  # m, world, t = 0
-    radius_a: NonNegative  # m
-    body_b: EndName
-    center_b: Point  # m, world, t = 0
-    radius_b: NonNegative  # m
+    body_a: part.EndName
+    center_a: part.Point  # m, world, t = 0
+    radius_a: part.NonNegative  # m
+    body_b: part.EndName
+    center_b: part.Point  # m, world, t = 0
+    radius_b: part.NonNegative  # m
     friction: RegularisedCoulomb | None = None  # none unless given
 
     @model_validator(mode="after")
@@ -368,24 +349,24 @@ class PinOnSprocket(ContactPart):
     MAY_HOLD: ClassVar[bool] = False
 
     type: Literal["pin_on_sprocket"] = "pin_on_sprocket"
-    body_a: EndName  # carries the pin
-    center: Point  # m, world, t = 0
-    body_b: EndName  # the sprocket
-    axle: Point  # m, world, t = 0: its centre
+    body_a: part.EndName  # carries the pin
+    center: part.Point  # m, world, t = 0
+    body_b: part.EndName  # the sprocket
+    axle: part.Point  # m, world, t = 0: its centre
     teeth: Annotated[int, Field(ge=3, le=1000)]  # number of gaps
-    pitch_radius: Positive  # m
-    addendum_radius: Positive  # m
+    pitch_radius: part.Positive  # m
+    addendum_radius: part.Positive  # m
     first_seat: float = 0.0  # rad, angle of one gap at t = 0, in the world or from `seat`
-    clearance: Positive  # m, seat radius minus pin radius
+    clearance: part.Positive  # m, seat radius minus pin radius
     flank_angle: Annotated[float, Field(ge=0.0, lt=1.5)] = 0.3490658503988659  # rad (20 degrees), from the radius
-    axis: Direction | None = None  # direction of the axle, world, t = 0; required in space, forbidden in the plane
-    seat: Direction | None = None  # direction, world, t = 0, perpendicular to axis; likewise
+    axis: part.Direction | None = None  # direction of the axle, world, t = 0; required in space, forbidden in the plane
+    seat: part.Direction | None = None  # direction, world, t = 0, perpendicular to axis; likewise
     friction: RegularisedCoulomb | None = None  # none unless given
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.axis is not None and self.seat is not None and len(self.axis) == len(self.seat):
-            require_perpendicular("axis", self.axis, "seat", self.seat)
+            part.require_perpendicular("axis", self.axis, "seat", self.seat)
         return self
 
     def complaints(self, dimension: int) -> Iterator[str]:
@@ -407,16 +388,16 @@ class SphereOnPlane(ContactPart):
     SHAPED_B: ClassVar[bool] = True
 
     type: Literal["sphere_on_plane"] = "sphere_on_plane"
-    body_a: EndName  # carries the sphere
-    center: Point3  # m, world, t = 0
-    radius: NonNegative  # m
-    body_b: EndName = "ground"  # carries the plane
-    point: Point3  # m, world, t = 0: on the plane, the middle of a rectangle
-    normal: Direction3  # direction, world, t = 0
+    body_a: part.EndName  # carries the sphere
+    center: part.Point3  # m, world, t = 0
+    radius: part.NonNegative  # m
+    body_b: part.EndName = "ground"  # carries the plane
+    point: part.Point3  # m, world, t = 0: on the plane, the middle of a rectangle
+    normal: part.Direction3  # direction, world, t = 0
     extent: Literal["plane", "rectangle", "capped"] = "plane"  # where the surface ends
-    size: tuple[Positive, Positive] | None = None  # m, sides of a rectangle
-    edge: Direction3 | None = None  # direction of the first side, world, t = 0; perpendicular to normal
-    thickness: Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
+    size: tuple[part.Positive, part.Positive] | None = None  # m, sides of a rectangle
+    edge: part.Direction3 | None = None  # direction of the first side, world, t = 0; perpendicular to normal
+    thickness: part.Positive | None = None  # m: what appears deeper than this is behind the surface, not in it
     friction: Friction | None = None  # none unless given
 
     def mark(self, end: str) -> tuple[float, ...]:

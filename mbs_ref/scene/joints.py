@@ -8,21 +8,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, SkipValidation, model_validator
 
-from mbs_ref.scene.base import rows
+from mbs_ref.scene.base import part, rows
 from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached, coordinate_complaints
 from mbs_ref.scene.base.expression import Read, read
-from mbs_ref.scene.base.part import (
-    BodyName,
-    Direction,
-    Direction3,
-    EndName,
-    Point,
-    Point3,
-    Positive,
-    normals,
-    require_perpendicular,
-    unit,
-)
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.signals import Level, Signal
 
@@ -43,8 +31,8 @@ class JointPart(Attached):
 class PairJoint(JointPart):
     """A joint between two bodies, or a body and ground."""
 
-    body_a: EndName
-    body_b: EndName
+    body_a: part.EndName
+    body_b: part.EndName
 
 
 class Drive(JointPart):
@@ -66,9 +54,9 @@ class Revolute(PairJoint):
     """Two bodies share a point (planar: 2 rows); in space also an axis through it (5 rows)."""
 
     type: Literal["revolute"] = "revolute"
-    point: Point  # m, world, t = 0
-    point_b: Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
-    axis: Direction | None = None  # direction, world, t = 0; required in space, forbidden in the plane
+    point: part.Point  # m, world, t = 0
+    point_b: part.Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
+    axis: part.Direction | None = None  # direction, world, t = 0; required in space, forbidden in the plane
 
     def complaints(self, dimension: int) -> Iterator[str]:
         yield from axis_complaints(self.type, self.axis, dimension)
@@ -85,7 +73,7 @@ class Spherical(PairJoint):
     COUNTERPART: ClassVar[str] = "revolute"
 
     type: Literal["spherical"] = "spherical"
-    point: Point3  # m, world, t = 0
+    point: part.Point3  # m, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
         return [rows.SharedPoint(self.point, self.point)]
@@ -97,17 +85,17 @@ class Universal(PairJoint):
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
 
     type: Literal["universal"] = "universal"
-    point: Point3  # m, world, t = 0
-    axis_a: Direction3  # direction fixed in body a, world, t = 0
-    axis_b: Direction3  # direction fixed in body b, world, t = 0; perpendicular to axis_a
+    point: part.Point3  # m, world, t = 0
+    axis_a: part.Direction3  # direction fixed in body a, world, t = 0
+    axis_b: part.Direction3  # direction fixed in body b, world, t = 0; perpendicular to axis_a
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        require_perpendicular("axis_a", self.axis_a, "axis_b", self.axis_b)
+        part.require_perpendicular("axis_a", self.axis_a, "axis_b", self.axis_b)
         return self
 
     def rows(self, dimension: int) -> list[Row]:
-        return [rows.SharedPoint(self.point, self.point), rows.Product(unit(self.axis_a), unit(self.axis_b))]
+        return [rows.SharedPoint(self.point, self.point), rows.Product(part.unit(self.axis_a), part.unit(self.axis_b))]
 
 
 class Cylindrical(PairJoint):
@@ -116,8 +104,8 @@ class Cylindrical(PairJoint):
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
 
     type: Literal["cylindrical"] = "cylindrical"
-    point: Point3  # m, world, t = 0
-    axis: Direction3  # direction, world, t = 0
+    point: part.Point3  # m, world, t = 0
+    axis: part.Direction3  # direction, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
         return [*rows.along(self.point, self.axis), *rows.parallel(self.axis)]
@@ -129,19 +117,19 @@ class PointOnPlane(PairJoint):
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
 
     type: Literal["point_on_plane"] = "point_on_plane"
-    point: Point3  # m, world, t = 0
-    normal: Direction3  # direction, world, t = 0
+    point: part.Point3  # m, world, t = 0
+    normal: part.Direction3  # direction, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
-        return [rows.OnPlane(self.point, self.point, unit(self.normal))]
+        return [rows.OnPlane(self.point, self.point, part.unit(self.normal))]
 
 
 class Prismatic(PairJoint):
     """Body b slides along an axis fixed in body a without turning (planar: 2 rows; space: 5)."""
 
     type: Literal["prismatic"] = "prismatic"
-    point: Point  # m, world, t = 0
-    axis: Direction  # world, t = 0
+    point: part.Point  # m, world, t = 0
+    axis: part.Direction  # world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
         return [*rows.along(self.point, self.axis), *rows.same_orientation(dimension)]
@@ -151,8 +139,8 @@ class Weld(PairJoint):
     """No relative motion (planar: 3 rows; space: 6)."""
 
     type: Literal["weld"] = "weld"
-    point: Point  # m, world, t = 0
-    point_b: Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
+    point: part.Point  # m, world, t = 0
+    point_b: part.Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
 
     def rows(self, dimension: int) -> list[Row]:
         shared = rows.SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
@@ -163,9 +151,9 @@ class Distance(PairJoint):
     """A massless rod between two points (1 row); its length is their distance at t = 0 unless given."""
 
     type: Literal["distance"] = "distance"
-    point_a: Point  # m, world, t = 0
-    point_b: Point  # m, world, t = 0
-    length: Positive | None = None  # m
+    point_a: part.Point  # m, world, t = 0
+    point_b: part.Point  # m, world, t = 0
+    length: part.Positive | None = None  # m
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -189,15 +177,15 @@ class RollingWheel(JointPart):
     TURNS: ClassVar[bool] = True
 
     type: Literal["rolling_wheel"] = "rolling_wheel"
-    body: BodyName
-    point: Point3  # m, the centre, world, t = 0
-    axis: Direction3  # of the wheel, world, t = 0
-    radius: Positive  # m
-    normal: Direction3  # of the plane, out of ground, world
+    body: part.BodyName
+    point: part.Point3  # m, the centre, world, t = 0
+    axis: part.Direction3  # of the wheel, world, t = 0
+    radius: part.Positive  # m
+    normal: part.Direction3  # of the plane, out of ground, world
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if not float(np.linalg.norm(np.cross(unit(self.axis), unit(self.normal)))) > FLAT:
+        if not float(np.linalg.norm(np.cross(part.unit(self.axis), part.unit(self.normal)))) > FLAT:
             raise ValueError(f"axis = {self.axis} is along the normal: a wheel that lies flat has no lowest point")
         return self
 
@@ -205,14 +193,14 @@ class RollingWheel(JointPart):
         return NO_ORIENTATION
 
     def rows(self, dimension: int) -> list[Row]:
-        return [rows.RollingContact(self.point, unit(self.axis), self.radius, unit(self.normal))]
+        return [rows.RollingContact(self.point, part.unit(self.axis), self.radius, part.unit(self.normal))]
 
 
 class CoordinateDrive(Drive):
     """A coordinate of a body follows its initial value plus a motion (rheonomic, 1 row)."""
 
     type: Literal["coordinate_drive"] = "coordinate_drive"
-    body: BodyName
+    body: part.BodyName
     coordinate: Literal["x", "y", "z", "angle"]  # z in space alone, angle in the plane alone
 
     def complaints(self, dimension: int) -> Iterator[str]:
@@ -228,12 +216,12 @@ class PointDrive(Drive):
     """A point of a body follows its initial place plus a motion along a fixed direction (1 row)."""
 
     type: Literal["point_drive"] = "point_drive"
-    body: BodyName
-    point: Point  # m, world, t = 0
-    direction: Direction  # world
+    body: part.BodyName
+    point: part.Point  # m, world, t = 0
+    direction: part.Direction  # world
 
     def rows(self, dimension: int) -> list[Row]:
-        return [rows.Prescribed(self.point, unit(self.direction))]
+        return [rows.Prescribed(self.point, part.unit(self.direction))]
 
 
 class RotationDrive(Drive):
@@ -246,12 +234,12 @@ class RotationDrive(Drive):
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
 
     type: Literal["rotation_drive"] = "rotation_drive"
-    body_a: EndName
-    body_b: EndName
-    axis: Direction3  # direction, world, t = 0
+    body_a: part.EndName
+    body_b: part.EndName
+    axis: part.Direction3  # direction, world, t = 0
 
     def rows(self, dimension: int) -> list[Row]:
-        return [rows.Turn(*normals(self.axis))]
+        return [rows.Turn(*part.normals(self.axis))]
 
 
 COORDINATES = {2: ("x", "y", "angle"), 3: ("x", "y", "z", "e0", "e1", "e2", "e3")}  # of a body in a UserConstraint
@@ -270,8 +258,8 @@ class UserConstraint(PairJoint):
     """
 
     type: Literal["user_constraint"] = "user_constraint"
-    point_a: Point | None = None  # m, world, t = 0
-    point_b: Point | None = None  # m, world, t = 0
+    point_a: part.Point | None = None  # m, world, t = 0
+    point_b: part.Point | None = None  # m, world, t = 0
     expression: str | None = None  # C, in m or rad
     function: Annotated[Callable[..., Any] | None, SkipValidation] = None  # of Python alone
 
@@ -316,19 +304,7 @@ class UserConstraint(PairJoint):
         return [rows.UserRow(self.formula())]
 
 
+Kinematic = Revolute | Spherical | Universal | Cylindrical | Prismatic | Weld | Distance | PointOnPlane | RollingWheel
 Joint = Annotated[
-    Revolute
-    | Spherical
-    | Universal
-    | Cylindrical
-    | Prismatic
-    | Weld
-    | Distance
-    | PointOnPlane
-    | RollingWheel
-    | CoordinateDrive
-    | PointDrive
-    | RotationDrive
-    | UserConstraint,
-    Field(discriminator="type"),
+    Kinematic | CoordinateDrive | PointDrive | RotationDrive | UserConstraint, Field(discriminator="type")
 ]

@@ -1,6 +1,5 @@
 """The scenes of the project: the public functions of this folder's modules that return a Scene."""
 
-import difflib
 import importlib
 import inspect
 import pkgutil
@@ -13,6 +12,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
 from mbs_ref.scene import Scene
+from mbs_ref.scene.messages import suggest
 
 Parameter = float | int | str | bool
 
@@ -92,12 +92,11 @@ def chosen(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
 
 def _builder(name: str) -> Callable[..., Scene]:
     if name not in _builders():
-        close = difflib.get_close_matches(name, names(), n=1, cutoff=0.4)
-        hint = f"; did you mean {close[0]!r}?" if close else "."
-        raise ValueError(f"scene = {name!r} is unknown{hint} The scenes are {', '.join(names())}")
+        raise ValueError(f"scene = {name!r} is unknown{suggest(name, names())}; the scenes are {', '.join(names())}")
     return _builders()[name]
 
 
+@cache
 def _parameter_model(builder: Callable[..., Scene]) -> type[BaseModel]:
     """Return the builder's signature as a pydantic model, whose annotations are the ranges."""
     hints = typing.get_type_hints(builder, include_extras=True)
@@ -111,7 +110,6 @@ def _sentence(scene: str, item: Any) -> str:
     name = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
         allowed = describe(scene).parameters
-        close = difflib.get_close_matches(name, allowed, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else "."
-        return f"{name} = {item['input']!r} is no parameter of {scene}{hint} Allowed: {', '.join(allowed)}"
+        stated = f"{name} = {item['input']!r} is no parameter of {scene}"
+        return f"{stated}{suggest(name, allowed)}; allowed: {', '.join(allowed)}"
     return f"{scene}: {name} = {item['input']!r} is not allowed: {item['msg'].lower()}"

@@ -6,17 +6,9 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from mbs_ref.scene import GROUND, PlanarBody, Scene, SpatialBody
+from mbs_ref.scene import GROUND, PlanarBody, Scene, SpatialBody, contact
 from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.bodies import block_inertia, sphere_inertia
-from mbs_ref.scene.contact import (
-    CircleOnCircle,
-    CircleOnLine,
-    ProgressiveLaw,
-    SphereOnPlane,
-    SphereOnSphere,
-    SpringDamperLaw,
-)
 
 BOX_WIDTH, BOX_HEIGHT = 0.4, 0.2  # m
 
@@ -35,7 +27,7 @@ def box_stack(
     boxes, mass of the lowest (kg), ratio (1e4 with 2 boxes is heavy on light), contact stiffness (N/m) and
     damping (N s/m) of each of the two corners, gravity (m/s^2). They start just touching.
     """
-    law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
+    law = contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
     masses = [mass * ratio**k for k in range(boxes)]
     return Scene(
         name="box_stack",
@@ -54,8 +46,8 @@ def box_stack(
     )  # fmt: skip
 
 
-def _box_corner(k: int, side: int, law: SpringDamperLaw) -> CircleOnLine:
-    return CircleOnLine(
+def _box_corner(k: int, side: int, law: contact.SpringDamperLaw) -> contact.CircleOnLine:
+    return contact.CircleOnLine(
         name=f"corner{k}.{side}", body_a=f"box{k}", center=((side - 0.5) * BOX_WIDTH, k * BOX_HEIGHT), radius=0.0,
         body_b=GROUND if k == 0 else f"box{k - 1}",
         point_1=(-BOX_WIDTH, k * BOX_HEIGHT), point_2=(BOX_WIDTH, k * BOX_HEIGHT),
@@ -80,7 +72,7 @@ def block_stack(
     blocks, mass of the lowest (kg), ratio (1e4 with 2 blocks is heavy on light), contact stiffness (N/m) and
     damping (N s/m) of each of the four corners, gravity (m/s^2). They start just touching.
     """
-    law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
+    law = contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
     return Scene(
         name="block_stack",
         description=f"{blocks} blocks stacked without friction, each {ratio:g} times as heavy as the one below.",
@@ -99,9 +91,9 @@ def _block(k: int, mass: float) -> SpatialBody:
     return SpatialBody(name=f"block{k}", mass=mass, inertia=inertia, position=(0.0, 0.0, (k + 0.5) * HEIGHT))
 
 
-def _block_corner(k: int, x: int, y: int, law: SpringDamperLaw) -> SphereOnPlane:
+def _block_corner(k: int, x: int, y: int, law: contact.SpringDamperLaw) -> contact.SphereOnPlane:
     on_block = {"extent": "rectangle", "size": (2 * LENGTH, 2 * WIDTH), "edge": (1.0, 0.0, 0.0), "thickness": HEIGHT}
-    return SphereOnPlane(
+    return contact.SphereOnPlane(
         name=f"corner{k}.{(x + 1) // 2}{(y + 1) // 2}", body_a=f"block{k}", radius=0.0,
         center=(0.5 * x * LENGTH, 0.5 * y * WIDTH, k * HEIGHT), body_b=GROUND if k == 0 else f"block{k - 1}",
         point=(0.0, 0.0, k * HEIGHT), normal=(0.0, 0.0, 1.0), law=law, **({} if k == 0 else on_block),
@@ -129,7 +121,7 @@ def granular_column(
     grains, how many across, whether in space; stiffness (N/m) and damping (N s/m^2) of the progressive law, mass
     of a grain (kg), gravity (m/s^2).
     """
-    law = ProgressiveLaw(stiffness=stiffness, damping=damping)
+    law = contact.ProgressiveLaw(stiffness=stiffness, damping=damping)
     dimension = 3 if space else 2
     centers = [_grain_place(k, across, dimension) for k in range(grains)]
     bodies, pairs = _grains(centers, mass, law, dimension)
@@ -154,11 +146,13 @@ def _grain_place(k: int, across: int, dimension: int) -> tuple[float, ...]:
     return tuple((SPACING * cell + low + np.append(shift, -STAGGER)).tolist())
 
 
-def _grains(centers: list, mass: float, law: ProgressiveLaw, dimension: int) -> tuple[list[Any], list[Any]]:
+def _grains(centers: list, mass: float, law: contact.ProgressiveLaw, dimension: int) -> tuple[list[Any], list[Any]]:
     """Return discs or spheres, and a contact for every pair."""
     flat: dict[str, Any] = {"mass": mass, "inertia": 0.5 * mass * GRAIN_RADIUS**2}
     solid: dict[str, Any] = {"mass": mass, "inertia": sphere_inertia(mass, GRAIN_RADIUS)}
-    body, touch, own = (SpatialBody, SphereOnSphere, solid) if dimension == 3 else (PlanarBody, CircleOnCircle, flat)
+    body, touch, own = (
+        (SpatialBody, contact.SphereOnSphere, solid) if dimension == 3 else (PlanarBody, contact.CircleOnCircle, flat)
+    )
     bodies = [body(name=f"g{k}", position=c, **own) for k, c in enumerate(centers)]
     pairs = [
         touch(name=f"g{i}.g{j}", body_a=f"g{i}", center_a=centers[i], radius_a=GRAIN_RADIUS, body_b=f"g{j}",
@@ -168,7 +162,7 @@ def _grains(centers: list, mass: float, law: ProgressiveLaw, dimension: int) -> 
     return bodies, pairs
 
 
-def _walls(grains: int, centers: list, width: float, law: ProgressiveLaw, dimension: int):
+def _walls(grains: int, centers: list, width: float, law: contact.ProgressiveLaw, dimension: int):
     """Yield the floor and the walls under every grain."""
     for axis, side in [(dimension - 1, 0), *itertools.product(range(dimension - 1), (0, 1))]:
         normal, point = np.zeros(dimension), np.zeros(dimension)
@@ -178,7 +172,7 @@ def _walls(grains: int, centers: list, width: float, law: ProgressiveLaw, dimens
             shared = {"name": name, "body_a": f"g{k}", "center": centers[k], "radius": GRAIN_RADIUS, "law": law}
             if dimension == 3:
                 ends: dict[str, Any] = {"point": tuple(point), "normal": tuple(normal)}
-                yield SphereOnPlane(**shared, **ends)
+                yield contact.SphereOnPlane(**shared, **ends)
             else:
                 along = np.array([normal[1], -normal[0]])  # the free side is on its left
-                yield CircleOnLine(**shared, point_1=tuple(point), point_2=tuple(point + along))
+                yield contact.CircleOnLine(**shared, point_1=tuple(point), point_2=tuple(point + along))

@@ -7,8 +7,7 @@ import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import System
-from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.springs import bushing_strain, twist_of
+from mbs_ref.observables.attachment import Motion, bushing_strain, twist_of
 from mbs_ref.scene import Bushing, TorsionSpring, UserForce
 from mbs_ref.trajectory import Status, Trajectory
 

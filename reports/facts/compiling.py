@@ -1,17 +1,14 @@
 """Compile the solver's kernels before anything is run or timed: plane, space and particles side by side."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller
-from cross_checks.isolation.workers import each
-from cross_checks.records.naming import code_of, digest_of
-from cross_checks.records.store import Store
-from mbs_ref import scenes
+from cross_checks.isolation.workers import Report, each
+from cross_checks.records.store import Store, code_of, digest_of
+from mbs_ref import Settings, scenes
 from mbs_ref.kernels.jit import cache_folder
 from mbs_ref.scene.traits import Coordinates
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate_scenes
 from reports.facts.stored import keep, recall
 
@@ -38,8 +35,6 @@ CORES = {
 }
 LANES = "trees in lanes"  # for batches alone: a report makes none
 SOLVER = "mbs_ref"
-
-Report = Callable[[int, int, str], None]
 
 
 def compile_kernels(store: Store, report: Report, lanes: bool = False) -> None:

@@ -9,8 +9,7 @@ import numpy as np
 
 from cross_checks import engines
 from cross_checks.records.plots.plot import COLOURS, FLOOR, SYMBOLS, Style, new_figure, style_of, to_data
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
+from mbs_ref import Scene, Trajectory
 from reports.film.files import filmstrip, gif
 
 MOST_POINTS = 201  # of a line

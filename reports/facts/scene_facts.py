@@ -7,13 +7,10 @@ import numpy as np
 from cross_checks.metrics.metric import known_to
 from cross_checks.truths import certificate
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.observables.distance import Partial, farthest
-from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Film, film
 from reports.scene_summary import Summary, summary
 

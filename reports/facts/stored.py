@@ -10,18 +10,16 @@ from pydantic import TypeAdapter
 
 from cross_checks import engines as registry
 from cross_checks.isolation.parent import Isolated
-from cross_checks.isolation.workers import TIMEOUT
+from cross_checks.isolation.workers import TIMEOUT, Report
 from cross_checks.judge.answers import Answer, Question, answers
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
 from cross_checks.judge.vocabulary import Cell
-from cross_checks.records.naming import code_of, digest_of, engine_key, truth_name
 from cross_checks.records.record import Record
-from cross_checks.records.store import Store
+from cross_checks.records.store import Store, code_of, digest_of, engine_key, truth_name
 from cross_checks.truths.stored_poses import physics_of
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 
 
 @cache
@@ -51,7 +49,6 @@ def remembered[Fact](store: Store, key: str, kind: type[Fact], make: Callable[[]
 
 
 JUDGING = "cross_checks.judge.cell"  # whose changes make cells anew
-Report = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True)

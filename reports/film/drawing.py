@@ -9,11 +9,11 @@ from itertools import combinations
 
 import numpy as np
 
+from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import GROUND, CoordinateDrive, Scene
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
-from mbs_ref.trajectory import Trajectory
 
 ISOMETRIC = np.array([[-1.0, 1.0, 0.0], [-0.5, -0.5, 1.0]]) / np.array([[2.0**0.5], [1.5**0.5]])
 ALIKE = 8  # bodies of one mass, of which one is coloured: a link of a track

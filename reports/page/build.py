@@ -1,6 +1,6 @@
 """Build the report: query the store, compute what is missing, render and write the files; each whole or not at all."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,22 +15,29 @@ from reports.page.render import ALL, INDEX, render, single
 from reports.poses_file import csv_table
 
 HTML = "html"
-PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it
+PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it ...
+LEAST_APART = 20.0  # ... which may take a twentieth of all time
 
 
 def write_report(
-    out_dir: Path, stages: Iterator[ReportData], form: str = HTML, targets: Sequence[float] = ()
+    out_dir: Path, stages: Generator[ReportData], form: str = HTML, targets: Sequence[float] = ()
 ) -> tuple[Path, str]:
-    """Write the pages of the last stage; where stages take long, also what there is before the next one begins.
+    """Write the pages of the last stage, and while it takes long, again and again what there is.
 
     Return the path of the report in the wanted form, and why it is incomplete or nothing.
     """
-    shown, data = monotonic(), ReportData((), ())
+    due, data = monotonic() + PATIENCE, ReportData((), ())
     for data in stages:
-        write_data(data, out_dir)
-        if monotonic() > shown + PATIENCE:
-            publish(data, out_dir)
-            shown = monotonic()
+        begun = monotonic()
+        if begun > due:
+            try:
+                write_data(data, out_dir)
+                publish(data, out_dir)
+            except KeyboardInterrupt as stop:  # which stages turn into a sentence
+                data = stages.throw(stop)
+                break
+            due = monotonic() + max(PATIENCE, LEAST_APART * (monotonic() - begun))
+    write_data(data, out_dir)
     return publish(data.only(targets=targets), out_dir, form), data.incomplete
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from cross_checks.judge.vocabulary import SILENT, WRONG, Cell, Verdict
 from cross_checks.records.numbers import count, metres, of_scene, short
-from mbs_ref.trajectory import Status
+from mbs_ref import Status
 from reports.facts.report_data import Finding, ReportData, Section
 from reports.page.slug import command, scene_file
 

@@ -15,7 +15,7 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import PydanticOmit
 
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.base.part import Role, fields_of
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

@@ -13,8 +13,7 @@ from cross_checks.records.figures import work_precision
 from cross_checks.records.record import Record, usable
 from cross_checks.truths.certificate import every, stored
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 from mbs_ref.scene.traits import PART_TYPES, traits
 from reports.facts.scene_facts import filmed
 from reports.film.files import as_gif, as_page, beside

@@ -10,15 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import unquote, urlsplit
 
-POINTING = {
-    "a": "href",
-    "link": "href",
-    "img": "src",
-    "script": "src",
-    "source": "src",
-    "iframe": "src",
-    "video": "src",
-}
+POINTING = {"a": "href", "link": "href"} | dict.fromkeys(("img", "script", "source", "iframe", "video"), "src")
 OUTSIDE = ("http", "https", "mailto")
 NOTHING = ("data", "javascript")  # what needs no file
 

@@ -6,7 +6,6 @@ import shlex
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 from PIL import Image
@@ -14,9 +13,8 @@ from rich.console import Console
 from rich.text import Text
 
 from cross_checks.records.figures import work_precision
-from mbs_ref import scenes
+from mbs_ref import Settings, scenes
 from mbs_ref.atomic_file import write_atomic
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.film.files import filmstrip
 from reports.page.browser import drawn
@@ -65,11 +63,7 @@ def terminal(report: Path) -> bytes:
     return console.export_svg(title="mbs-ref", unique_id="terminal").encode()
 
 
-PICTURES: dict[str, Callable[[Path], bytes]] = {
-    "report.png": first_screen,
-    "terminal.svg": terminal,
-    "mechanism.png": mechanism,
-}
+PICTURES = {"report.png": first_screen, "terminal.svg": terminal, "mechanism.png": mechanism}
 
 
 def screenshot(page: Path, size: tuple[int, int]) -> bytes:

@@ -7,14 +7,12 @@ import numpy as np
 
 from cross_checks.judge import ladder
 from cross_checks.metrics.metric import off_truth
+from mbs_ref import Scene, Settings, Status, Trajectory
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import CrashResults, sign_changes
 from mbs_ref.crash.stops import tension
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Status, Trajectory
 from reports.facts.curves import Curves, Value, curves
 
 SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")

@@ -6,7 +6,6 @@ Beside a study's study.toml stands measure.py, whose `measure()` returns a Measu
 
 import pkgutil
 import tomllib
-from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from importlib import import_module
@@ -15,15 +14,12 @@ from itertools import chain
 from typing import Any
 
 from cross_checks.isolation.parent import Caller
-from cross_checks.isolation.workers import each
-from cross_checks.records.naming import code_of, digest_of
-from cross_checks.records.store import Store
+from cross_checks.isolation.workers import Report, each
+from cross_checks.records.store import Store, code_of, digest_of
 from reports import studies
 from reports.facts.curves import Measured
 from reports.facts.stored import keep, recall
 from reports.studies.document import Document
-
-Progress = Callable[[int, int, str], None]  # done, total, what comes next
 
 LONGEST = 1800.0  # s for one study, on a machine however busy
 
@@ -65,7 +61,7 @@ def _sources(name: str) -> list[str]:
     return [code_of(f"reports.studies.{name}.measure"), *(texts[file] for file in sorted(texts))]
 
 
-def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Progress) -> list[str]:
+def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Report) -> list[str]:
     """Add to `found` the facts of every study, stored or measured on all cores; return what failed and why.
 
     Facts are measured again where their code changes or what they depend on: the engines and their adapters.
@@ -76,23 +72,33 @@ def measure_all(store: Store, result: dict[str, Measured], depends: Any, report:
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held
     missing, failed = [name for name in listed if name not in result], []
-    # compute the parts of studies on all cores; one that fails does so again, with its reason, in `measure`
-    tasks = [(name, part) for name in missing for part in parts(name)]
-    for done, (task, _) in enumerate(each(tasks, _made, timeout=LONGEST), 1):
-        report(done, len(tasks), f"runs for the study of {task[0]}")
-    together, alone = ([name for name in missing if listed[name].alone is apart] for apart in (False, True))
-    for name, facts in chain(each(together, _measured, timeout=LONGEST), each(alone, _measured, 1, LONGEST)):
+    # studies without parts, which take longest, beside the parts of others; what reads those; at last what takes times
+    parted = {name: own for name in missing if (own := parts(name))}
+    whole = [(name, None) for name in missing if not listed[name].alone]
+    first = [task for task in whole if task[0] not in parted]
+    first += [(name, part) for name, own in parted.items() for part in own]
+    reading = [task for task in whole if task[0] in parted]
+    last = [(name, None) for name in missing if listed[name].alone]
+    steps = chain(each(first, _made, timeout=LONGEST), each(reading, _made, timeout=LONGEST),
+                  each(last, _made, 1, LONGEST))  # fmt: skip
+    for done, ((name, part), facts) in enumerate(steps, 1):
         if isinstance(facts, str):
             failed.append(f"section {name}: {facts}")
-        else:
+        elif facts is not None:
             result[name] = keep(store, keys[name], Measured, facts)
-        report(len(result) + len(failed), len(listed), f"study of {name}")
+        what = f"study of {name}" if part is None else f"runs for the study of {name}"
+        report(done, len(first) + len(reading) + len(last), what)
     return failed
 
 
-def _made(call: Caller, task: tuple[str, Any]) -> None:
-    with suppress(Exception):  # raised in a process of its own
-        call(make, *task)
+def _made(call: Caller, task: tuple[str, Any]) -> Measured | str | None:
+    """Return a study's facts, or the sentence why there are none; nothing of one of its parts."""
+    name, part = task
+    if part is None:
+        return _measured(call, name)
+    with suppress(Exception):  # raised in a process of its own; `measure` meets it again
+        call(make, name, part)
+    return None
 
 
 def _measured(call: Caller, name: str) -> Measured | str:

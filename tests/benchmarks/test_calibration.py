@@ -37,13 +37,9 @@ def test_the_table_counts_what_is_below_and_takes_the_median_of_what_is_above():
     assert (first["method"], first["runs"], second["method"], second["overestimate_median"]) == ("m", 3, "n", 4.0)
 
 
-def test_a_trial_is_always_the_same():
-    assert trial(3).error == trial(3).error
-    assert trial(3).setting == trial(3).setting
-
-
-def test_what_other_sources_made_is_not_taken_for_kept(tmp_path):
-    file, one = tmp_path / "runs.jsonl", trial(3)
+def test_a_trial_is_always_the_same_and_what_other_sources_made_is_not_taken_for_kept(tmp_path):
+    file, one, again = tmp_path / "runs.jsonl", trial(3), trial(3)
+    assert (again.error, again.setting) == (one.error, one.setting)
     keep(file, one)
     keep(file, replace(one, seed=4, code="of older sources"))
     assert stored(file) == {3: one}

@@ -13,7 +13,8 @@ import pytest
 
 from benchmarks.record_changes import Move, alone, changes, median_ratio, overall
 from cross_checks.judge.vocabulary import OURS
-from cross_checks.prices import confirm, timing
+from cross_checks.prices import pick as confirm
+from cross_checks.prices import timing
 from cross_checks.prices.pick import RIVAL, Bounds, Choice, basis, contenders, pick, setting, shipped
 from cross_checks.prices.timing import Comparison, Pace, Sample
 from cross_checks.records.record import BUSY_NOTE, Error, Record
@@ -190,7 +191,7 @@ def test_a_long_loop_is_timed_once_and_a_short_one_after_a_first_that_warms_up(m
     monkeypatch.setattr(timing, "sample", lambda *given: next(clock))
     clock = iter([Sample(1.5, 0.4), Sample(0.1)])
     assert timing.time_loops(*[None] * 3) == ([1.5], 0.4)  # type: ignore[arg-type]
-    clock = iter([Sample(0.9, 0.1), Sample(0.5, 0.8), Sample(0.2, 1.0), Sample(0.4, 0.6), Sample(9.0)])
+    clock = iter([Sample(timing.WARMED, 0.1), Sample(0.5, 0.8), Sample(0.2, 1.0), Sample(0.4, 0.6), Sample(9.0)])
     loops, share = timing.time_loops(*[None] * 3)  # type: ignore[arg-type]
     assert (loops, share) == ([0.5, 0.2, 0.4], pytest.approx(0.8))
 

@@ -14,13 +14,16 @@ from cross_checks.prices.pick import pick
 from cross_checks.prices.sweep import sweep
 from mbs_ref import scenes
 from reports.cli import main
+from tests.cross_checks.conftest import Swing, register
 
 PENDULUM = scenes.make("pendulum")
 
 
-@pytest.fixture
-def records(swing):
-    return list(sweep(Runs(), PENDULUM))
+@pytest.fixture(scope="module")
+def records():
+    with pytest.MonkeyPatch.context() as patch:
+        register(Swing(), patch)
+        return list(sweep(Runs(), PENDULUM))
 
 
 def test_a_sweep_meets_every_decade_and_censors_nothing(records):

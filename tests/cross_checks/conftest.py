@@ -47,10 +47,8 @@ class Swing(Engine):
         return self.trouble(path) if self.trouble else path
 
 
-@pytest.fixture
-def swing(monkeypatch):
-    """Register the engine; the returned function gives it a trouble to have after each run."""
-    current = Swing()
+def register(current: Engine, patch: pytest.MonkeyPatch) -> None:
+    """Let the engine, and one that is absent, be the only ones."""
 
     def get(name):
         if name == "swing":
@@ -59,8 +57,15 @@ def swing(monkeypatch):
             raise registry.EngineMissing("engine 'absent' needs the package 'absent'")
         raise ValueError(f"engine = {name!r} is unknown")
 
-    monkeypatch.setattr(registry, "get", get)
-    monkeypatch.setattr(registry, "names", lambda: ["swing", "absent"])
+    patch.setattr(registry, "get", get)
+    patch.setattr(registry, "names", lambda: ["swing", "absent"])
+
+
+@pytest.fixture
+def swing(monkeypatch):
+    """Register the engine; the returned function gives it a trouble to have after each run."""
+    current = Swing()
+    register(current, monkeypatch)
 
     def trouble(what):
         current.trouble = what

@@ -80,7 +80,7 @@ class Copy:
 
     def _pytest(self, tests: str, markers: str) -> tuple[int | None, str]:
         environment = os.environ | {"PYTHONPATH": str(self.root), "MBS_REF_CACHE": str(self.cache),
-                                    "OMP_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1"}  # fmt: skip
+                                    "PYTHONDONTWRITEBYTECODE": "1"}  # fmt: skip
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-m", markers, tests]
         shown: Any = {"capture_output": True, "text": True, "timeout": LONGEST}
         try:

@@ -19,9 +19,20 @@ from mbs_ref.scene.base.part import unit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
-from reports.film.camera import Camera, clock, coil, round_length
 from reports.film.drawing import _paper, drawing
-from reports.film.files import as_gif, as_mp4, as_page, beside, filmstrip, gif, video_library
+from reports.film.files import (
+    Camera,
+    as_gif,
+    as_mp4,
+    as_page,
+    beside,
+    clock,
+    coil,
+    filmstrip,
+    gif,
+    round_length,
+    video_library,
+)
 
 SCENES = ["android_simplified", "pendulum_chain", "spring_pendulum", "bouncing_ball", "rolling_sphere"]
 

@@ -7,7 +7,7 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.judge.answers import Question
-from cross_checks.records import naming
+from cross_checks.records import store
 from mbs_ref import scenes
 from reports.facts import stored
 
@@ -39,10 +39,10 @@ def test_another_adapter_in_another_environment_changes_a_key(monkeypatch):
 
 def test_other_stored_poses_change_a_truth_and_its_answers(monkeypatch, tmp_path):
     times = np.linspace(0.0, SCENE.duration, 3)
-    keys, name = _keys(), naming.truth_name(SCENE, times)
-    assert naming.file_of(SCENE).is_file()
+    keys, name = _keys(), store.truth_name(SCENE, times)
+    assert store.file_of(SCENE).is_file()
     poses = tmp_path / "poses.npz"
-    poses.write_bytes(naming.file_of(SCENE).read_bytes() + b"0")
-    monkeypatch.setattr(naming, "file_of", lambda scene: poses)
-    assert naming.truth_name(SCENE, times) != name
+    poses.write_bytes(store.file_of(SCENE).read_bytes() + b"0")
+    monkeypatch.setattr(store, "file_of", lambda scene: poses)
+    assert store.truth_name(SCENE, times) != name
     assert all(new != old for new, old in zip(_keys(), keys, strict=True))

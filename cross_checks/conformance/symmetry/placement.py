@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Trajectory
 from mbs_ref.scene.euler_parameters import from_matrix, rotation_matrices
-from mbs_ref.trajectory import Trajectory
 
 TABLES = tomllib.loads((files(__package__) / "placement.toml").read_text(encoding="utf-8"))
 KINDS = {field: kind for kind, fields in TABLES["kinds"].items() for field in fields}

@@ -2,9 +2,8 @@
 
 from itertools import chain
 
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Trajectory
 from mbs_ref.simulate.start.equilibrium import restated
-from mbs_ref.trajectory import Trajectory
 
 KNOWN = frozenset({
     "planar", "point_mass", "spatial", "revolute", "spherical", "universal", "prismatic", "weld", "distance",

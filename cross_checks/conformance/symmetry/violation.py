@@ -14,10 +14,8 @@ from cross_checks.conformance.symmetry import restart
 from cross_checks.conformance.symmetry.placement import Placement, image, moved
 from cross_checks.engine import Engine
 from cross_checks.isolation.parent import Isolated, Lost
+from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.distance import Motion, Partial, point_distances
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 
 NUDGE = 2.0**-46  # of the scene's size: some roundings of a step's arithmetic
 SAMPLES = 5

@@ -12,9 +12,7 @@ from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, adva
 from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
 from cross_checks.linkage.links import Linkage, linkage_of
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Status, Trajectory
+from mbs_ref import Scene, Settings, Status, Trajectory
 
 ANCHORED = "loops to ground are closed at a body welded to the world: at the world itself drake's process dies"
 

@@ -13,7 +13,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from cross_checks.engine import RTOLS, STEPS, End, Loop, Method, Plan, exponential, fixed
 from cross_checks.engines.drake_.build import Reader
-from mbs_ref.trajectory import Status
+from mbs_ref import Status
 
 FIXED, SAP, WORLD, CENIC = "_fixed", "sap", "sap_world", "cenic"
 TREES = frozenset({"closed-loop", "rod-in-space"})  # Drake has constraints in discrete time alone

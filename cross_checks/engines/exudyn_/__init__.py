@@ -14,9 +14,9 @@ from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusal
 from cross_checks.engines.exudyn_.parts import JOINTS
 from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
 from cross_checks.linkage.forces import PARTS, shared_refusals
+from mbs_ref import Settings
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.traits import traits
-from mbs_ref.settings import Settings
 
 
 @dataclass(frozen=True)

@@ -42,8 +42,7 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
 
 
 def _jointed(scene: Scene) -> list[str]:
-    names = ", ".join(repr(joint.name) for joint in scene.joints)
-    return [f"Exudyn's explicit solvers take no joint; the scene has {names}"] if names else []
+    return [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
 
 
 def _one_coefficient(contact: Any) -> list[str]:
@@ -157,8 +156,5 @@ def _add_triangle(model: Redundant, contact: SphereOnPlane, shared: dict) -> Non
     first, second = (model.axes(contact.body_b).T @ along for along in normals(contact.normal))
     corners = [np.zeros(3) + REACH * (np.cos(a) * first + np.sin(a) * second) for a in (0.0, 2.1, 4.2)]
     marks = model.pair(contact, contact.center, contact.point)
-    model.mbs.AddObject(
-        item.ObjectContactSphereTriangle(
-            markerNumbers=marks, sphereRadius=contact.radius, trianglePoints=exu.Vector3DList(corners), **shared
-        )
-    )
+    shape = {"sphereRadius": contact.radius, "trianglePoints": exu.Vector3DList(corners)}
+    model.mbs.AddObject(item.ObjectContactSphereTriangle(markerNumbers=marks, **shape, **shared))

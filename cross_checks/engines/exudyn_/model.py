@@ -9,10 +9,10 @@ import numpy as np
 
 from cross_checks.linkage.links import Z, lifted
 from cross_checks.linkage.tree import FIXED
+from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import Distance, PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, rotation_matrices
-from mbs_ref.trajectory import Trajectory
 
 
 @dataclass

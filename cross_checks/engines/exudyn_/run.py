@@ -10,10 +10,9 @@ import numpy as np
 from exudyn.exudynCPP import SolverError
 
 from cross_checks.engine import LOOPS, End, Method, Plan, adaptive, exponential, fixed
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Status
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.traits import traits
-from mbs_ref.trajectory import Status
 
 TREE = "tree_"
 CONTACT = "contact_rk44"

@@ -13,8 +13,7 @@ from cross_checks.engines.mujoco_.forces import Callback, Observer, passive
 from cross_checks.linkage.forces import SHARED, LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of, tree_reactions
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings
 
 
 @dataclass(frozen=True)
@@ -42,8 +41,7 @@ class MuJoCo(LinkageEngine):
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
-        linkage = linkage_of(scene)
-        if method.name.endswith(TIGHT) and not reasons and not linkage.closures:
+        if method.name.endswith(TIGHT) and not reasons and not linkage_of(scene).closures:
             reasons.append(Refusal(f"{method.name} differs only where a joint closes a loop, and none does", True))
         return reasons
 

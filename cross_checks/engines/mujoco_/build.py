@@ -11,9 +11,8 @@ from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.forces import LOADS, add_tendon
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, Status
 from mbs_ref.scene.euler_parameters import from_matrix
-from mbs_ref.trajectory import Status
 
 INTEGRATORS = {
     "rk4": (mujoco.mjtIntegrator.mjINT_RK4, 4, "explicit Runge-Kutta 4"),

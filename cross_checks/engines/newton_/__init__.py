@@ -21,7 +21,7 @@ from numba.core.event import trigger_event
 from cross_checks.engine import SINGLE, STEPS, End, Loop, Method, Plan
 from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, linkage_of
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 FEATHERSTONE = "featherstone"
 FLOAT32 = "Newton computes in single precision: n steps leave up to 6e-8 n of rounding"

@@ -7,16 +7,15 @@ import numpy as np
 import opensim  # an optional extra
 
 from cross_checks.engine import End, Loop, Method, Plan, Refusal
-from cross_checks.engines.opensim_ import reader
-from cross_checks.engines.opensim_.build import model_of
-from cross_checks.engines.opensim_.reader import Counts, Reader
+from cross_checks.engines.opensim_ import build
+from cross_checks.engines.opensim_.build import Counts, Reader, model_of
 from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, linkage_of
+from mbs_ref import Status
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits
-from mbs_ref.trajectory import Status
 
-opensim.Logger.setLevelString(reader.LEVEL)
+opensim.Logger.setLevelString(build.LEVEL)
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class OpenSim(LinkageEngine):
 
     name: ClassVar[str] = "opensim"
     package: ClassVar[str] = "opensim"
-    method_table: ClassVar[tuple[Method, ...]] = reader.METHODS
+    method_table: ClassVar[tuple[Method, ...]] = build.METHODS
     takes_loads: ClassVar[bool] = False
     lacks: ClassVar[frozenset[str]] = frozenset({"cylindrical"})
     extra: ClassVar[frozenset[str]] = frozenset({"spring_damper"})
@@ -52,7 +51,7 @@ class OpenSim(LinkageEngine):
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
-        if method.name == reader.ENDLESS and "closed-loop" in traits(scene):
+        if method.name == build.ENDLESS and "closed-loop" in traits(scene):
             reasons.append(
                 Refusal(f"{method.name} makes steps of no length without end in a loop's singular pose", True)
             )
@@ -64,13 +63,13 @@ class OpenSim(LinkageEngine):
         state = model.initSystem()
         # settings count only before the manager is initialized
         manager = opensim.Manager(model)
-        chosen = reader.INTEGRATORS[plan.method.name.removesuffix(reader.FIXED)]
+        chosen = build.INTEGRATORS[plan.method.name.removesuffix(build.STEPPED)]
         manager.setIntegratorMethod(getattr(opensim.Manager, f"IntegratorMethod_{chosen}"))
         if plan.method.kind == "fixed":
             manager.setIntegratorFixedStepSize(plan.step)
         else:
             manager.setIntegratorAccuracy(plan.rtol)
-            manager.setIntegratorMinimumStepSize(reader.SHORTEST * float(plan.times[-1]))
+            manager.setIntegratorMinimumStepSize(build.SHORTEST * float(plan.times[-1]))
         manager.setWriteToStorage(False)
         manager.setPerformAnalyses(False)
         manager.setRecordStatesTrajectory(False)
@@ -79,15 +78,15 @@ class OpenSim(LinkageEngine):
     def advance(self, model: Built, plan: Plan) -> Loop:
         manager = model.manager
         state = model.start
-        states = np.full((len(plan.times), len(reader.values(state))), np.nan)
-        states[0] = reader.values(state)
+        states = np.full((len(plan.times), len(build.values(state))), np.nan)
+        states[0] = build.values(state)
         state.setTime(0.0)
         manager.initialize(state)
         counts = Counts(sum(plan.counts))
         for k, t in enumerate(plan.times[1:].tolist(), start=1):
             try:
                 if k == len(plan.times) - 1 and plan.method.kind == "adaptive":
-                    state, counts = reader.counted(manager, t)
+                    state, counts = build.counted(manager, t)
                 else:
                     state = manager.integrate(t)
             except RuntimeError as error:
@@ -95,7 +94,7 @@ class OpenSim(LinkageEngine):
             if abs(state.getTime() - t) > 1e-9 * plan.times[-1]:
                 reason = f"opensim came back at t = {state.getTime():g} s without a word"
                 return Loop(states, End(k, Status.ENGINE_ERROR, reason))
-            states[k] = reader.values(state)
+            states[k] = build.values(state)
         if counts.steps > plan.max_steps:
             reason = f"max_steps = {plan.max_steps} were used up: {counts.steps} steps"
             return Loop(states, End(len(states), Status.TOO_MANY_STEPS, reason), *counts)

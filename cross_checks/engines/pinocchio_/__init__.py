@@ -13,7 +13,7 @@ from cross_checks.engines.pinocchio_.loop import motions_of, reactions_of
 from cross_checks.linkage.forces import SHARED, LinkageEngine
 from cross_checks.linkage.links import linkage_of
 from cross_checks.linkage.motion import poses_of
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 DATA_BYTES = 32  # times n_v^3: what pinocchio.Data takes for a chain
 MOST_BYTES = 1e9

@@ -12,7 +12,7 @@ from scipy.integrate import DOP853
 from cross_checks.engine import LOOPS, End, Loop, Plan, adaptive, exponential, fixed
 from cross_checks.engines.pinocchio_.build import Mechanism
 from cross_checks.linkage.motion import Motion, about, tree_reactions
-from mbs_ref.trajectory import Status
+from mbs_ref import Status
 
 GAINS = (100.0, 20.0)  # 1/s^2, 1/s: Kp and Kd, critically damped at 10 rad/s; Pinocchio's own default is 0, 0
 NO_GAINS = "_no_gains"

@@ -7,7 +7,7 @@ from cross_checks.engine import RTOLS, STEPS, Loop, Method, Plan, Refusal, expon
 from cross_checks.engines.pinocchio_ import Built, Pinocchio
 from cross_checks.engines.pinocchio_cpp_.compiler import described, obstacle
 from cross_checks.engines.pinocchio_cpp_.native import Tree
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.traits import traits
 
 METHODS = (

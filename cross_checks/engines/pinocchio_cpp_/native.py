@@ -13,7 +13,7 @@ from scipy.integrate import DOP853
 from cross_checks.engine import End, Loop, Plan
 from cross_checks.engines.pinocchio_.loop import GAINS, PROXIMAL
 from cross_checks.engines.pinocchio_cpp_.compiler import library
-from mbs_ref.trajectory import Status
+from mbs_ref import Status
 
 KINDS = (  # in the order of the program's enumeration
     "JointModelRZ", "JointModelRevoluteUnaligned", "JointModelPrismaticUnaligned", "JointModelSpherical",

@@ -8,10 +8,9 @@ from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid, k
 from cross_checks.truths.made_by.agreement import Formulation
 from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
 from cross_checks.truths.made_by.numerics.solvers import runge_kutta
-from mbs_ref import scenes
+from mbs_ref import Trajectory, scenes
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import PlanarBody, Scene
-from mbs_ref.trajectory import Trajectory
 
 FAMILY = "androids"
 END, STEP = 0.06, 1e-4  # s: the papers' step

@@ -10,10 +10,8 @@ from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, decades
 from cross_checks.extremes.parts import GRAVITY, rod_chain
 from cross_checks.truths.made_by.mechanisms.rod_chain import Rods, lagrange
 from cross_checks.truths.made_by.numerics.solvers import runge_kutta
-from mbs_ref import scenes
+from mbs_ref import Scene, Trajectory, scenes
 from mbs_ref.observables.distance import Partial, farthest
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
 
 HEAVIEST = 1e6  # times the lightest rod: with a heavier tip absolute angles do not converge, nor in extended precision
 FOLDED = (0.0, math.pi - 0.4, 0.3, -0.6)  # rad, from the x axis: a slack heap that falls and is drawn taut

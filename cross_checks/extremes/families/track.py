@@ -13,10 +13,9 @@ import numpy as np
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid
 from cross_checks.extremes.parts import GRAVITY
-from mbs_ref import scenes
+from mbs_ref import Trajectory, scenes
 from mbs_ref.observables import kinetic_energy
 from mbs_ref.scene import PlanarBody, Scene, SpringDamper
-from mbs_ref.trajectory import Trajectory
 
 FAMILY = "track"
 END, STEP, RTOL = 0.03, 1e-4, 1e-7  # s, s

@@ -120,7 +120,8 @@ def style_of(engine: str) -> Style:
 
 def styles(records: Iterable[Record]) -> dict[tuple[str, str], Style]:
     """Return the style of each (engine, method) met in the records, the reference solver first."""
-    listed = sorted({(r.engine, r.method) for r in records}, key=lambda pair: (pair[0] != engines.names()[0], pair))
+    first = engines.names()[0]
+    listed = sorted({(r.engine, r.method) for r in records}, key=lambda pair: (pair[0] != first, pair))
     fillings = {engine: cycle(product(("", "-open"), DASHES)) for engine, _ in listed}
 
     def style(engine: str) -> Style:

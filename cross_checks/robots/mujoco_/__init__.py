@@ -7,11 +7,10 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cross_checks.robots.mujoco_.mjcf_limits import IGNORABLE, assumptions, refusals
-from cross_checks.robots.mujoco_.mjcf_pose import HINGE, SLIDE, Posed
+from cross_checks.robots.mujoco_.mjcf_pose import HINGE, IGNORABLE, SLIDE, Posed, assumptions, refusals
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
 from cross_checks.robots.robot import LOCKED, RATE, Robot, RobotError, of_file, plain, refuse, three, unknown
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 OPTIONS = "gravity, duration, ignore"
 

@@ -16,12 +16,10 @@ from cross_checks.trajectory_files.column_map import ColumnMap
 from cross_checks.trajectory_files.formats import Columns
 from cross_checks.trajectory_files.judgement import samples_at, truth_rows
 from cross_checks.truths.truth import Truth
+from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.distance import turn_between, units_of
-from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Trajectory
 
 WINDOWS = (8, 4, 2, 1)  # parts of the samples that are fitted one after the other: short ones have one minimum
 FEWEST = 4  # samples of a window

@@ -7,9 +7,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files.mistakes.case import Case, Hypothesis, vector
+from mbs_ref import Trajectory
 from mbs_ref.scene.euler_parameters import product, rotation_matrices
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.trajectory import Trajectory
 
 NONE = 1e-9  # rad, or of the scene's length: a smaller turn or offset is none
 

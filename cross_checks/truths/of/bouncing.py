@@ -15,8 +15,7 @@ from scipy.optimize import root_scalar
 from cross_checks.truths.made_by.mechanisms.unilateral import line_motion, line_of, one_sided
 from cross_checks.truths.made_by.numerics.closed_forms import integral
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturned
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 from mbs_ref.scene import contact as laws
 from mbs_ref.scene.contact import SpringDamperLaw
 from mbs_ref.scenes.bouncing import floor_normal

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from cross_checks.truths.made_by.mechanisms.unilateral import Unilateral, line_motion, line_of, one_sided
 from cross_checks.truths.made_by.numerics.closed_forms import integral
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturned
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.contact import RigidLaw, SpringDamperLaw
 from mbs_ref.scenes.collisions import RADIUS_A, RADIUS_B, RUN_UP, line_of_centres
 from mbs_ref.scenes.stacks import BOX_HEIGHT as HEIGHT

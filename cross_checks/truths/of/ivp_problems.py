@@ -9,7 +9,7 @@ from cross_checks.truths.made_by.mechanisms.one_freedom import agree_on
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
 from cross_checks.truths.truth import Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scenes import andrews as given
 from mbs_ref.scenes.car_axis import AMPLITUDE, HEIGHT, LENGTH, MASS, OMEGA
 

@@ -6,7 +6,7 @@ from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.made_by.numerics import closed_forms
 from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, running_integral
 from cross_checks.truths.truth import Truth, unturned
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 
 def pendulum(scene: Scene, times: np.ndarray) -> Truth:

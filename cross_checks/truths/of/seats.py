@@ -9,7 +9,7 @@ from scipy.optimize import root_scalar
 
 from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.contact import ConstraintLaw, ProgressiveLaw
 
 LOOKS_PER_PERIOD = 400  # a period: how densely a landing is looked for

@@ -6,7 +6,7 @@ import numpy as np
 
 from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, parameter_matrix, product
 from mbs_ref.scenes.rolling import RADIUS
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from cross_checks.truths.truth import Truth, unturned
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 ROUNDOFF = 1e-15  # of the largest rise, per radian of the fastest mode
 

@@ -8,7 +8,7 @@ import numpy as np
 from cross_checks.truths.made_by.numerics import closed_forms
 from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, running_integral
 from cross_checks.truths.truth import EPS, NoConvergenceError, Truth
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, product, rotation_matrices
 from mbs_ref.scenes.tops import ARM, ARM_MASS, steady_precession
 from mbs_ref.scenes.tops import TOP_AXIAL as AXIAL

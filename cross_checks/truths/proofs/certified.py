@@ -15,9 +15,8 @@ from cross_checks.truths.proofs.checker.proof import check
 from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove
 from cross_checks.truths.truth import NoTruth, Truth, unturned
-from mbs_ref import scenes
+from mbs_ref import Scene, scenes
 from mbs_ref.observables.distance import farthest
-from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import product
 
 Enclosures = list[list[list[Any]]]  # at every time and of every body: balls of place, turn, velocity and spin

@@ -14,6 +14,7 @@ from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 DIFFERENCE = 1e-4  # of the sticking springs' time scale: step of the differences along the motion
 ACCURACY = 1e-30  # of the square of the slip rates: less is roundoff
+INTERNAL = 1e-6  # of the largest mobility under a load: below, forces push corners of one block against each other
 
 
 @bare
@@ -146,6 +147,7 @@ def _hold(model, work, t, y, dy, loads, force):
 
     Conjugate gradients (Hestenes and Stiefel 1952). Where it is not unique, as under the corners of one block,
     preconditioning by the normal `loads` (n_contacts,) shares it in proportion to them: sum |F|^2 / N is least.
+    The slip rates of a turning block have a small part that no force changes; forces within the block are not sought.
     """
     step = DIFFERENCE * _stick_time(model)
     base, change = np.zeros_like(force), np.zeros_like(force)
@@ -154,7 +156,7 @@ def _hold(model, work, t, y, dy, loads, force):
     residual = -base
     direction = weight * residual
     square = np.sum(residual * direction)
-    least = ACCURACY * square
+    least, stiffest = ACCURACY * square, 0.0
     for _ in range(force.size + 2):
         if square <= least:
             break
@@ -162,7 +164,9 @@ def _hold(model, work, t, y, dy, loads, force):
         _slip_rates(model, work, t, y, dy, scale * direction, step, change)
         change = (change - base) / scale
         curvature = np.sum(direction * change)
-        if not curvature > 0.0:
+        mobility = curvature / np.sum(direction**2 / np.maximum(weight, 1e-300))
+        stiffest = max(stiffest, mobility)
+        if not mobility > INTERNAL * stiffest:
             break
         length = square / curvature
         force += length * direction

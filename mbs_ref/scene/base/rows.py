@@ -165,13 +165,8 @@ class RollingContact(Row):
 
     def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
         frame = np.array([*normals(tuple(self.normal)), self.normal])
-        return (
-            axes.point(b, self.centre),
-            axes.direction(b, self.axis),
-            self.radius,
-            frame,
-            float(self.normal @ self.lowest()),
-        )
+        centre, axis = axes.point(b, self.centre), axes.direction(b, self.axis)
+        return centre, axis, self.radius, frame, float(self.normal @ self.lowest())
 
 
 @dataclass(frozen=True)

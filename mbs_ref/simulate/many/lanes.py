@@ -26,10 +26,9 @@ from mbs_ref.kernels.relative.lanes import build_of, figures_of
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import is_celestial
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.assembly import or_empty, sampled, trajectory, with_estimate
 from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
 from mbs_ref.simulate.legs import Counts, Run, planned_legs, reached, run_legs
-from mbs_ref.simulate.one_run import compiled
+from mbs_ref.simulate.one_run import compiled, or_empty, sampled, trajectory, with_estimate
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start.consistent import consistent_start
 from mbs_ref.trajectory import Status, Timing, Trajectory
@@ -69,11 +68,12 @@ def shared[T, R](run: Callable[[T], R], work: list[T], threads: int | None, alon
 
 
 class Bunch(NamedTuple):
-    """Runs of one scene from several states."""
+    """Runs of one scene from several states: of the redundant system as given, of the relative one once checked."""
 
     system: RelativePlanarSystem
     plan: Plan
     starts: np.ndarray  # (n, n_state)
+    build_s: float = 0.0
 
 
 def why_not_in_lanes(scene: Scene, settings: Settings) -> str:
@@ -142,7 +142,7 @@ def _advanced(bunches: Sequence[Bunch], times: np.ndarray) -> Runs:
     runs = runs_from(figures, atol, scene, np.concatenate([bunch.starts for bunch in bunches]), len(times))
     side, tree = side_by_side(atol.shape[1], len(DOP853.b)), bunches[0].system.in_lanes()
     with np.errstate(all="ignore"):
-        for (system, plan, _), (first, last) in zip(bunches, _places(bunches), strict=True):
+        for (system, plan, *_), (first, last) in zip(bunches, _places(bunches), strict=True):
             propose_all(system.model, system.work, plan.options, runs, first, last, times, DOP853.order)
         advance_in_lanes(tree, DOP853, bunches[0].plan.options, runs, side, times, 0, len(scene))
     return runs
@@ -155,17 +155,8 @@ def _complete(plan: Plan, runs: Runs, k: int, states: np.ndarray, loop_s: float)
     return Run(plan.times, states, np.zeros(len(states)), counts, Status.SUCCESS, reached(plan), loop_s, 0.0)
 
 
-class Case(NamedTuple):
-    """A scene and the states from which it starts."""
-
-    system: RelativePlanarSystem
-    plan: Plan
-    starts: np.ndarray  # (n, n_redundant) states of the redundant system
-    build_s: float
-
-
-class CheckedCase(NamedTuple):
-    """A case whose starts have been checked."""
+class Checked(NamedTuple):
+    """A bunch whose starts have been checked."""
 
     bunch: Bunch  # the consistent starts
     notes: dict[int, list[str]]  # on the corrections of these
@@ -195,8 +186,8 @@ def scenes_in_lanes(
 
     def piece(part: slice) -> list[Trajectory]:
         cases = [or_empty(scene, lambda scene=scene: _case(scene, settings, times)) for scene in scenes[part]]
-        paths = iter(_side_by_side([case for case in cases if isinstance(case, Case)]))
-        return [next(paths)[0] if isinstance(case, Case) else case for case in cases]
+        paths = iter(_side_by_side([case for case in cases if isinstance(case, Bunch)]))
+        return [next(paths)[0] if isinstance(case, Bunch) else case for case in cases]
 
     outputs = settings.samples if times is None else len(times)
     size = outputs * max((6 * len(scene.bodies) for scene in scenes), default=1)
@@ -204,14 +195,14 @@ def scenes_in_lanes(
     return [path for paths in shared(piece, work, threads, alone=0) for path in paths]
 
 
-def _case(scene: Scene, settings: Settings, times: np.ndarray | None) -> Case:
+def _case(scene: Scene, settings: Settings, times: np.ndarray | None) -> Bunch:
     """Return a scene with its own start."""
     plan, system, build_s = compiled(scene, settings.model_copy(update={"coordinates": "relative"}), times)
     assert isinstance(system, RelativePlanarSystem)
-    return Case(system, replace(plan, notes=(*plan.notes, NOTE)), system.redundant.initial_state()[None], build_s)
+    return Bunch(system, replace(plan, notes=(*plan.notes, NOTE)), system.redundant.initial_state()[None], build_s)
 
 
-def _side_by_side(cases: list[Case]) -> list[list[Trajectory]]:
+def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
     """Return the trajectories of each case, as `simulated` computes them."""
     began = time.perf_counter()
     checked = [_checked(case) for case in cases]
@@ -230,12 +221,12 @@ def _side_by_side(cases: list[Case]) -> list[list[Trajectory]]:
     return [_trajectories(*one, is_coarse) for one in zip(checked, times, runs, others, strict=True)]
 
 
-def _checked(case: Case) -> CheckedCase:
+def _checked(case: Bunch) -> Checked:
     system, settings, scene = case.system, case.plan.settings, case.system.scene
     checks = [or_empty(scene, lambda y=y: consistent_start(system.redundant, y, settings)) for y in case.starts]
     notes = {k: one for k, one in enumerate(checks) if not isinstance(one, Trajectory)}
     inconsistent = {k: one for k, one in enumerate(checks) if isinstance(one, Trajectory)}
-    return CheckedCase(Bunch(system, case.plan, system.all_reduced(case.starts[[*notes]])), notes, inconsistent)
+    return Checked(Bunch(system, case.plan, system.all_reduced(case.starts[[*notes]])), notes, inconsistent)
 
 
 def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
@@ -250,10 +241,10 @@ def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
 
 
 def _trajectories(
-    checked: CheckedCase, timing: Timing, runs: list[Run], others: list[Run] | None, is_coarse: bool
+    checked: Checked, timing: Timing, runs: list[Run], others: list[Run] | None, is_coarse: bool
 ) -> list[Trajectory]:
     """Return the trajectories of a case, in the order of its starts."""
-    (system, plan, _), paths = checked.bunch, dict(checked.inconsistent)
+    (system, plan, *_), paths = checked.bunch, dict(checked.inconsistent)
     samples = sampled(system, plan, runs)
     poses = [sample.poses for sample in samples]
     companions = [None] * len(runs) if others is None else all_companions(system, poses, runs, others, is_coarse)

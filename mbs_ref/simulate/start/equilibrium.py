@@ -140,11 +140,8 @@ def restated(scene: Scene, path: Trajectory, sign: float = 1.0) -> Scene:
 
 
 def _body(body: Any, path: Trajectory, k: int, sign: float) -> Any:
-    velocity, turning, orientation = (
-        sign * path.velocity[-1, k],
-        sign * path.angular_velocity[-1, k],
-        path.orientation[-1, k],
-    )
+    velocity, turning = sign * path.velocity[-1, k], sign * path.angular_velocity[-1, k]
+    orientation = path.orientation[-1, k]
     update: dict[str, Any] = {"position": tuple(path.position[-1, k].tolist()), "velocity": tuple(velocity.tolist())}
     if isinstance(body, PlanarBody):
         update |= {"angle": float(orientation), "angular_velocity": float(turning)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
@@ -14,6 +15,7 @@ from reports.terminal.console import EngineAbsent, NothingSelected, complain, ec
 
 if TYPE_CHECKING:
     from cross_checks.contact.request import ContactModel
+    from mbs_ref.scene import Scene
 
 
 @click.command(name="contact", epilog="Example: mbs-ref contact --rebound 0.5 --friction 0.7 --stiffness 1e5 --mass 2")
@@ -24,23 +26,28 @@ if TYPE_CHECKING:
 @click.option("--speed", type=float, default=1.0, show_default=True, help="Of approach and of sliding (m/s).")
 @click.option("--step", type=inputs.POSITIVE, default=1e-3, show_default=True, help="Of the engine (s).")
 @click.option("--figures", is_flag=True, help="Compare scenes with contact by figures instead.")
-@click.option("--scene", "only", metavar="SCENE", multiple=True, help="Of the scenes compared, only this; repeatable.")
+@click.option("--scene", "only", metavar="SCENE", multiple=True, help="Only this scene; repeatable.")
 @click.option("--holding", is_flag=True, help="Measure the creep of blocks that friction holds instead.")
 @click.option(
-    "--instant", type=click.Path(path_type=Path), metavar="FILE", help="Assess the first step of --scene SCENE instead."
+    "--instant", type=inputs.NEW_FILE, metavar="FILE", help="Assess one step of --scene SCENE|FILE.toml instead."
 )
+@click.option("--at", type=float, default=0.0, metavar="T", help="Time of --instant (s); 0 unless given.")
+@inputs.PARAMETERS
+@click.option("--tosses", is_flag=True, help="Compare predictions with measured tosses of a cube instead.")
+@click.option("--folder", type=inputs.FOLDER, help="Of other tosses: the .pt files that ContactNets publishes.")
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(
-    figures: bool, only: tuple[str, ...], holding: bool, instant: Path | None, chosen: tuple[str, ...], as_json: bool,
-    **request,
+    figures: bool, only: tuple[str, ...], holding: bool, instant: Path | None, at: float, parameters: tuple[str, ...],
+    tosses: bool, folder: Path | None, chosen: tuple[str, ...], as_json: bool, **request,
 ):  # fmt: skip
     """Translate a contact into the parameters of each engine.
 
     Small experiments measure what each engine makes of them. They hold for one pair of the given effective mass.
     --figures runs the library's scenes with contact by each engine's own contact model, --holding blocks that
-    Coulomb's law holds. --instant writes the contact problem of a scene's first step in FCLIB's layout
+    Coulomb's law holds. --instant writes the contact problem of a scene's state in FCLIB's layout
     (FILE.hdf5 needs h5py, else FILE.npz) and shows by how much each engine's step violates its conditions.
+    --tosses predicts measured tosses of a cube by each law and engine, and shows the error of its corners.
     """
     from cross_checks import contact
     from cross_checks.contact import by_figure
@@ -51,13 +58,20 @@ def command(
         raise click.UsageError(str(error)) from error
     if absent and (chosen or not present):
         raise EngineAbsent("; ".join(absent))
-    if figures or holding or instant:
+    if (at or parameters) and (holding or not instant):
+        raise click.UsageError("--at and -p go with --instant FILE --scene SCENE")
+    if instant and not holding:
+        _print(_violations(present, [inputs.scene(name, parameters) for name in only], at, request["step"], instant),
+               as_json)  # fmt: skip
+    elif tosses or folder:
+        _print(_predictions(present, folder, request["step"], each=as_json), as_json)
+    elif figures or holding:
         cases = by_figure.holding() if holding else by_figure.with_contact()
         if unknown := [name for name in only if name not in cases]:
             raise NothingSelected(f"no scene here is named {unknown[0]!r}; allowed: {', '.join(cases)}")
         chosen_cases = {name: cases[name] for name in only or cases}
         if instant:
-            _print(_violations(present, chosen_cases, request["step"], instant), as_json)
+            _print(_violations(present, list(chosen_cases.values()), 0.0, request["step"], instant), as_json)
         else:
             _print(by_figure.compare(present, chosen_cases, request["step"], every=holding), as_json)
     else:
@@ -86,18 +100,31 @@ def _translate(models: dict[str, ContactModel], request: dict[str, float | None]
         click.echo(translation.snippet)
 
 
-def _violations(models: dict[str, ContactModel], cases: dict[str, Any], step: float, path: Path) -> list[Any]:
-    """Write the contact problem of one scene, and return the violations by all engines."""
+def _violations(models: dict[str, ContactModel], cases: list[Scene], at: float, step: float, path: Path) -> list[Any]:
+    """Write the contact problem of one scene at a time (s), and return the violations by all engines."""
     from cross_checks.contact import instant
 
     if len(cases) != 1:
         raise click.UsageError(f"--instant takes one scene, --scene SCENE; {len(cases)} are chosen")
+    if not (at >= 0.0 and math.isfinite(at)):
+        raise click.UsageError(f"--at {at:g}: must be at least 0")
     try:
-        problem = instant.instant(next(iter(cases.values())), step)
+        problem = instant.instant(instant.state_at(cases[0], at), step)
         instant.write(problem, path)
     except (ValueError, OSError, ModuleNotFoundError) as error:
         raise click.UsageError(str(error)) from error
-    return [one for model in models.values() for one in instant.assess(problem, model)]
+    return instant.assess(problem, models.values())
+
+
+def _predictions(models: dict[str, ContactModel], folder: Path | None, step: float, *, each: bool) -> Iterable[Any]:
+    """Return the predictions of every toss, or their medians by model."""
+    from cross_checks.contact import tosses
+
+    try:
+        predicted = tosses.predict(tosses.stored(folder), models, step)
+        return predicted if each else tosses.summaries(predicted)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
 
 
 def _print(results: Iterable[Any], as_json: bool) -> None:

@@ -11,12 +11,12 @@ from benchmarks.record_changes import BY_MACHINE
 from cross_checks.conformance.loading import name_of
 from cross_checks.isolation.parent import Lost
 from cross_checks.judge.cell import truth_of
-from cross_checks.prices import confirm, pick
+from cross_checks.prices import pick
 from cross_checks.prices.pick import Bounds, Choice
 from cross_checks.prices.timing import Comparison
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import BUSY_NOTE, Record
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from reports import inputs
 from reports.page.slug import command as reproduce
 from reports.query import STORE, Interrupted, isolated, open_runs, sweep_records
@@ -36,7 +36,7 @@ PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code o
 @click.option(
     "--confirm/--no-confirm", "confirming", default=None,
     help=f"Time the winner against the runner-up in interleaved runs.  [default: where it leads by less than "
-    f"{confirm.CLOSE} times]",
+    f"{pick.CLOSE} times]",
 )  # fmt: skip
 @click.option(
     "--models", is_flag=True, help="Choose among the models of SCENE's family, from least to most, not among settings."
@@ -153,14 +153,14 @@ def _warn(records: list[Record]) -> None:
 def _confirmed(scene: Scene, choice: Choice, wanted: bool | None) -> tuple[Choice, Comparison | None]:
     if choice.runner_up is None or choice.margin is None:
         return choice, None
-    if wanted is False or (wanted is None and choice.margin >= confirm.CLOSE):
+    if wanted is False or (wanted is None and choice.margin >= pick.CLOSE):
         return choice, None
     try:
         with isolated([scene], PATIENCE) as call:
-            duel = confirm.duel(scene, choice, call)
+            duel = pick.duel(scene, choice, call)
     except Lost as lost:
         return replace(choice, sentence=f"{choice.sentence} Not confirmed: a timed run {lost}."), None
-    return confirm.settled(choice, duel), duel
+    return pick.settled(choice, duel), duel
 
 
 def _as_shipped(scene: Scene, chosen: tuple[str, ...], store: str | None) -> list[Record]:
@@ -168,7 +168,7 @@ def _as_shipped(scene: Scene, chosen: tuple[str, ...], store: str | None) -> lis
     if not chosen:
         return []
     with open_runs([scene], store, PATIENCE) as runs:
-        built = [confirm.as_shipped(runs, scene, name_of(one)) for one in chosen]
+        built = [pick.as_shipped(runs, scene, name_of(one)) for one in chosen]
     return [replace(record, history={}) for record in built if record is not None]
 
 
@@ -176,7 +176,7 @@ def _afresh(scene: Scene, choice: Choice, store: str | None) -> Record | None:
     if choice.best is None:
         return None
     with open_runs([scene], store, PATIENCE) as runs:
-        return confirm.afresh(scene, choice.best, truth_of(runs, scene), runs.call)
+        return pick.afresh(scene, choice.best, truth_of(runs, scene), runs.call)
 
 
 def _check(again: Record, bounds: Bounds) -> None:

@@ -76,11 +76,8 @@ def _draw(records: list[Record], target: Path) -> None:
 def _show(records: list[Record]) -> None:
     rows = []
     for record in records:
-        figures = (
-            record.error and record.error.value,
-            record.measure("compliance_position"),
-            record.times.get("loop_s"),
-        )
+        error, compliance = record.error and record.error.value, record.measure("compliance_position")
         how = setting({key: record.settings.get(key) for key in ("step", "rtol")})
-        rows.append((record.engine, record.method, how, record.status, *map(number, figures)))
+        figures = map(number, (error, compliance, record.times.get("loop_s")))
+        rows.append((record.engine, record.method, how, record.status, *figures))
     show_table("", ("engine", "method", "setting", "status", "error", "compliance", "loop, s"), rows)

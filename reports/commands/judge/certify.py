@@ -9,8 +9,7 @@ from cross_checks.judge.certify import certify, store_poses
 from cross_checks.truths import certificate, known
 from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from mbs_ref import Scene, scenes
 from reports import inputs
 from reports.terminal.console import Failed, NothingSelected, echo_json, number, progress, show_table
 
@@ -25,7 +24,7 @@ def command(scene: str | None, parameters: tuple[str, ...], write: bool, as_json
 
     Exit code 1 where they differ by more than their uncertainties.
     """
-    chosen = _every() if scene is None else [inputs.scene(scene, parameters)]
+    chosen = every_truth() if scene is None else [inputs.scene(scene, parameters)]
     rows = []
     with progress("certify") as report:
         for done, built in enumerate(chosen):
@@ -42,7 +41,7 @@ def command(scene: str | None, parameters: tuple[str, ...], write: bool, as_json
         raise Failed(f"truths depart from their certificates: {', '.join(departed)}")
 
 
-def _every() -> list[Scene]:
+def every_truth() -> list[Scene]:
     """Return the scenes of all certificates, and all others with a truth, with their default parameters."""
     certified = [scenes.make(result.scene, **result.parameters) for result in certificate.every()]
     plain = [scenes.make(name) for name in known() if name in scenes.names()]

@@ -7,8 +7,8 @@ import click
 from cross_checks import metrics
 from cross_checks.records.plots.plot import FLOOR, new_figure
 from cross_checks.trajectory_files.judgement import Judgement
+from mbs_ref import Scene
 from mbs_ref.atomic_file import write_atomic
-from mbs_ref.scene import Scene
 from reports import inputs
 from reports.query import STORE, open_runs
 from reports.terminal import console

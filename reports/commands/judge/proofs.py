@@ -1,15 +1,13 @@
 """mbs-ref proofs: the library's scenes proven, their logs checked, and their truths compared."""
 
-from typing import Any
-
 import click
 
 from cross_checks.judge import ladder
-from cross_checks.truths import certificate, known, stored_poses
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
+from cross_checks.truths import certificate, stored_poses
+from mbs_ref import Scene
 from mbs_ref.scene.scales import scales_of
 from reports import inputs
+from reports.commands.judge.certify import every_truth
 from reports.commands.judge.prove import LIMIT, RADIUS, bound, need_flint
 from reports.terminal.console import Failed, echo_json, number, progress, show_table
 
@@ -65,7 +63,4 @@ def _covered() -> list[Scene]:
     """Return the scenes of all certificates, and all others of the library, that proofs cover."""
     from cross_checks.truths.proofs.coverage import complaints
 
-    certified = [scenes.make(one.scene, **one.parameters) for one in certificate.every()]
-    plain = [scenes.make(name) for name in known()]
-    every: dict[str, Any] = {certificate.file_name(made): made for made in (*certified, *plain)}
-    return [made for made in every.values() if not list(complaints(made))]
+    return [made for made in every_truth() if not list(complaints(made))]

@@ -127,7 +127,7 @@ def _check(file: Path, as_json: bool) -> None:
     from cross_checks.truths.proofs import log as logs
     from cross_checks.truths.proofs.checker.balls import Refused
     from cross_checks.truths.proofs.checker.proof import check
-    from mbs_ref.scene import Scene
+    from mbs_ref import Scene
 
     began = time.process_time()
     try:

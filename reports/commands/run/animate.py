@@ -5,10 +5,8 @@ from pathlib import Path
 import click
 
 from cross_checks.engine import Engine
+from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.atomic_file import write_atomic
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 from reports import inputs
 from reports.terminal.console import EngineAbsent, Failed, progress
 

@@ -12,8 +12,7 @@ from cross_checks.metrics.errors import COMPONENTS
 from cross_checks.metrics.metric import Metric
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
+from mbs_ref import Scene, Trajectory
 from reports import inputs
 from reports.poses_file import FORMATS, write_poses
 from reports.query import STORE, store_path

@@ -17,7 +17,6 @@ from cross_checks.records.plots.plot import style_of
 from reports.facts.report_data import ReportData, Section
 
 LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."
-TONES = {Fate.SURVIVED: "good", Fate.STOPPED: "plain", Fate.DEGRADED: "fair", Fate.SILENTLY_WRONG: "bad"}
 
 
 def context(data: ReportData) -> dict[str, Any]:
@@ -28,12 +27,12 @@ def context(data: ReportData) -> dict[str, Any]:
         {"name": family, "extremes": [_extreme(e, result[e.name]) for e in group]}
         for family, group in groupby(shown, key=lambda e: e.family)
     ]
-    columns = list(dict.fromkeys((c.engine, c.method) for c in cells if c.points))
+    ran = dict.fromkeys((c.engine, c.method) for c in cells if c.points)
     return {
         "families": families,
-        "columns": columns,
-        "table": [_table_row(extreme, result[extreme.name], columns) for extreme in shown],
-        "tally": [_tally(engine, method, cells) for engine, method in columns],
+        "fates": (Fate.SURVIVED, Fate.STOPPED, Fate.DEGRADED, Fate.SILENTLY_WRONG, Fate.CANNOT),
+        "table": [_table_row(e, [c for c in result[e.name] if (c.engine, c.method) in ran]) for e in shown],
+        "tally": [_tally(*own, cells) for own in ran],
         "silent": _silent(cells),
         "good": f"{TARGETS[0]:g}",
         "wrong": f"{RESOLVED:g}",
@@ -81,18 +80,15 @@ def _value(extreme: Extreme, value: float) -> str:
     return axis.label(value) if axis.labels else f"{tick(axis, value)} {axis.unit}".rstrip()
 
 
-def _table_row(extreme: Extreme, cells: list[Cell], columns: list[tuple[str, str]]) -> dict[str, Any]:
-    own = {(c.engine, c.method): c for c in cells}
-    return {"name": extreme.name, "title": extreme.title, "cells": [_cell(extreme, own.get(c)) for c in columns]}
-
-
-def _cell(extreme: Extreme, cell: Cell | None) -> dict[str, str]:
-    if cell is None:
-        return {"word": "not run", "tone": "plain", "figure": "", "reason": ""}
-    if cell.fate is Fate.CANNOT:
-        return {"word": "cannot", "tone": "plain", "figure": "", "reason": cell.reason}
-    last = "nowhere right" if cell.last is None else f"to {_value(extreme, cell.last)}"
-    return {"word": str(cell.fate), "tone": TONES[cell.fate], "figure": last, "reason": cell.reason}
+def _table_row(extreme: Extreme, cells: list[Cell]) -> dict[str, Any]:
+    """Return an extreme's methods by their fate and engine."""
+    fates: dict[str, dict[str, list[dict[str, str]]]] = {fate: {} for fate in Fate}
+    for cell in cells:
+        last = "nowhere right" if cell.last is None else f"to {_value(extreme, cell.last)}"
+        figure = "" if cell.fate in (Fate.SURVIVED, Fate.CANNOT) else last
+        method = {"name": cell.method, "figure": figure, "reason": cell.reason}
+        fates[cell.fate].setdefault(cell.engine, []).append(method)
+    return {"name": extreme.name, "title": extreme.title, "fates": fates}
 
 
 def _tally(engine: str, method: str, cells: list[Cell]) -> dict[str, Any]:

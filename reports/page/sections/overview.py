@@ -22,23 +22,16 @@ def context(data: ReportData) -> dict[str, Any]:
         {"scene": scene, "file": scene_file(scene), "cells": [_cell(data, scene, name) for name in data.installed]}
         for scene in data.scenes
     ]
-    return {
-        "engines": data.installed,
-        "rows": rows,
-        "ours": OURS,
-        "files": {name: engine_file(name) for name in data.engines},
-    }
+    files = {name: engine_file(name) for name in data.engines}
+    return {"engines": data.installed, "rows": rows, "ours": OURS, "files": files}
 
 
 def _cell(data: ReportData, scene: str, engine: str) -> dict[str, Any]:
     cells = data.cells_of(scene, engine)
     errors = [known_error(run) for run in data.of_scene(scene) if run.engine == engine and usable(run)]
     if not errors:
-        return {
-            "error": "",
-            "why": next((cell.reason for cell in cells), "not run"),
-            "can": _models(data, scene, engine),
-        }
+        why = next((cell.reason for cell in cells), "not run")
+        return {"error": "", "why": why, "can": _models(data, scene, engine)}
     entry = next(e for e in entries(data, scene, MIDDLE) if e.engine == engine)
     digits = min(max(-math.log10(max(min(errors), 1e-99)), 0.0), DIGITS)
     wrong = [f"{c.method}: {of_scene(c.error)} off{' (documented)' if c.exemption else ''}"

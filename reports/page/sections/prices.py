@@ -31,12 +31,8 @@ def cannot(blocks: list[dict[str, Any]]) -> dict[str, str]:
 
 
 def _row(entry: Entry, factor: float | None) -> dict[str, Any]:
-    row = {
-        "engine": entry.engine,
-        "ours": entry.engine == OURS,
-        "answer": entry.answer,
-        "inside": INSIDE.get(entry.engine, ""),
-    }
+    inside = INSIDE.get(entry.engine, "")
+    row = {"engine": entry.engine, "ours": entry.engine == OURS, "answer": entry.answer, "inside": inside}
     record = entry.best
     if record is None or record.error is None:
         text = f"{ANSWERS[entry.answer][0]}: {entry.reason or 'no reason was given'}"

@@ -19,15 +19,12 @@ from cross_checks.records.numbers import ABSENT, in_words, order_of, setting, sh
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths import truth_for
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Status, Trajectory, scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual
 from mbs_ref.observables.distance import distances
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
-from mbs_ref.trajectory import Status, Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, VERTEBRAL, with_test
 
@@ -199,17 +196,10 @@ def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
 
 def entrants(scene: Scene, names: Sequence[str] | None = None) -> list[tuple[str, Method]]:
     """Return the methods of every other engine that can run the scene: all in the first crash, few in the others."""
-    result, crash = [], (scene.name, str(scene.parameters["impact"]))
-    for name in engines.names() if names is None else names:
-        try:
-            engine = engines.get(name)
-        except engines.EngineMissing:
-            continue
-        if name == "mbs_ref" or engine.refusals(scene):
-            continue
-        able = [method for method in engine.methods() if not engine.method_refusals(scene, method)]
-        result += [(name, method) for method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
-    return result
+    crash = scene.name, str(scene.parameters["impact"])
+    others = (engine for engine in engines.installed(names) if engine.name != "mbs_ref")
+    able = [(engine.name, method) for engine in others for method in engine.able(scene)]
+    return [(name, method) for name, method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
 
 
 def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:

@@ -9,16 +9,14 @@ import numpy as np
 
 from cross_checks.contact import models
 from cross_checks.contact.by_figure import Obtained, compare, with_contact
+from cross_checks.contact.tosses import Summary, predict, stored, summaries
 from cross_checks.truths.of.bouncing import impact
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.distance import farthest
 from mbs_ref.observables.energy import is_conservative, kinetic_energy, potential_energy
 from mbs_ref.observables.powers import powers
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, film, plain
 from reports.studies.crash import largest_gap
 
@@ -28,7 +26,7 @@ LAWS = {
     "hunt_crossley": {"stiffness": 1e6, "damping": 3e5}, "lankarani_nikravesh": {"stiffness": 1e6},
     "flores": {"stiffness": 1e6}, "rigid": {},
 }  # fmt: skip
-ENGINES_STEP = 5e-4  # s
+ENGINES_STEP, TOSSES_STEP = 5e-4, 1e-4  # s
 VEHICLE_END, VEHICLE_SAMPLES = 2.0, 201
 NOMINAL = 1e-3  # difference from the nominal restitution above which a law does not return it
 FILMED = 5  # samples a picture
@@ -52,6 +50,7 @@ def measure() -> Measured:
     tables = {
         "orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS), "runs": runs,
         "engines": tuple(_by_engine(one) for one in compare(models()[0], with_contact(), ENGINES_STEP)),
+        "tosses": tuple(_of_tosses(one) for one in summaries(predict(stored(), models()[0], TOSSES_STEP))),
     }  # fmt: skip
     drawn = {f"vehicle: {name}": lines for name, lines in vehicle_curves(vehicle, paths[0], energy).items()}
     drawn |= {f"order: {row['law']}, events {row['events']}": _line(row) for row in orders}
@@ -64,6 +63,11 @@ def _by_engine(one: Obtained) -> Row:
     if one.figure:
         return row | ({"obtained": one.reason} if one.reason else {})
     return row | dict.fromkeys(("requested", "uncertainty", "obtained", "change"), "") | {"figure": one.reason}
+
+
+def _of_tosses(one: Summary) -> Row:
+    """Return a row of one model; its reason takes the place of what no toss shows."""
+    return asdict(one) | ({"error": one.reason, "share": ""} if one.error is None else {})
 
 
 def _line(row: Row) -> Curves:

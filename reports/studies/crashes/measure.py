@@ -5,10 +5,8 @@ from itertools import product
 
 import numpy as np
 
-from mbs_ref import scenes
+from mbs_ref import Scene, Trajectory, scenes
 from mbs_ref.crash.results import CrashResults, crash_results, sign_changes
-from mbs_ref.scene import Scene
-from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Curves, Measured, Row, curves, film, plain
 from reports.studies import crash
 

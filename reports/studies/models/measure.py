@@ -9,16 +9,13 @@ import numpy as np
 
 from cross_checks.metrics.metric import off_truth
 from cross_checks.prices.timing import least_times
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.crash.results import crash_results
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.observables.distance import farthest
-from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Measured
 from reports.studies.crash import deepest, finished, largest_gap
 from reports.studies.models.choice import Ladder, Rung

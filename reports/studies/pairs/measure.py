@@ -3,6 +3,7 @@
 Each engine enters every method that it offers for a scene; its row is that of its cheapest.
 """
 
+import importlib
 import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -10,6 +11,7 @@ from functools import partial
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
 from pydantic import TypeAdapter
 
 from cross_checks import engines
@@ -19,17 +21,82 @@ from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell
 from cross_checks.prices.timing import least_times
-from cross_checks.records.numbers import duration, setting, short
+from cross_checks.records.numbers import duration, metres, setting, short
 from cross_checks.records.record import Record, loop_time
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import scenes
-from mbs_ref.scene import Scene
-from mbs_ref.settings import Settings
+from mbs_ref import Scene, Settings, scenes
+from mbs_ref.kernels.particles.directions import moon_place, sun_place
+from mbs_ref.scenes.solar_system import julian_date
+from mbs_ref.simulate import simulate
 from reports.facts.cheapest import Entry, entries, near, reaching
 from reports.facts.curves import Curves, Measured, Row, Value
 from reports.facts.report_data import ReportData
-from reports.studies.pairs.sky_places import sky_places
+
+Tables = dict[str, tuple[Row, ...]]
+
+BUILTIN = "astropy_builtin"
+START = "1998-01-01"
+DAYS = (200.0, 360.0)
+J2000 = 2_451_545.0  # JD TDB
+SATELLITE_DAYS = (0.0, 100.0, 200.0, 300.0)
+FINE = Settings(method="gauss", rtol=1e-16, estimate="off")
+
+
+def sky_places() -> Tables:
+    """Return a table of bodies by title: how far apart, and the figures shared. None where astropy is not installed."""
+    try:
+        astropy = importlib.import_module("cross_checks.ephemerides.astropy_")
+    except ModuleNotFoundError:
+        return {}
+    planets, moons = (_planets(astropy, days) for days in DAYS), (_sun_and_moon(astropy, d) for d in SATELLITE_DAYS)
+    return {title: rows for tables in (*planets, *moons) for title, rows in tables.items()}
+
+
+def _places(what: str, days: float, apart: dict[str, float], figures: dict[str, float], unit: str) -> Tables:
+    """Return one table, of distances (m) or angles (rad)."""
+    written = metres if unit == "m" else lambda value: f"{short(value)} {unit}"
+    rows = ({"body": name, "apart": written(gap), "figures": figures[name]} for name, gap in apart.items())
+    return {f"places: {what}, day {days:g}": tuple(rows)}
+
+
+def _planets(astropy, days: float) -> Tables:
+    """The planets as our run leaves them, from DE440's start, seen from the Sun; the Moon from the Earth."""
+    scene = scenes.make("solar_system", days=days, start=START)
+    path = simulate(scene, FINE, grid(scene)[[0, -1]])
+    jd = julian_date(START) + days
+    ours = {name: path.position[-1, k] for k, name in enumerate(scene.body_names)}
+    apart, figures = {}, {}
+    for name in ours:
+        center = "earth" if name == "moon" else "sun"
+        if name in ("sun", "pluto") or not _has(astropy, name, jd):
+            continue
+        theirs = astropy.place(BUILTIN, name, jd) - astropy.place(BUILTIN, center, jd)
+        apart[name] = float(np.linalg.norm(ours[name] - ours[center] - theirs))
+        figures[name] = float(-np.log10(apart[name] / np.linalg.norm(theirs)))
+    return _places("planets of our run against Astropy's built-in ephemeris", days, apart, figures, "m")
+
+
+def _has(astropy, name: str, jd: float) -> bool:
+    try:
+        astropy.place(BUILTIN, name, jd)
+    except KeyError:
+        return False
+    return True
+
+
+def _sun_and_moon(astropy, days: float) -> Tables:
+    """The Sun's and the Moon's direction in the satellites' forces, from the Earth."""
+    apart, figures = {}, {}
+    for name, place in (("sun", sun_place), ("moon", moon_place)):
+        ours = np.zeros(3)
+        place(days, ours)
+        theirs = astropy.place(BUILTIN, name, J2000 + days) - astropy.place(BUILTIN, "earth", J2000 + days)
+        cosine = ours @ theirs / (np.linalg.norm(ours) * np.linalg.norm(theirs))
+        apart[name] = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+        figures[name] = float(-np.log10(np.linalg.norm(ours - theirs) / np.linalg.norm(theirs)))
+    return _places("Sun and Moon of the satellites' forces against Astropy's", days, apart, figures, "rad")
+
 
 CHEAPEST, MARKS = "★ ", "lines+markers"
 WORK = 200_000  # steps times bodies that a run may take: the papers' 4000 steps of the android of 48 bodies are within

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref import scenes
+from mbs_ref import Settings, Status, Trajectory, scenes
 from mbs_ref.crash.outlines import outlines
 from mbs_ref.crash.results import crash_results
 from mbs_ref.crash.stops import tension
@@ -12,9 +12,7 @@ from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.contact import CircleOnLine
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Status, Trajectory
 from reports.facts.curves import Film, Measured, Row, Value, film
 from reports.studies.crash import FINE, IMPACTS, PAPER, deepest, finished, forces, largest_gap, with_test
 

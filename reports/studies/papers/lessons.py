@@ -5,16 +5,14 @@ from itertools import product
 
 import numpy as np
 
-from mbs_ref import scenes
+from mbs_ref import Settings, Status, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.crash.results import crash_results
 from mbs_ref.integrators import integrators
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene.euler_parameters import parameter_matrix
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
-from mbs_ref.trajectory import Status
 from reports.facts.curves import Curves, Measured, Value, plain
 from reports.studies.crash import PAPER, finished, largest_gap, with_test
 from reports.studies.papers.crash_figures import AS_THEY_RAN

@@ -5,13 +5,11 @@ from typing import Any
 import numpy as np
 
 from cross_checks import engines
-from mbs_ref import scenes
+from mbs_ref import Settings, Status, scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.observables.distance import distances, farthest
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Status
 from reports.facts.curves import Curves, Measured, Value, curves, film
 from reports.studies.crash import largest_gap
 

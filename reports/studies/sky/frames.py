@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref import ephemeris, scenes
+from mbs_ref import Settings, ephemeris, scenes
 from mbs_ref.scene.celestial import C_SI
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Row
 

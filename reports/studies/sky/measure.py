@@ -13,14 +13,11 @@ from cross_checks.prices.timing import interleaved, interval
 from cross_checks.records.numbers import metres
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth
-from mbs_ref import scenes
+from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.observables import energy_balance
 from mbs_ref.observables.distance import distances
-from mbs_ref.scene import Scene
 from mbs_ref.scene.celestial import AU_M
 from mbs_ref.scenes.solar_system import julian_date
-from mbs_ref.settings import Settings
-from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Curves, Measured, Row, Value, plain
 from reports.studies.sky.frames import frames
 
@@ -152,12 +149,9 @@ def races() -> list[tuple[str, str, list[Row]]]:
     satellites = [scenes.make("satellite", orbit=orbit, days=ORBIT_DAYS) for orbit in ORBITS]
     result = []
     for name, settings, built in (("rebound", IAS15, decades), ("heyoka", TAYLOR, satellites)):
-        try:
-            engines.get(name)
-        except engines.EngineMissing:
-            continue
-        laps = [_lap(name, settings, scene) for scene in built]
-        result.append((f"{name} {settings.method}", f"mbs_ref {FINE.method}", laps))
+        if any(engines.installed([name])):
+            laps = [_lap(name, settings, scene) for scene in built]
+            result.append((f"{name} {settings.method}", f"mbs_ref {FINE.method}", laps))
     return result
 
 

@@ -7,11 +7,9 @@ import numpy as np
 
 from cross_checks.metrics.metric import off_truth
 from cross_checks.prices.timing import interleaved
-from mbs_ref import observables, scenes
+from mbs_ref import Settings, Trajectory, observables, scenes
 from mbs_ref.scene import PointMass, Scene, SpatialBody
-from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Measured, Value
 
 FALLING = 20  # bodies in the scenes whose cost is compared

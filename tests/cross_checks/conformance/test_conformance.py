@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -52,6 +53,14 @@ EXPECTED = {  # the question that must notice each mistake; others may too
 }
 
 FEW = ("pendulum", "double_pendulum", "torque_free_top", "spatial_n_four_bar", "bouncing_ball")
+# A joint, a load, a drive and a bushing, a weld in plane and space; `test_a_good_engine_raises_no_alarm` has all parts.
+PROBED = (("weld", 2), ("weld", 3), ("bushing", 3), ("prismatic", 3), ("spring_damper", 3), ("rotation_drive", 3))
+SHOWN_BY = {  # the scene of each mistake that the double pendulum does not show
+    "inertia in wrong axes": "torque_free_top",
+    "angular velocities in body axes": "torque_free_top",
+    "bodies that pass through each other": "bouncing_ball",
+    "contacts without loss": "bouncing_ball",
+}
 BY_PROBES = {  # the parts in space that notice a mistake; the library has none such
     "sliders that do not slide": ("prismatic", "cylindrical"),
     "torques in wrong axes": ("torque_vector",),
@@ -146,11 +155,25 @@ def test_every_mistake_has_its_question():
     assert {mistake.name for mistake in mistakes()} == set(EXPECTED)
 
 
-def test_the_engine_without_a_mistake_raises_no_alarm():
+@pytest.fixture
+def few(monkeypatch):
+    """Ask about a few scenes and parts; the returned function chooses others."""
+    every = probes()
+
+    def asked(parts: Iterable[tuple[str, int]], names: Iterable[str] = FEW) -> None:
+        chosen = {part: every[part] for part in parts}
+        monkeypatch.setattr("cross_checks.conformance.questions.probes", lambda: chosen)
+        monkeypatch.setattr("cross_checks.conformance.questions.SPANS", {name: SPANS[name] for name in names})
+
+    asked(PROBED)
+    return asked
+
+
+def test_the_engine_without_a_mistake_raises_no_alarm(few):
     assert [finding for finding in examined(Mistake("none")).of("failed")] == []
 
 
-def test_every_part_that_an_engine_declares_is_asked_or_told():
+def test_every_part_that_an_engine_declares_is_asked_or_told(few):
     """A joint that it is asked for in the plane is asked for in space, too."""
     solver = engines.get("mbs_ref")
     asked = questions(solver)
@@ -162,12 +185,9 @@ def test_every_part_that_an_engine_declares_is_asked_or_told():
 
 
 @pytest.mark.parametrize("mistake", mistakes(), ids=lambda mistake: mistake.name)
-def test_every_mistake_is_noticed_by_its_question(mistake, monkeypatch):
-    """A few scenes, and the small ones for some parts, are enough."""
-    few = {name: SPANS[name] for name in FEW}
-    parts = {(kind, 3): probes()[kind, 3] for kind in BY_PROBES.get(mistake.name, ())}
-    monkeypatch.setattr("cross_checks.conformance.questions.SPANS", few)
-    monkeypatch.setattr("cross_checks.conformance.questions.probes", lambda: parts)
+def test_every_mistake_is_noticed_by_its_question(mistake, few, monkeypatch):
+    """One scene, and the small ones for some parts, are enough."""
+    few([(kind, 3) for kind in BY_PROBES.get(mistake.name, ())], [SHOWN_BY.get(mistake.name, "double_pendulum")])
     if EXPECTED[mistake.name] != "clock":
         monkeypatch.setattr("cross_checks.conformance.examine.uncounted_work", lambda *arguments: "")
     assert EXPECTED[mistake.name] in {finding.question for finding in examined(mistake).of("failed")}
@@ -180,9 +200,9 @@ class Declared(Broken):
         return tuple(replace(method, roundoff=SINGLE) for method in super().methods())
 
 
-def test_single_precision_that_is_declared_is_forgiven_its_errors(monkeypatch):
+def test_single_precision_that_is_declared_is_forgiven_its_errors(few):
     """Its order is asked all the same, of the few coarse runs that rounding leaves of a method of order four."""
-    monkeypatch.setattr("cross_checks.conformance.questions.probes", dict)
+    few([])
     (rounded,) = (mistake for mistake in mistakes() if mistake.name == "single precision")
     report = examine(Declared(engines.get("mbs_ref"), rounded), "mbs_ref")
     assert {finding.question for finding in report.of("failed")} <= {"order"}

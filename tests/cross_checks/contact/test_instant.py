@@ -5,7 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from cross_checks.contact.instant import instant, violation, write
+from cross_checks.contact import model_of
+from cross_checks.contact.by_figure import holding
+from cross_checks.contact.instant import (
+    Instant,
+    assess,
+    instant,
+    natural_residual,
+    nearest_impulses,
+    state_at,
+    violation,
+    write,
+)
+from cross_checks.engine import Plan
 from mbs_ref import scenes
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.contact import SphereOnPlane, SpringDamperLaw, StickSlip
@@ -66,3 +78,74 @@ def test_a_written_problem_has_fclibs_names(tmp_path):
 def test_a_scene_in_which_nothing_touches_is_refused():
     with pytest.raises(ValueError, match="bouncing_ball: no contact touches"):
         instant(scenes.make("bouncing_ball"), STEP)
+
+
+def test_only_the_exact_impulse_of_a_block_has_no_natural_residual():
+    """A block that slides has r_N = m g h cos(a) and mu r_N against its motion; W = 1/m."""
+    problem = instant(_point_on_slope(1.0), STEP)
+    normal = MASS * STEP * G * math.cos(1.0)
+    along = problem.free[1:] / np.linalg.norm(problem.free[1:])
+    exact = np.concatenate(([normal], -FRICTION * normal * along))
+    assert natural_residual(problem, exact) < 1e-15
+    lifts = 0.01 * normal / MASS  # u_N of a hundredth more, of which the cone's projection leaves 1/(1 + mu^2)
+    assert natural_residual(problem, 1.01 * exact) == pytest.approx(lifts / (1.0 + FRICTION**2), rel=1e-9)
+    assert natural_residual(problem, exact * [1.0, 0.9, 0.9]) > 0.01 * normal / MASS
+
+
+def _of_mujoco(problem: Instant, method: str):
+    """Return MuJoCo's W = J M^-1 J^T in its own frames, and its impulses of a step (n_contacts, 3)."""
+    mujoco = pytest.importorskip("mujoco")
+    engine = model_of("mujoco").engine
+    built = engine.build(problem.scene, Plan(engine.method(method), np.array((0.0, problem.step)), problem.step))
+    mujoco.mj_step1(built.model, built.data)
+    mujoco.mj_forward(built.model, built.data)
+    rows = built.data.efc_J.reshape(-1, built.model.nv)
+    solved = np.empty_like(rows)
+    mujoco.mj_solveM(built.model, built.data, solved, rows)
+    return rows @ solved.T, built.data.efc_force.reshape(-1, 3) * problem.step
+
+
+def test_the_delassus_matrix_of_jaws_and_a_stack_is_mujocos():
+    """Tangents may be turned within each contact, which changes neither eigenvalues nor the normals' block."""
+    for name in ("gripped by two jaws", "slope beneath 1 of its mass"):
+        problem = instant(holding()[name], STEP)
+        theirs, _ = _of_mujoco(problem, "euler")
+        scale = np.abs(theirs).max()
+        assert len(problem.contacts) == 8
+        assert np.linalg.eigvalsh(problem.delassus) == pytest.approx(np.linalg.eigvalsh(theirs), abs=1e-6 * scale)
+        assert problem.delassus[::3, ::3] == pytest.approx(theirs[::3, ::3], abs=1e-6 * scale)
+
+
+def test_the_impulses_nearest_to_a_step_of_mujoco_are_those_it_computed():
+    pytest.importorskip("mujoco")
+    problem = instant(_point_on_slope(0.2), STEP)
+    _, impulses = _of_mujoco(problem, "stock_impratio10")
+    (found,) = [one for one in assess(problem, [model_of("mujoco")]) if one.method == "stock_impratio10"]
+    u = problem.free + problem.delassus @ np.concatenate(([impulses[0, 0]], _turned(problem, impulses[0])))
+    ours = nearest_impulses(problem, u)
+    assert ours[0] == pytest.approx(impulses[0, 0], rel=1e-9)
+    assert found.residual == pytest.approx(natural_residual(problem, ours), rel=1e-6)
+    assert found.unexplained < 1e-12
+
+
+def _turned(problem: Instant, impulse: np.ndarray) -> np.ndarray:
+    """Return the tangential impulse in our frame: it opposes the free velocity."""
+    return -np.linalg.norm(impulse[1:]) * problem.free[1:] / np.linalg.norm(problem.free[1:])
+
+
+def test_the_state_at_a_time_is_that_of_a_block_that_coulomb_brakes():
+    block = scenes.make("sliding_block", height=0.0)
+    speed = block.bodies[0].velocity[0]
+    mu = block.contacts[0].friction.coefficient
+    later = state_at(block, 0.3)
+    assert later.bodies[0].velocity[0] == pytest.approx(speed - mu * 9.81 * 0.3, rel=1e-3)
+    problem = instant(later, STEP)
+    (ours,) = assess(problem, [])
+    assert (ours.engine, ours.reason) == ("mbs_ref", "")
+    assert ours.residual < 1e-9  # its weight is in balance, and friction has its full force
+    assert problem.free[1] ** 2 == pytest.approx(later.bodies[0].velocity[0] ** 2, rel=1e-9)
+
+
+def test_a_later_state_of_a_driven_scene_is_refused():
+    with pytest.raises(ValueError, match=r"ball_on_driven_seat: its signals would begin anew at t = 0.1 s"):
+        state_at(scenes.make("ball_on_driven_seat"), 0.1)

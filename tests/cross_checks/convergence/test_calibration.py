@@ -9,7 +9,7 @@ from tests.cross_checks.convergence.measure import evaluate, report
 from tests.cross_checks.convergence.searched import classify
 from tests.cross_checks.convergence.synthetic import HELD_OUT
 
-METHODS = 90  # of seeds that the kept calibration does not hold
+METHODS = 60  # of seeds that the kept calibration does not hold
 FIRST = 100_000
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.engine.initial_state import inconsistency, worst_gap
+from cross_checks.engine.plan import inconsistency, worst_gap
 from mbs_ref import scenes
 from mbs_ref.scene import Revolute
 from tests.cross_checks.linkage.test_motion import mixed_tree

@@ -15,8 +15,7 @@ from cross_checks import engines
 from cross_checks.isolation import environments
 from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.runs import Runs
-from cross_checks.records.naming import run_name
-from cross_checks.records.store import Store
+from cross_checks.records.store import Store, run_name
 from mbs_ref import scenes
 from mbs_ref.scene import UserForce
 from mbs_ref.settings import Settings

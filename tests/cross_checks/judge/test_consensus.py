@@ -14,7 +14,17 @@ from cross_checks.isolation.parent import direct
 from cross_checks.isolation.workers import Late
 from cross_checks.judge import consensus
 from cross_checks.judge.cell import ALONE, cell_of
-from cross_checks.judge.consensus import BETWEEN, ENOUGH, LEVELS, Consensus, Witness, between, witness_of, working_truth
+from cross_checks.judge.consensus import (
+    BETWEEN,
+    ENOUGH,
+    LEVELS,
+    Consensus,
+    Witness,
+    best_methods,
+    between,
+    witness_of,
+    working_truth,
+)  # fmt: skip
 from cross_checks.judge.measure import error_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
@@ -26,6 +36,7 @@ from cross_checks.truths import truth_for
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.bodies import PlanarBody
+from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Trajectory
 from tests.cross_checks.conftest import Swing
 
@@ -110,11 +121,14 @@ class Script:
     levels: dict[tuple[str, str], list[tuple[float, float] | Late | None]]
     requested: list[tuple[str, int]] = field(default_factory=list)
     tried: set[str] = field(default_factory=set)
+    weak: frozenset[str] = frozenset()  # engines whose method has a documented weakness on the scene
 
     def names(self):
         return [name for name, _ in self.levels]
 
     def get(self, name):
+        weak = {"wrong_limit": "slips", "weak_on": traits(SCENE)} if name in self.weak else {}
+
         class Named(Swing):
             library = dict(self.levels.keys())[name]  # type: ignore[assignment]
 
@@ -122,8 +136,9 @@ class Script:
                 return []
 
             def methods(self):
-                return (Method("rk4", "adaptive", 4, ""),)
+                return (Method("rk4", "adaptive", 4, "", **weak),)
 
+        Named.name = name
         return Named()
 
     def witness(self, runs, scene, engine, method, knobs):
@@ -136,7 +151,7 @@ class Script:
             self.tried.add(engine)
             raise given
         return None if given is None or isinstance(given, Late) else Witness(
-            engine, package, "rk4", f"level {level}", off(given[0]), given[1]
+            engine, package, "rk4", f"level {level}", off(given[0]), given[1], engine not in self.weak
         )  # fmt: skip
 
 
@@ -144,8 +159,8 @@ class Script:
 def script(monkeypatch):
     """Return what makes the engines those of a script."""
 
-    def use(levels) -> Script:
-        made = Script(levels)
+    def use(levels, weak=()) -> Script:
+        made = Script(levels, weak=frozenset(weak))
         monkeypatch.setattr(consensus.engines, "names", made.names)
         monkeypatch.setattr(consensus.engines, "get", made.get)
         monkeypatch.setattr(consensus, "witness_of", made.witness)
@@ -224,6 +239,32 @@ def test_a_slow_engine_is_waited_for_only_where_the_others_agree_on_nothing(scri
     made = script({ONE: [(0.0, 1e-6)], OTHER: [(0.5, 1e-6)], **slow})
     assert isinstance(_received(made), Truth)
     assert made.requested.count(("pinocchio", 0)) == 2
+
+
+def test_a_slow_member_of_the_closest_pair_is_waited_for_until_the_scene_is_known(script):
+    slow = [(0.0, 1e-4), Late("slow"), (0.0, 1e-9)]
+    made = script({ONE: [(0.0, 1e-4), (0.0, 1e-9)], OTHER: slow, THIRD: [(0.1, 1e-6)]})
+    found = _received(made)
+    assert isinstance(found, Truth)
+    assert "1.0e-09 of the scene" in found.how
+    assert made.requested.count((OTHER[0], 1)) == 2
+
+
+def test_a_method_with_a_documented_weakness_agrees_with_a_sound_one_alone(script):
+    levels = {ONE: [(0.0, 1e-9)], OTHER: [(0.0, 1e-9)], THIRD: [(0.5, 1e-9)]}
+    weak = {ONE[0], OTHER[0]}
+    script(levels, weak)
+    assert isinstance(working_truth(Runs(), SCENE), NoTruth)
+    script(levels, {OTHER[0]})
+    found = working_truth(Runs(), SCENE)
+    assert isinstance(found, Truth)
+    assert OTHER[0] in found.how
+
+
+def test_sound_methods_come_before_those_with_a_documented_weakness():
+    scene = scenes.make("slider_crank")
+    assert [m.name for m in best_methods(engines.get("pinocchio"), scene)] == ["rk4", "dop853"]
+    assert [m.name for m in best_methods(engines.get("mbs_ref"), scene)] == ["lsodar", "dop853"]
 
 
 def _received(made: Script) -> Truth | NoTruth:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.judge.convergence.extrapolation import extrapolated
+from cross_checks.judge.convergence.prediction import extrapolated
 from mbs_ref.scene.euler_parameters import product
 from mbs_ref.trajectory import Trajectory
 

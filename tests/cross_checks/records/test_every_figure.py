@@ -15,8 +15,9 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Engine
-from cross_checks.records import figures, frames, lines, naming, numbers
+from cross_checks.records import figures, frames, lines, numbers
 from cross_checks.records import record as records
+from cross_checks.records import store as naming
 from cross_checks.records.plots import bands, of_runs, plot
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store

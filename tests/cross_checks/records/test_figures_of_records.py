@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.records import naming, numbers
+from cross_checks.records import numbers, store
 from cross_checks.records import record as cost
 from cross_checks.records.lines import key_of
 from cross_checks.records.plots.bands import _add
@@ -105,11 +105,11 @@ def test_timings_of_one_run_and_one_machine():
 
 def test_a_key_holds_the_engines_version_and_a_truths_times(monkeypatch):
     engine, scene = engines.get("mbs_ref"), scenes.make("pendulum")
-    before = naming.engine_key(engine)
+    before = store.engine_key(engine)
     monkeypatch.setattr(type(engine), "version", lambda self: "99")
-    assert naming.engine_key(engine) != before
+    assert store.engine_key(engine) != before
     times = [np.array([0.0, 1.0]), np.array([0.0, 1.5]), np.array([0.0, 0.5, 1.0])]
-    assert len({naming.truth_name(scene, one) for one in times}) == 3
+    assert len({store.truth_name(scene, one) for one in times}) == 3
 
 
 @pytest.mark.parametrize("name", sorted(Settings.model_fields.keys() - {"method"}))
@@ -123,7 +123,7 @@ def test_a_runs_name_holds_every_input():
     inputs = [(scene, Settings(rtol=1e-6), times), (scenes.make("pendulum", length=0.9), Settings(rtol=1e-6), times),
               (scene, Settings(rtol=1e-6, atol=1e-3), times), (scene, Settings(rtol=1e-6), times * [1.0, 1.1, 1.0]),
               (scene, Settings(rtol=1e-6), times[[0, 2]])]  # fmt: skip
-    assert len({naming.run_name(one, engine, settings, when) for one, settings, when in inputs}) == len(inputs)
+    assert len({store.run_name(one, engine, settings, when) for one, settings, when in inputs}) == len(inputs)
 
 
 def test_orders_stand_in_their_order():

@@ -265,6 +265,16 @@ def test_a_bad_file_is_refused_with_the_line_and_what_is_expected(text, message,
         read_columns(file_of(tmp_path, text))
 
 
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+def test_the_delimiter_is_the_one_of_the_header_unless_stated(mark, tmp_path):
+    text = f"# run, of 3; tools\n\nt{mark}x\n0{mark}1\n2{mark}3\n"
+    for stated in ("", mark):
+        read = read_columns(file_of(tmp_path, text), stated)
+        assert {name: list(column) for name, column in read.values.items()} == {"t": [0.0, 2.0], "x": [1.0, 3.0]}
+    with pytest.raises(FileError, match="line 4"):
+        read_columns(file_of(tmp_path, text), "|")
+
+
 PLACE, SPIN = ["x", "y"], {**RATES, "axes": None}
 
 

@@ -54,6 +54,14 @@ def test_code_is_kept_under_a_digest_of_every_module_that_it_imports(module):
     assert ours <= sources_of(module)
 
 
+def test_a_public_name_is_code_of_the_module_that_it_comes_from(tmp_path, monkeypatch):
+    (tmp_path / "user_of_names.py").write_text("from mbs_ref import Scene, Trajectory, scenes\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    reached = sources_of("user_of_names")
+    assert {"mbs_ref", "mbs_ref.scene.scene", "mbs_ref.trajectory", "mbs_ref.scenes"} <= reached
+    assert "mbs_ref.simulate.one_run" not in reached  # offered by the same stub, and not imported
+
+
 def test_code_compiled_for_types_of_another_checkout_is_no_code(tmp_path, monkeypatch):
     elsewhere = types.ModuleType("a_checkout_that_is_gone")
     elsewhere.Kind = type("Kind", (), {"__module__": elsewhere.__name__, "__qualname__": "Kind"})

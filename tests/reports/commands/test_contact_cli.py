@@ -47,3 +47,29 @@ def test_a_missing_figure_is_named():
     result = CliRunner().invoke(main, ["contact", "--rebound", "0.5"])
     assert result.exit_code == 2
     assert "--friction, --stiffness, --mass must be given" in result.output
+
+
+def test_an_instant_of_a_scene_with_a_parameter_is_assessed_at_a_time(tmp_path):
+    pytest.importorskip("mujoco")
+    file = tmp_path / "instant.npz"
+    words = ["--scene", "sliding_block", "-p", "height=0", "--at", "0.1", "--engine", "mujoco", "--json"]
+    result = CliRunner().invoke(main, ["contact", "--instant", str(file), *words])
+    assert result.exit_code == 0, result.output
+    assert file.is_file()
+    assert [json.loads(line)["engine"] for line in result.stdout.splitlines()][:2] == ["mbs_ref", "mujoco"]
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (["--instant", "x.npz", "--scene", "sliding_block", "--at", "-1"], "--at -1: must be at least 0"),
+        (["--figures", "-p", "height=0"], "--at and -p go with --instant FILE --scene SCENE"),
+        (["--tosses", "--folder", "."], "no file of a toss"),
+        (["--instant", "x.npz"], "--instant takes one scene"),
+    ],
+)
+def test_options_that_do_not_fit_are_named(words, complaint, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, ["contact", "--engine", "mujoco", *words])
+    assert result.exit_code == 2
+    assert complaint in result.output

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from benchmarks.trees import regression, slowed
 from benchmarks.trees.regression import Case, Finding
 from cross_checks.isolation.parent import Lost
-from cross_checks.prices import confirm
+from cross_checks.prices import pick
 from cross_checks.prices.timing import Comparison, Pace
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Error, Record
@@ -52,7 +52,7 @@ def test_a_duel_that_is_lost_leaves_the_choice_unconfirmed(tmp_path, monkeypatch
     def duel(scene, choice, call):
         raise Lost("timeout", "gave no answer within 120 s and was stopped")
 
-    monkeypatch.setattr(confirm, "duel", duel)
+    monkeypatch.setattr(pick, "duel", duel)
     file = file_of(tmp_path, "r.jsonl", RECORD, DEAR)
     done = run("pick", "pendulum", "--error", "1e-6", "--records", file, "--confirm")
     assert done.exit_code == 0
@@ -64,13 +64,13 @@ def test_a_duel_that_is_lost_leaves_the_choice_unconfirmed(tmp_path, monkeypatch
     [(RECORD, 0), (replace(RECORD, status="diverged", error=None), 1), (replace(RECORD, status="timeout"), 4)],
 )
 def test_a_setting_run_afresh_meets_misses_or_was_not_measured(tmp_path, monkeypatch, again, code):
-    monkeypatch.setattr(confirm, "afresh", lambda scene, record, truth, call: again)
+    monkeypatch.setattr(pick, "afresh", lambda scene, record, truth, call: again)
     file = file_of(tmp_path, "r.jsonl", RECORD)
     assert run("pick", "pendulum", "--error", "1e-6", "--records", file, "--fresh").exit_code == code
 
 
 def test_pick_says_what_a_named_engine_does_as_it_comes(tmp_path, monkeypatch):
-    monkeypatch.setattr(confirm, "as_shipped", lambda runs, scene, engine: replace(RECORD, engine=engine))
+    monkeypatch.setattr(pick, "as_shipped", lambda runs, scene, engine: replace(RECORD, engine=engine))
     file = file_of(tmp_path, "r.jsonl", RECORD)
     asked = ("pick", "pendulum", "--error", "1e-6", "--records", file)
     assert "as it comes" not in run(*asked).stdout

@@ -39,6 +39,15 @@ def test_what_an_engine_did_not_say_is_listed_with_what_is_true(shown):
     assert [row["caught"] for row in shown["tally"] if row["engine"] == "mujoco"] == [1]
 
 
+def test_the_table_lists_methods_by_their_fate_and_how_far_they_go(shown):
+    assert [str(fate) for fate in shown["fates"]] == ["survived", "stopped", "degraded", "silently-wrong", "cannot"]
+    row = next(row for row in shown["table"] if row["name"] == shown["families"][1]["extremes"][0]["name"])
+    methods = {fate: {engine: [(m["name"], m["figure"]) for m in own] for engine, own in engines.items()}
+               for fate, engines in row["fates"].items() if engines}  # fmt: skip
+    far = [("rk4", "to 100 N/m")]
+    assert methods == {"degraded": {"mbs_ref": far}, "silently-wrong": {"mujoco": far}}
+
+
 def test_values_between_listed_ones_stand_between_them_by_their_logarithm():
     rising, falling = (1.0, 100.0, 1e4), (1.0, 1e-2, 0.0)
     assert [place(v, rising) for v in (1.0, 10.0, 1e4)] == [LEFT, LEFT + WIDTH / 4, LEFT + WIDTH]

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import os
 from math import sqrt
+from pathlib import Path
 
+from cross_checks.isolation.parent import direct
 from cross_checks.records.store import Store
+from reports import gather
 from reports.facts.curves import Measured
 from reports.facts.report_data import ReportData
+from reports.page import build
 from reports.page.render import render
 from reports.studies import study
+from tests.cross_checks.conftest import Swing, register
 
 STUDIES = {name: study.every()[name] for name in ("space", "sky", "contact")}
 FOUND = Measured({"answer": 7})
@@ -31,6 +36,29 @@ def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
         assert found == {"contact": FOUND}, "what was measured is stored"
 
 
+def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
+    monkeypatch.setenv("MADE", str(tmp_path))
+    monkeypatch.setattr(study, "every", lambda: STUDIES)
+    monkeypatch.setattr(study, "parts", lambda name: ["one", "two"] if name == "contact" else [])
+    monkeypatch.setattr(study, "make", part_made)
+    monkeypatch.setattr(study, "measure", what_was_made)
+    found: dict[str, Measured] = {}
+    with Store() as store:
+        assert study.measure_all(store, found, (), lambda done, total, what: None) == []
+    assert found["contact"].figures == {"one": 1, "two": 1}
+    assert found.keys() == STUDIES.keys()
+
+
+def part_made(name: str, part: str) -> None:
+    (Path(os.environ["MADE"]) / part).touch()
+    if part == "two":
+        raise RuntimeError("a part that fails costs nothing by itself")
+
+
+def what_was_made(name: str) -> Measured:
+    return Measured({file.name: 1 for file in sorted(Path(os.environ["MADE"]).iterdir())})
+
+
 def test_the_page_says_why_a_section_is_missing():
     page = render(ReportData((), (), incomplete="section space: <no root>"))["space.html"].decode()
     assert "Missing: section space: &lt;no root&gt;." in page
@@ -42,3 +70,26 @@ def made_up(name: str) -> object:
     if name == "sky":
         os.abort()
     return sqrt(-1.0) if name == "space" else FOUND
+
+
+def test_pages_grow_while_verdicts_come_and_an_interrupt_while_one_is_written_keeps_them(tmp_path, monkeypatch):
+    register(Swing(), monkeypatch)
+    monkeypatch.setattr(gather, "compile_kernels", lambda store, report: None)
+    monkeypatch.setattr(build, "PATIENCE", 0.0)
+    monkeypatch.setattr(build, "LEAST_APART", 0.0)
+    shown: list[ReportData] = []
+
+    def published(data: ReportData, folder: Path, form: str = build.HTML) -> Path:
+        shown.append(data)
+        if len(shown) == 2:
+            raise KeyboardInterrupt
+        return folder
+
+    monkeypatch.setattr(build, "publish", published)
+    with Store(tmp_path / "runs.sqlite") as store:
+        stages = gather.Gathering(store, call=direct, scenes=("pendulum",)).stages()
+        _, incomplete = build.write_report(tmp_path / "out", stages)
+    assert [len(data.cells) for data in shown] == [1, 2, 2]
+    assert shown[0].incomplete == "still being computed: 3 of 4 verdicts"
+    assert incomplete == "interrupted after 2 of 4 cells"
+    assert build.read_data(tmp_path / "out").cells == shown[-1].cells

@@ -31,6 +31,14 @@ def test_runs_repeat_until_their_interval_is_narrow_or_the_bound_is_met(loops, e
     assert is_enough([1e-3 * loop for loop in loops]) is enough
 
 
+@pytest.mark.parametrize(("loop", "runs", "counted"), [(0.1, 4, 3), (0.3, 3, 3), (1.5, 1, 1)])
+def test_a_short_run_warms_up_and_a_longer_one_counts(monkeypatch, loop, runs, counted):
+    made: list[float] = []
+    monkeypatch.setattr(loop_times, "sample", lambda *run: made.append(loop) or loop_times.Sample(loop))
+    loops, share = loop_times.time_loops(SCENE, "mbs_ref", Settings())
+    assert (len(made), loops, share) == (runs, [loop] * counted, 1.0)
+
+
 def test_times_are_measured_once_and_kept(record, monkeypatch):
     with Store() as store:
         first = timed_all(store, [record], lambda done, total, what: None)[id(record)]

@@ -13,7 +13,7 @@ from scipy.linalg import expm
 from scipy.optimize import root_scalar
 
 from cross_checks.truths.truth import ALIKE, NoConvergenceError, check_time
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.contact import RigidLaw
 
 OPEN, CLOSED, LIFTED = range(3)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.scales import attraction
 
 Field = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]  # (t, x, v) -> acceleration

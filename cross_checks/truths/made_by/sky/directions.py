@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cross_checks.truths.made_by.sky import PI, real
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.celestial import DAY_S, J2000_JD, Epoch
 
 CENTURY = 36_525  # days

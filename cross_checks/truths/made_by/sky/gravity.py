@@ -6,7 +6,7 @@ import numpy as np
 
 from cross_checks.truths.made_by.numerics.jet import Jet, lift
 from cross_checks.truths.made_by.sky import PI, Field, directions, dot, masses, norm, real, with_reaction
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.celestial import LunarFigure, Newton, Oblateness, Relativity, Ring, Tide
 
 

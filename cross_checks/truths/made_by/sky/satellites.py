@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from cross_checks.truths.made_by.sky import PI, Field, directions, dot, norm, real
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 from mbs_ref.scene.celestial import AU_M, Drag, RadiationPressure, StandardDrag, ThirdBody
 
 GEOPOTENTIAL_RADIUS = 6_356_766  # m: r_0 of eq 18

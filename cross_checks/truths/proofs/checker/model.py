@@ -1,4 +1,4 @@
-"""A log's formulas beside the scene: start values, and equality with the absolute coordinates."""
+"""A log's formulas beside the scene: start values, and equality with the absolute coordinates; impacts."""
 
 import random
 from collections.abc import Sequence
@@ -6,14 +6,18 @@ from fractions import Fraction
 from itertools import chain
 from typing import Any
 
-from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
+from flint import (  # pyright: ignore[reportMissingImports]  # an optional extra
+    arb,  # pyright: ignore[reportMissingImports]  # an optional extra
+    arb_mat,
+    arb_series,
+)
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
 from cross_checks.truths.proofs.checker.formulas import Formulas, solve
-from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
-from cross_checks.truths.proofs.coverage import DRIVES
+from cross_checks.truths.proofs.checker.mechanics import Mechanics, dot, minus, rotation
+from cross_checks.truths.proofs.coverage import DRIVES, PAIRS
 from cross_checks.truths.proofs.family import Varied, family
-from mbs_ref.scene import Scene
+from mbs_ref import Scene
 
 POINTS, POINT_BITS, EQUAL = 3, 1000, 2.0**-600  # random points, bits of numbers, how nearly they must agree
 STATE = 14  # numbers of a body's state
@@ -157,3 +161,41 @@ class Model:
 def _rates(body: Any) -> list[float]:
     spin = getattr(body, "angular_velocity", 0.0)
     return [*(*body.velocity, 0.0)[:3], *(spin if isinstance(spin, tuple) else (0.0, 0.0, spin))]
+
+
+class Impacts:
+    """The contacts of a scene, in the numbers of the checker's mechanics."""
+
+    def __init__(self, mechanics: Mechanics) -> None:
+        self.mechanics, self.parts = mechanics, mechanics.scene.contacts
+
+    def gap(self, part: Any, bodies: list[list[Number]]) -> tuple[Number, Number, list[Number], list[int]]:
+        """Return a gap (m), its rate (m/s), the normal from body b to body a, and both bodies (ground: -1)."""
+        vector, ball = self.mechanics.vector, self.mechanics.ball
+        ends = [self.mechanics.index[name] for name in part.ends]
+        states = [bodies[k] if k >= 0 else [arb(0)] * 14 for k in ends]
+        apart, speed = minus(*(own[:3] for own in states)), minus(*(own[8:11] for own in states))
+        if part.type in PAIRS:
+            normal, radius = apart, ball(part.radius_a) + ball(part.radius_b)
+        elif part.type == "circle_on_line":
+            start, end, radius = vector(part.point_1), vector(part.point_2), ball(part.radius)
+            apart, normal = minus(apart, start), [start[1] - end[1], end[0] - start[0], arb(0)]
+        else:
+            apart, normal, radius = minus(apart, vector(part.point)), vector(part.normal), ball(part.radius)
+        size = dot(normal, normal).sqrt()
+        normal = [x / size for x in normal]
+        return dot(normal, apart) - radius, dot(normal, speed), normal, ends
+
+    def after(self, part: Any, bodies: list[list[Number]]) -> list[tuple[int, list[Number]]]:
+        """Return the bodies that an impact moves, and their new velocities: v+ = -e v- along the normal."""
+        _, rate, normal, ends = self.gap(part, bodies)
+        inverse = {
+            k: way / self.mechanics.ball(self.mechanics.scene.bodies[k].mass)
+            for k, way in zip(ends, (1, -1), strict=True)
+            if k >= 0
+        }
+        impulse = -(1 + self.mechanics.ball(part.law.restitution)) * rate / sum(map(abs, inverse.values()))
+        return [
+            (k, [v + impulse * share * n for v, n in zip(bodies[k][8:11], normal, strict=True)])
+            for k, share in inverse.items()
+        ]

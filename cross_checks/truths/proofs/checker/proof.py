@@ -10,8 +10,7 @@ from flint import acb, arb, arb_series  # pyright: ignore[reportMissingImports] 
 
 from cross_checks.truths.proofs.checker.balls import GAMMA, Refused, above, exact, precision, terms, up
 from cross_checks.truths.proofs.checker.bounds import ORDER, defects_of, gap_of, inverse_bound, variations
-from cross_checks.truths.proofs.checker.impacts import Impacts
-from cross_checks.truths.proofs.checker.model import Model
+from cross_checks.truths.proofs.checker.model import Impacts, Model
 
 CONDITION = 1e6  # of the basis, above which it becomes orthogonal
 FINEST = 12  # halvings of a step where a gap may close

@@ -14,13 +14,12 @@ from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
-from mbs_ref.simulate.assembly import or_empty
 from mbs_ref.simulate.error_estimate import ENDED
 from mbs_ref.simulate.many.ensemble.design import Design
 from mbs_ref.simulate.many.ensemble.variants import Variants, own_start
 from mbs_ref.simulate.many.lanes import NOTE, processors, shared, why_not_in_lanes
 from mbs_ref.simulate.method_choice import AUTO
-from mbs_ref.simulate.one_run import compiled
+from mbs_ref.simulate.one_run import compiled, or_empty
 from mbs_ref.trajectory import Status, Trajectory
 
 LARGEST = 2 * 2**30  # bytes of samples that are stored
