@@ -13,8 +13,8 @@ from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.metric import Judged, from_truth
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store, run_name, truth_name
-from cross_checks.truths import seek_truth
-from cross_checks.truths.truth import NoTruth, Truth
+from cross_checks.truths import LIMIT_S, seek_truth
+from cross_checks.truths.truth import NoTruth, Truth, time_limit
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.distance import largest, relative, units_of
 from mbs_ref.scene.scales import scales_of
@@ -72,15 +72,15 @@ class Runs:
     def truth(self, scene: Scene, times: np.ndarray | None = None) -> Truth | NoTruth:
         """Return the scene's truth at `times` (s; the judges' grid unless given): stored, or computed and stored.
 
-        The reason where there is none.
+        The reason where there is none; one that a shorter limit of time stored is no reason.
         """
         requested = self.grid(scene) if times is None else times
         key = truth_name(scene, requested)
         stored = self.store.arrays(key)
-        if stored is not None:
-            facts, arrays = stored
-            given: dict[str, Any] = {**facts, **arrays}
-            return NoTruth(**given) if "reason" in facts else Truth(**given)
+        with time_limit(LIMIT_S) as limit:
+            if stored is not None and stored[0].get("limit_s", limit) >= limit:
+                given: dict[str, Any] = {**stored[0], **stored[1]}
+                return NoTruth(**given) if "reason" in given else Truth(**given)
         truth = getattr(self.call, "patient", self.call)(seek_truth, scene, requested)
         self.store.keep_arrays(key, *_parts(truth))
         return truth

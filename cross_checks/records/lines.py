@@ -11,7 +11,6 @@ from typing import Any
 from cross_checks.records.record import Error, Record
 
 LONGEST_LINE = 64 * 2**20  # bytes; a longer line is no record
-Key = str  # what makes two records the same run
 
 
 class Busy(RuntimeError):
@@ -81,7 +80,7 @@ def from_dict(data: Any) -> Record:
     return Record(**plain)
 
 
-def key_of(record: Record) -> Key:
+def key_of(record: Record) -> str:
     """Return what identifies the run: scene, parameters, engine, method and settings."""
     method = record.settings.get("method") or record.method
     settings = {name: value for name, value in record.settings.items() if name != "method"}

@@ -11,10 +11,9 @@ def short(value: float | None, digits: int = 2) -> str:
     """Return a number with `digits` significant figures, 3.2e-7 rather than 3.2e-07; a dash for None."""
     if value is None or not math.isfinite(value):
         return ABSENT
-    if value == 0.0:
-        return "0"
-    if 1e-2 <= abs(value) < 1e4:
-        return f"{float(f'{value:.{digits}g}'):g}"
+    value = float(f"{value:.{digits}g}") + 0.0  # which makes 0 of -0
+    if value == 0.0 or 1e-2 <= abs(value) < 1e4:
+        return f"{value:g}"
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
 

@@ -58,17 +58,14 @@ def seek_truth(scene: Scene, times: np.ndarray, *, afresh: bool = False) -> Trut
     twin = library_twin(scene)
     if twin is None:
         return NoTruth(f"no truth is known of the physics of {scene.name}")
-    with time_limit(math.inf if afresh else LIMIT_S):
-        return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(requested.tolist()), afresh)
+    with time_limit(math.inf if afresh else LIMIT_S) as limit:
+        return _solved(twin.name, tuple(sorted(twin.parameters.items())), tuple(requested.tolist()), limit)
 
 
 def library_twin(scene: Scene) -> Scene | None:
     """Return the library's scene of the same physics that has a truth, whatever the given one is called."""
-    candidates = [(scene.name, tuple(sorted(scene.parameters.items())))] if scene.name in known() else []
-    for name, parameters in candidates:
-        twin = _made(name, parameters)
-        if twin is not None and _same(twin, scene):
-            return twin
+    if scene.name in known() and is_unchanged(scene):
+        return _made(scene.name, tuple(sorted(scene.parameters.items())))
     entry = _library().get(physics_of(scene))
     return None if entry is None else _made(*entry)
 
@@ -104,15 +101,15 @@ def _library() -> dict[str, tuple[str, tuple]]:
 
 
 @lru_cache(maxsize=64)
-def _solved(name: str, parameters: tuple, times: tuple[float, ...], afresh: bool) -> Truth | NoTruth:
-    """Return the truth or the reason for having none; one computed without a limit of time is cached separately."""
+def _solved(name: str, parameters: tuple, times: tuple[float, ...], limit: float) -> Truth | NoTruth:
+    """Return the truth or the reason for having none, each cached with the limit (s) that it was computed within."""
     solve, scene, requested = _solvers()[name], scenes.make(name, **dict(parameters)), np.array(times)
     try:
         truth = solve(scene, requested)
         if isinstance(truth, Truth) and truth.velocity is None:
             truth = _with_rates(solve, scene, requested, truth)
     except NoConvergenceError as error:
-        return NoTruth(f"the truth does not converge: {error}")
+        return NoTruth(f"the truth does not converge: {error}", limit_s=limit)
     except OutsideDomainError as error:
         return NoTruth(str(error))
     except Exception as error:

@@ -59,6 +59,7 @@ class NoTruth:
 
     reason: str
     kind: Literal["none", "one-package", "defect"] = "none"
+    limit_s: float | None = None  # of processor time: within a longer limit there may be a truth
 
 
 class NoConvergenceError(ArithmeticError):
@@ -69,20 +70,23 @@ class OutsideDomainError(ValueError):
     """The equations of a truth do not hold at these parameters."""
 
 
-_deadline: ContextVar[float] = ContextVar("deadline", default=math.inf)  # s of the thread's processor time
+# the end (s of the thread's processor time) and the length (s) of the limit that holds
+_limit: ContextVar[tuple[float, float]] = ContextVar("limit", default=(math.inf, math.inf))
 
 
 @contextmanager
-def time_limit(seconds: float) -> Iterator[None]:
-    """Limit the computation inside to so much processor time (s); an outer limit that ends earlier holds."""
-    token = _deadline.set(min(_deadline.get(), time.thread_time() + seconds))
+def time_limit(seconds: float) -> Iterator[float]:
+    """Limit the computation inside to so much processor time (s), or to an outer limit; yield the shortest."""
+    end, length = _limit.get()
+    shortest = min(length, seconds)
+    token = _limit.set((min(end, time.thread_time() + seconds), shortest))
     try:
-        yield
+        yield shortest
     finally:
-        _deadline.reset(token)
+        _limit.reset(token)
 
 
 def check_time(t: float) -> None:
     """Raise NoConvergenceError with the time reached, t (s) of the motion, where the limit is exceeded."""
-    if time.thread_time() > _deadline.get():
+    if time.thread_time() > _limit.get()[0]:
         raise NoConvergenceError(f"the limit of processor time ends the computation at t = {float(t):.6g} s")

@@ -9,8 +9,9 @@ for the rest. Stale defects that were written by hand are printed: their text is
 from __future__ import annotations
 
 import ast
+import functools
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from tests.mutants.defect import FOLDER, ROOT, Defect, read, stale, write
@@ -27,7 +28,8 @@ DRAWN = {
 }  # fmt: skip
 SWAPPED = {ast.Add: "-", ast.Sub: "+", ast.Mult: "/", ast.Div: "*"}
 COMPARED = {ast.Lt: ">", ast.Gt: "<", ast.LtE: ">", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "=="}
-CALLED = {"sin": "cos", "cos": "sin", "min": "max", "max": "min"}
+BOUNDS = {ast.Lt: "<=", ast.Gt: ">=", ast.LtE: "<", ast.GtE: ">", ast.Is: "is not", ast.IsNot: "is"}
+CALLED = {"sin": "cos", "cos": "sin", "min": "max", "max": "min", "any": "all", "all": "any", "sum": "max"}
 
 
 def rewritten(node: ast.AST, source: str) -> Iterator[tuple[str, str]]:
@@ -58,6 +60,67 @@ def rewritten(node: ast.AST, source: str) -> Iterator[tuple[str, str]]:
         yield f"{text(node.value)}[{1 - int(node.slice.value)}]", "the wrong index"
     if isinstance(node, ast.AugAssign) and type(node.op) in SWAPPED:
         yield f"{text(node.target)} {SWAPPED[type(node.op)]}= {text(node.value)}", "added for taken off"
+    yield from _more(node, text)
+    yield from _beside(node, text, source)
+
+
+def _more(node: ast.AST, text: Callable[[ast.AST], str]) -> Iterator[tuple[str, str]]:
+    """Yield an outsider's mistakes: a class's boundary, a condition, a place, an order, a line."""
+    if isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in BOUNDS:
+        yield f"{text(node.left)} {BOUNDS[type(node.ops[0])]} {text(node.comparators[0])}", "the boundary's other side"
+    if isinstance(node, ast.BoolOp):
+        word = " or " if isinstance(node.op, ast.And) else " and "
+        yield word.join(text(part) for part in node.values), f"{word.strip()} for its opposite"
+        yield " and ".join(text(part) for part in node.values[:-1]), "a condition dropped"
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        yield text(node.operand), "a negation dropped"
+    if isinstance(node, ast.IfExp):
+        yield f"({text(node.body)})", "a case dropped"
+    if isinstance(node, ast.Constant) and type(node.value) is int and node.value > 0:
+        yield str(node.value + 1), "one more"
+    if isinstance(node, ast.Constant) and type(node.value) is bool:
+        yield str(not node.value), "yes for no"
+    if isinstance(node, ast.Subscript) and text(node.slice) in ("0", "-1"):
+        yield f"{text(node.value)}[{-1 - int(text(node.slice))}]", "the first for the last"
+    if isinstance(node, ast.Call) and len(node.args) > 1 and text(node.args[0]) != text(node.args[1]):
+        first, second, *others = [text(arg) for arg in node.args]
+        wrong = [second, first, *others, *(text(k) for k in node.keywords)]
+        if not any(isinstance(arg, ast.Starred) for arg in node.args[:2]) and text(node.func) not in ("min", "max"):
+            yield f"{text(node.func)}({', '.join(wrong)})", "arguments exchanged"
+    if isinstance(node, ast.Call) and any(k.arg in ("key", "reverse", "default") for k in node.keywords):
+        given = [*(text(a) for a in node.args), *(text(k) for k in node.keywords if k.arg not in ("key", "reverse"))]
+        yield f"{text(node.func)}({', '.join(given)})", "another order"
+    if isinstance(node, ast.ListComp | ast.GeneratorExp | ast.SetComp | ast.DictComp):
+        for condition in node.generators[0].ifs:
+            yield text(node).replace(f" if {text(condition)}", "", 1), "a filter dropped"
+
+
+def _beside(node: ast.AST, text: Callable[[ast.AST], str], source: str) -> Iterator[tuple[str, str]]:
+    """Yield the column beside: another attribute, or another key, that the file reads of the same object."""
+    attributes, keys = _read(source)
+    if isinstance(node, ast.Attribute):
+        others = sorted(attributes.get(ast.unparse(node.value), set()) - {node.attr})
+        if node.attr in attributes.get(ast.unparse(node.value), ()) and others:
+            yield f"{text(node.value)}.{others[len(source) % len(others)]}", "the attribute beside"
+    if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant) and isinstance(node.slice.value, str):
+        others = sorted(keys - {node.slice.value})
+        if others:
+            key = others[node.lineno % len(others)]
+            yield f'{text(node.value)}["{key}"]', "the key beside"
+
+
+@functools.cache
+def _read(source: str) -> tuple[dict[str, set[str]], set[str]]:
+    """Return the attributes that are read, not called, of each object, and the texts used as keys."""
+    tree = ast.parse(source)
+    called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    attributes: dict[str, set[str]] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and id(node) not in called and isinstance(node.ctx, ast.Load):
+            attributes.setdefault(ast.unparse(node.value), set()).add(node.attr)
+    keys = {node.slice.value for node in ast.walk(tree) if isinstance(node, ast.Subscript)
+            and isinstance(node.slice, ast.Constant) and isinstance(node.slice.value, str)}  # fmt: skip
+    return attributes, keys
 
 
 def _is_text(node: ast.BinOp) -> bool:

@@ -29,7 +29,7 @@ from mbs_ref.kernels.jit import cache_folder
 from tests.mutants.defect import ROOT, Defect, StaleError, apply, every, place
 from tests.mutants.watchers import tests_for
 
-COPIED = ("mbs_ref", "cross_checks", "benchmarks", "reports", "tests", "pyproject.toml", "docs", "README.md")
+LEFT_OUT = (".git", ".venv*", "site", "build", "dist", "*.egg-info")  # of the root
 OUT = ROOT / "reports" / "out" / "mutants.json"
 LONGEST = 1800.0  # s of one defect; a run that does not end has been noticed
 FIRST_FAILURE = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
@@ -40,14 +40,7 @@ class Copy:
 
     def __init__(self, folder: Path) -> None:
         self.root, self.cache = folder / "tree", folder / "cache"
-        ignore = shutil.ignore_patterns("__pycache__", "out", ".pytest_cache")
-        for name in COPIED:
-            source = ROOT / name
-            if source.is_dir():
-                shutil.copytree(source, self.root / name, ignore=ignore)
-            elif source.is_file():
-                self.root.mkdir(parents=True, exist_ok=True)
-                shutil.copy(source, self.root / name)
+        shutil.copytree(ROOT, self.root, ignore=_left_out)
         if cache_folder().is_dir():  # linked, not copied: whoever writes compiled code replaces its files
             shutil.copytree(cache_folder(), self.cache / "mbs-ref" / "compiled", copy_function=_link)
 
@@ -95,6 +88,12 @@ class Copy:
         except subprocess.TimeoutExpired:
             return None, ""
         return done.returncode, done.stdout + done.stderr
+
+
+def _left_out(folder: str, names: list[str]) -> set[str]:
+    """Name what tests do not read: of history, environments and results; folders of sources may have such names."""
+    made = shutil.ignore_patterns("__pycache__", "out", ".*_cache")(folder, names)
+    return made | (shutil.ignore_patterns(*LEFT_OUT)(folder, names) if Path(folder) == ROOT else set())
 
 
 def _link(source: str, target: str) -> None:

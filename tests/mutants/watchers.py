@@ -49,6 +49,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref/simulate/linearised": ("tests/mbs_ref/kernels/contact/test_contact.py", *SIMULATE),
     "cross_checks": ("tests/cross_checks",),
     "cross_checks/certify": TRUTHS,
+    "cross_checks/prices": ("tests/benchmarks",),
     "cross_checks/robots": ("tests/cross_checks/robots",),
     "cross_checks/writers": ("tests/cross_checks/writers",),
     "cross_checks/truths/made_by": TRUTHS,

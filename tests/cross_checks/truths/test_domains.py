@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from cross_checks import truths
+from cross_checks.judge.runs import Runs
 from cross_checks.truths import seek_truth
 from cross_checks.truths.made_by.numerics import closed_forms, rates
 from cross_checks.truths.made_by.numerics.closed_forms import integral, rounding_error, running_integral
 from cross_checks.truths.of.bouncing import impact
-from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, Truth
+from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, Truth, time_limit
 from mbs_ref import scenes
 from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.scales import Scales
@@ -123,6 +124,27 @@ def test_an_unexpected_exception_and_the_time_limit_are_reasons(monkeypatch):
     assert isinstance(late, NoTruth)
     assert "processor time" in late.reason
     assert "t = 0 s" in late.reason
+    assert late.limit_s == 0.0
+
+
+def test_what_a_limit_of_time_ended_is_computed_again_within_a_longer_one():
+    scene, times, runs = scenes.make("double_pendulum", angle_1=0.37), np.linspace(0.0, 0.31, 3), Runs()
+    with time_limit(0.0):
+        late = [seek_truth(scene, times), runs.truth(scene, times), runs.truth(scene, times)]
+    assert {getattr(one, "limit_s", None) for one in late} == {0.0}
+    with time_limit(30.0):
+        found = runs.truth(scene, times)
+        assert isinstance(found, Truth)
+        assert seek_truth(scene, times) == found
+    with time_limit(0.0):
+        assert isinstance(runs.truth(scene, times), Truth)
+    refused = Runs()
+    outside = scenes.make("incline", angle=1.4, friction=10.0)
+    first = refused.truth(outside, times)
+    assert isinstance(first, NoTruth)
+    assert first.limit_s is None
+    refused.call = None  # type: ignore[assignment]
+    assert refused.truth(outside, times) == first
 
 
 def test_the_restitution_of_a_slight_damping_is_known():
