@@ -4,8 +4,8 @@ Every engine that runs the scene gives its best methods, side by side: cheap set
 scene is not known well enough, those of fast methods before those of slow ones. A method's limit comes from two
 tolerances, or from three steps that halve: the last two show where they lead, and the first two how well. The pair is
 chosen that is closest, its members' own last refinements included, of engines that stand on different packages: the
-scene is known to that distance, agreed and not certified. A method with a documented weakness on the scene comes last
-and needs a partner without one.
+scene is known to that distance, agreed and not certified. A method with a documented weakness on the scene is run last,
+and its partner in a pair must have none.
 
 Runs that look for events at the same times are one witness. Each run therefore has output times of its own between
 those of the judges, and each method steps of its own. Where one package runs the scene alone, two unlike methods of it
@@ -47,7 +47,7 @@ WORST = 1e-3  # of the scene: engines further apart agree on nothing
 ENOUGH = AGREEMENT / ONE_FIGURE  # of the scene: a truth that is known so well shows agreement
 PER_ENGINE = 2  # methods of each
 BETWEEN = 4  # output times of a run between two of the judges'
-UNKNOWN = NoTruth("engines are to agree on it")
+UNKNOWN = NoTruth("engines have not agreed on one yet")
 SPREAD = 0.25  # by which the steps of two methods at the same level differ at most
 
 
@@ -176,8 +176,7 @@ class Consensus:
         self._witnesses[witness.engine, witness.method] = witness
         for other in self._witnesses.values():
             if other is not witness and (witness.is_sound or other.is_sound):
-                apart = gap(self.scene, UNKNOWN, witness.path, other.path)
-                known_to = max(apart, witness.moved, other.moved)
+                known_to = max(_distance(self.scene, witness.path, other.path), witness.moved, other.moved)
                 pair = Pair(known_to, *sorted((witness, other), key=lambda one: one.moved))
                 self._closest[pair.packages] = min(self._closest.get(pair.packages, pair), pair, key=lambda p: p[0])
 
@@ -204,6 +203,11 @@ def _agreed(scene: Scene, pair: Pair) -> Truth:
     )  # fmt: skip
 
 
+def _distance(scene: Scene, first: Trajectory, second: Trajectory) -> float:
+    """Return how far two motions are apart, over the scene's scales; infinite where that is no number."""
+    return float(np.nan_to_num(gap(scene, UNKNOWN, first, second), nan=np.inf))
+
+
 def best_methods(engine: Engine, scene: Scene) -> list[Method]:
     """Return the methods of highest order that run the scene; those with a documented weakness on it come last."""
     able = engine.able(scene)
@@ -227,7 +231,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
         if path is None:
             return None
         paths.append(path)
-    moved = gap(scene, UNKNOWN, *paths[-2:])
+    moved = _distance(scene, *paths[-2:])
     library, is_sound = engines.get(engine).library, not method.excused(scene)
     plain = Witness(engine, library, method.name, label(settings[-1]), paths[-1], moved, is_sound)
     if len(paths) < 3 or method.order is None:
@@ -237,7 +241,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
         extrapolated(coarse, fine, wide / narrow, method.order)
         for (coarse, wide), (fine, narrow) in pairwise(zip(paths, steps, strict=True))
     ]
-    settled = gap(scene, UNKNOWN, *limits[-2:])
+    settled = _distance(scene, *limits[-2:])
     if settled >= moved:
         return plain
     return plain._replace(setting=f"{plain.setting}, extrapolated,", path=limits[-1], moved=settled)
