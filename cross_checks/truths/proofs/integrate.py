@@ -26,7 +26,10 @@ MARGIN = 8.0  # of the time that the box takes to pass, which the window lasts
 
 
 def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fraction, Fraction] | None:
-    """Return a step's length up to the end of its first impact, and the share of its window; None without one."""
+    """Return a step's length up to the end of its first impact, and the share of its window; None without one.
+
+    Both are hints, which the checker proves.
+    """
     n, (length, time, _) = proof.model.formulas.n, map(float, proof.model.units)
     with precision(proof.bits + 64):
         p = [[arb((int(c), -proof.bits)) for c in row] for row in rows[:n]]
