@@ -1,4 +1,4 @@
-"""The bodies, joints and forces of an MJCF model at the start, as parts of a scene, and what it limits."""
+"""An MJCF model at the start as parts of a scene; what no scene can represent is refused or assumed."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -22,6 +22,7 @@ FREE, BALL, SLIDE, HINGE = (int(kind) for kind in (
     mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE,
 ))  # fmt: skip
 CONNECT, WELD = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
+IGNORABLE = ("armature", "damping", "friction", "gravcomp", "springs", "tendons")
 
 type Pair = Revolute | Prismatic | Spherical | Universal | Cylindrical
 
@@ -153,9 +154,6 @@ class Posed:
         """Return stiffness and damping of a joint that are taken."""
         stiffness = 0.0 if "springs" in self.ignored else float(self.model.jnt_stiffness[j])
         return stiffness, 0.0 if "damping" in self.ignored else float(self.model.dof_damping[self.model.jnt_dofadr[j]])
-
-
-IGNORABLE = ("armature", "damping", "friction", "gravcomp", "springs", "tendons")
 
 
 def refusals(posed: Posed) -> Iterator[str]:
