@@ -187,7 +187,7 @@ class Counts(NamedTuple):
 def counted(manager: Any, t: float) -> tuple[Any, Counts]:
     """Integrate to time t (s); return the state, and what was counted since the manager was initialized.
 
-    What OpenSim prints beside its log is kept from standard output.
+    Nothing that OpenSim prints reaches standard output.
     """
     sink = opensim.StringLogSink()
     opensim.Logger.removeFileSink()

@@ -48,7 +48,7 @@ def agree(
     Where forces set in or let go, DOP853 reduces its steps by its error control, and extrapolation locates the time.
     Stiff motions are solved by LSODA and by Radau IIA instead.
     The uncertainty is the difference, times ALIKE unless the second is the more precise one, plus the roundoff of
-    double data magnified by the motion; where the latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
+    double data magnified by the motion. Where the latter alone exceeds LARGEST_UNCERTAINTY, there is no second run.
     """
     looks = [] if second.switches is None else np.arange(LOOKS, times[-1], LOOKS)
     grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints, *looks))

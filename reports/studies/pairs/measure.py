@@ -64,7 +64,7 @@ def _places(what: str, days: float, apart: dict[str, float], figures: dict[str, 
 
 
 def _planets(astropy, days: float) -> Tables:
-    """The planets as our run leaves them, from DE440's start, seen from the Sun; the Moon from the Earth."""
+    """Return the planets at the end of our run from DE440's start, from the Sun; the Moon from the Earth."""
     scene = scenes.make("solar_system", days=days, start=START)
     path = simulate(scene, FINE, grid(scene)[[0, -1]])
     jd = julian_date(START) + days
@@ -89,7 +89,7 @@ def _has(astropy, name: str, jd: float) -> bool:
 
 
 def _sun_and_moon(astropy, days: float) -> Tables:
-    """The Sun's and the Moon's direction in the satellites' forces, from the Earth."""
+    """Return the Sun's and the Moon's direction in the satellites' forces, from the Earth."""
     apart, figures = {}, {}
     for name, place in (("sun", sun_place), ("moon", moon_place)):
         ours = np.zeros(3)
