@@ -90,6 +90,14 @@ def test_runs_of_fixed_steps_are_extrapolated_where_they_lead(by, known, leads):
     assert np.max(np.abs(found.path.position - off(0.0).position)) <= max(found.moved, 1e-15) <= known
 
 
+def test_no_setting_agrees_where_a_distance_is_no_number():
+    method = engines.get("exudyn").method("generalized_alpha")
+    far = MadeUp(lambda h: 0.0 if h > 6e-5 * SCENE.duration else np.inf)
+    found = witness_of(far, SCENE, "exudyn", method, (2e-4, 1e-4, 5e-5))  # type: ignore[arg-type]
+    assert found is not None
+    assert (found.moved, "extrapolated" in found.name) == (np.inf, False)
+
+
 def test_no_two_runs_look_for_events_at_the_same_times():
     """Each has its own output times between the judges'; fixed steps are of another length in each method."""
     runs, method = MadeUp(lambda h: h), Method("dop853", "adaptive", 8, "")
