@@ -60,6 +60,8 @@ def command(
         raise click.UsageError(str(error)) from error
     if absent and (chosen or not present):
         raise EngineAbsent("; ".join(absent))
+    if bool(figures) + bool(holding or instant) + bool(tosses or folder) > 1:
+        raise click.UsageError("--figures, --holding or --instant, and --tosses exclude each other")
     if (at or parameters) and (holding or not instant):
         raise click.UsageError("--at and -p go with --instant FILE --scene SCENE")
     if instant and not holding:
