@@ -14,6 +14,7 @@ give a truth of the kind "one-package", which confirms no method and calls none 
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 from functools import partial
@@ -176,8 +177,7 @@ class Consensus:
         self._witnesses[witness.engine, witness.method] = witness
         for other in self._witnesses.values():
             if other is not witness and (witness.is_sound or other.is_sound):
-                apart = gap(self.scene, UNKNOWN, witness.path, other.path)
-                known_to = max(apart, witness.moved, other.moved)
+                known_to = max(_distance(self.scene, witness.path, other.path), witness.moved, other.moved)
                 pair = Pair(known_to, *sorted((witness, other), key=lambda one: one.moved))
                 self._closest[pair.packages] = min(self._closest.get(pair.packages, pair), pair, key=lambda p: p[0])
 
@@ -204,6 +204,12 @@ def _agreed(scene: Scene, pair: Pair) -> Truth:
     )  # fmt: skip
 
 
+def _distance(scene: Scene, first: Trajectory, second: Trajectory) -> float:
+    """Return how far two runs are apart in all components, over the scene's scales; infinite where unknown."""
+    apart = gap(scene, UNKNOWN, first, second)
+    return math.inf if math.isnan(apart) else apart
+
+
 def best_methods(engine: Engine, scene: Scene) -> list[Method]:
     """Return the methods of highest order that run the scene; those with a documented weakness on it come last."""
     able = engine.able(scene)
@@ -227,7 +233,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
         if path is None:
             return None
         paths.append(path)
-    moved = gap(scene, UNKNOWN, *paths[-2:])
+    moved = _distance(scene, *paths[-2:])
     library, is_sound = engines.get(engine).library, not method.excused(scene)
     plain = Witness(engine, library, method.name, label(settings[-1]), paths[-1], moved, is_sound)
     if len(paths) < 3 or method.order is None:
@@ -237,7 +243,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
         extrapolated(coarse, fine, wide / narrow, method.order)
         for (coarse, wide), (fine, narrow) in pairwise(zip(paths, steps, strict=True))
     ]
-    settled = gap(scene, UNKNOWN, *limits[-2:])
+    settled = _distance(scene, *limits[-2:])
     if settled >= moved:
         return plain
     return plain._replace(setting=f"{plain.setting}, extrapolated,", path=limits[-1], moved=settled)

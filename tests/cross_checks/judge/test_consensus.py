@@ -90,6 +90,17 @@ def test_runs_of_fixed_steps_are_extrapolated_where_they_lead(by, known, leads):
     assert np.max(np.abs(found.path.position - off(0.0).position)) <= max(found.moved, 1e-15) <= known
 
 
+def test_a_run_at_an_unknown_distance_from_the_others_agrees_with_none(script, monkeypatch):
+    monkeypatch.setattr(consensus, "gap", lambda scene, truth, first, second: np.nan)
+    method = engines.get("exudyn").method("generalized_alpha")
+    found = witness_of(MadeUp(lambda h: h), SCENE, "exudyn", method, (2e-4, 1e-4, 5e-5))  # type: ignore[arg-type]
+    assert found is not None
+    assert found.moved == np.inf
+    assert "extrapolated" not in found.name
+    script({ONE: [(0.0, 1e-10)], OTHER: [(0.0, 1e-10)]})
+    assert isinstance(working_truth(Runs(), SCENE), NoTruth)
+
+
 def test_no_two_runs_look_for_events_at_the_same_times():
     """Each has its own output times between the judges'; fixed steps are of another length in each method."""
     runs, method = MadeUp(lambda h: h), Method("dop853", "adaptive", 8, "")
