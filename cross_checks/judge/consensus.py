@@ -14,6 +14,7 @@ are the pair. Such a truth is of the kind "one-package": it confirms no method a
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 from functools import partial
@@ -204,8 +205,9 @@ def _agreed(scene: Scene, pair: Pair) -> Truth:
 
 
 def _distance(scene: Scene, first: Trajectory, second: Trajectory) -> float:
-    """Return how far two motions are apart, over the scene's scales; infinite where that is no number."""
-    return float(np.nan_to_num(gap(scene, UNKNOWN, first, second), nan=np.inf))
+    """Return how far two runs are apart in all components, over the scene's scales; infinite where unknown."""
+    apart = gap(scene, UNKNOWN, first, second)
+    return math.inf if math.isnan(apart) else apart
 
 
 def best_methods(engine: Engine, scene: Scene) -> list[Method]:

@@ -90,12 +90,15 @@ def test_runs_of_fixed_steps_are_extrapolated_where_they_lead(by, known, leads):
     assert np.max(np.abs(found.path.position - off(0.0).position)) <= max(found.moved, 1e-15) <= known
 
 
-def test_no_setting_agrees_where_a_distance_is_no_number():
+def test_a_run_at_an_unknown_distance_from_the_others_agrees_with_none(script, monkeypatch):
+    monkeypatch.setattr(consensus, "gap", lambda scene, truth, first, second: np.nan)
     method = engines.get("exudyn").method("generalized_alpha")
-    far = MadeUp(lambda h: 0.0 if h > 6e-5 * SCENE.duration else np.inf)
-    found = witness_of(far, SCENE, "exudyn", method, (2e-4, 1e-4, 5e-5))  # type: ignore[arg-type]
+    found = witness_of(MadeUp(lambda h: h), SCENE, "exudyn", method, (2e-4, 1e-4, 5e-5))  # type: ignore[arg-type]
     assert found is not None
-    assert (found.moved, "extrapolated" in found.name) == (np.inf, False)
+    assert found.moved == np.inf
+    assert "extrapolated" not in found.name
+    script({ONE: [(0.0, 1e-10)], OTHER: [(0.0, 1e-10)]})
+    assert isinstance(working_truth(Runs(), SCENE), NoTruth)
 
 
 def test_no_two_runs_look_for_events_at_the_same_times():
