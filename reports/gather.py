@@ -99,7 +99,7 @@ class Gathering:
         yield data
 
     def judged(self, data: ReportData) -> Generator[ReportData, None, ReportData]:
-        """Judge every method on every scene, and yield what there is; unfinished ones are left out after Ctrl-C."""
+        """Judge every method on every scene, and yield the data so far; after Ctrl-C unfinished ones are missing."""
 
         def there(incomplete: str) -> ReportData:
             held = [result[question] for question in wanted if question in result]

@@ -11,6 +11,7 @@ from typing import Any, Self
 
 from benchmarks.trees import worker as tree_worker
 from cross_checks.isolation.parent import ONE_THREAD
+from cross_checks.isolation.workers import Report
 from cross_checks.prices.timing import Comparison, Pace, Sample, compare
 
 
@@ -114,11 +115,7 @@ class Finding:
 
 
 def regressions(
-    baseline: Path,
-    current: Path,
-    cases: Sequence[Case] = CASES,
-    progress: Callable[[int, int, str], None] | None = None,
-    seed: int = 0,
+    baseline: Path, current: Path, cases: Sequence[Case] = CASES, progress: Report | None = None, seed: int = 0
 ) -> Iterator[Finding]:
     """Yield a finding for each case; ValueError where a folder is no source tree. `seed` orders the runs."""
     with Tree(baseline) as before, Tree(current) as after:

@@ -86,11 +86,11 @@ class _Rungs:
 
     @cached_property
     def errors(self) -> list[float]:
-        """How far each run is from the truth, over the scene's scales; infinite where it is beyond numbers."""
+        """The distance of each run from the truth, over the scene's scales; infinite where it has none."""
         return [float(np.nan_to_num(self.apart(run, self.question.truth), nan=np.inf)) for run in self.runs]
 
     def apart(self, run: Called, other: Trajectory | Truth) -> float:
-        """Return how far a run is from a motion, in what the truth knows."""
+        """Return the distance of a run from a motion, over the scene's scales, in what the truth knows; else NaN."""
         return gap(self.question.scene, self.question.truth, run.path, other)
 
     @cached_property
@@ -195,7 +195,7 @@ def _excusable(rising: _Rungs) -> Iterator[tuple[str, str]]:
 def _contact(rising: _Rungs) -> str:
     """Return a sentence where contacts are off by more than a target and than refinement explains."""
     error, last = rising.errors[-1], rising.runs[-1]
-    moved = max(rising.apart(last, run.path) for run in rising.runs[-3:-1])
+    moved = max(np.nan_to_num(rising.apart(last, run.path)) for run in rising.runs[-3:-1])
     explained = min(RESOLVED, EXPLAINED * moved) if rising.meets_contacts else RESOLVED
     if error <= max(TARGETS[0], explained):
         return ""

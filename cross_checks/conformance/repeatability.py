@@ -8,11 +8,11 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.conformance.cases import Case
 from cross_checks.isolation.parent import Isolated, Lost
+from cross_checks.isolation.workers import Report
 
 WAYS = ("at once", "another process", "another order", "two threads")
 PATIENCE = 60.0  # s of one run
 Outcome = dict[str, np.ndarray] | str  # what a run gave, or why it gave nothing
-Progress = Callable[[int, int, str], None]
 
 
 def outcome(case: Case) -> Outcome:
@@ -29,7 +29,7 @@ def twice(case: Case) -> tuple[Outcome, Outcome]:
     return outcome(case), outcome(case)
 
 
-def measured(cases: Iterable[Case], report: Progress | None = None) -> list[dict[str, Any]]:
+def measured(cases: Iterable[Case], report: Report | None = None) -> list[dict[str, Any]]:
     """Return for each case by how much a run differs each way: 0.0 are the same bits. One engine after the other."""
     every = list(cases)
     result = []

@@ -180,7 +180,8 @@ def _projected(problem: Instant, r: np.ndarray) -> np.ndarray:
 def assess(problem: Instant, models: Iterable[ContactModel]) -> list[Violation]:
     """Return the violations of one step by the reference solver with the scene's laws and by engines' own contacts."""
     scene = problem.scene.model_copy(update={"duration": problem.step})
-    runs: list[tuple[str, str, Trajectory | str]] = [(REFERENCE, "auto", _reached(scene, problem.step))]
+    method = engines.get(REFERENCE).method(None).name
+    runs: list[tuple[str, str, Trajectory | str]] = [(REFERENCE, method, _reached(scene, problem.step))]
     runs += [(model.engine.name, method.name, run(model, method.name, scene, problem.step))
              for model in models for method in model.engine.methods()]  # fmt: skip
     found = []

@@ -32,7 +32,7 @@ CORNERS = HALF * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 CLEAR = 1e-3  # m, ten times the noise of a corner: samples above it are free of the floor
 STATE = ("position", "orientation", "velocity", "angular_velocity")
 FEWEST = 3  # samples of a free flight
-DEPTH = 1e-4  # m of a central impact at NOMINAL_SPEED, below the noise: the publication states no stiffness
+DEPTH = 1e-4  # m, penetration at NOMINAL_SPEED, below the noise: the publication states no stiffness
 RTOL, FINER = 1e-6, 1e-2  # of the reference solver, and the factor on it of the run that shows its error
 
 
@@ -75,7 +75,7 @@ class Toss:
         (v, x), (w, a) = (np.linalg.lstsq(np.vander(since, 2), y)[0] for y in (self.position[:n] - fall, turned))
         turns = a + w * since[:, None]
         angles = np.linalg.norm(turns, axis=1)
-        axes = np.where(angles[:, None] > 0.0, turns, 1.0)  # of no turn any
+        axes = np.where(angles[:, None] > 0.0, turns, 1.0)  # any axis serves where the angle is 0
         orientation = product(from_axis_angle(axes, angles), middle)
         velocity, spin = v + GRAVITY * since[:, None], np.broadcast_to(w, (n, 3))
         position = x + v * since[:, None] + fall
@@ -90,8 +90,9 @@ class Toss:
 def stored(folder: Path | None = None) -> list[Toss]:
     """Return the tosses of this package, or of a folder with the published .pt files; ValueError for another file."""
     if folder is None:
-        data = np.load(STORED)
-        rows = dict(zip(data["names"].tolist(), np.split(data["rows"].astype(float), data["starts"]), strict=True))
+        with np.load(STORED) as data:
+            parts = np.split(data["rows"].astype(float), data["starts"])
+            rows = dict(zip(data["names"].tolist(), parts, strict=True))
     else:
         rows = {file.stem: _published(file) for file in sorted(folder.glob("*.pt"))}
     if not rows:
@@ -171,7 +172,7 @@ class Predicted:
     model: str
     flight: float  # m, of the measured corners against the fitted flight: the measurement's noise
     error: float | None = None  # m, of the corners against the measured ones, see Toss.error
-    numerical: float | None = None  # m, of the corners against those of the finer run: 1 % of rtol or half the step
+    numerical: float | None = None  # m, of the corners against those of a run with 1 % of rtol or half of the step
     reason: str = ""
 
 
@@ -187,7 +188,7 @@ class _Model:
 
 
 def predict(tosses: list[Toss], others: dict[str, ContactModel], step: float) -> Iterator[Predicted]:
-    """Return each toss by the reference solver with each law, and by other engines' own contacts at about a step (s).
+    """Predict each toss by the reference solver with each law, and by other engines' own contacts at about a step (s).
 
     ValueError names a toss without a free flight.
     """
@@ -216,7 +217,7 @@ def _predicted(toss: Toss, noise: float, floor: float, model: _Model) -> Predict
 
 
 def _ours(scene: Scene, fine: bool) -> Trajectory | str:
-    rtol, outputs = RTOL * (FINER if fine else 1.0), "dense" if fine else "landed"  # other steps where samples end them
+    rtol, outputs = RTOL * (FINER if fine else 1.0), "dense" if fine else "landed"  # steps differ
     more: dict[str, Any] = {"rtol": rtol, "atol": rtol * HALF, "outputs": outputs}
     settings = Settings(method="dop853", reactions=False, estimate="off", **more)
     times = np.arange(round(scene.duration * RATE) + 1) / RATE

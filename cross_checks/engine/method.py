@@ -80,7 +80,7 @@ class Refusal:
         """Return the reasons as one text; a count for more than MOST_ALIKE that differ by quoted names."""
         alike: dict[str, dict[str, None]] = {}
         for one in refusals:
-            alike.setdefault(re.sub(r"'[^']*'", "''", one.reason), {})[one.reason] = None
+            alike.setdefault(re.sub(r"(?<!\w)'[^']*'", "''", one.reason), {})[one.reason] = None
         return "; ".join(
             "; ".join(group) if len(group) <= MOST_ALIKE else f"{next(iter(group))} (and {len(group) - 1} more like it)"
             for group in alike.values()

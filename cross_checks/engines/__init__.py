@@ -53,7 +53,7 @@ def names() -> list[str]:
 
 
 def installed(chosen: Iterable[str] | None = None) -> Iterator[Engine]:
-    """Yield the engines chosen, of all unless given, whose packages are installed."""
+    """Yield the installed engines among those chosen, or among all."""
     for name in names() if chosen is None else chosen:
         with suppress(EngineMissing):
             yield get(name)

@@ -1,15 +1,15 @@
-"""A working truth where no certified one exists: what engines agree on that share as little as possible.
+"""Compute a consensus truth from two independent engines where no certified truth exists.
 
-Every engine that runs the scene gives its best methods, side by side: cheap settings first, finer ones as long as the
-scene is not known well enough, those of fast methods before those of slow ones. A method's limit comes from two
-tolerances, or from three steps that halve: the last two show where they lead, and the first two how well. The pair is
-chosen that is closest, its members' own last refinements included, of engines that stand on different packages: the
-scene is known to that distance, agreed and not certified. A method with a documented weakness on the scene comes last
-and needs a partner without one.
+Every engine that runs the scene contributes its best methods. Cheap settings are run first, those of fast methods
+before those of slow ones; finer ones follow while the scene is not known well enough. A method's limit comes from two
+tolerances, or from three steps that halve: the last two are extrapolated, and the first two show how well that works.
+The closest pair of methods is the truth; it is agreed and not certified. The two belong to different packages. The
+distance includes each member's own last refinement and is the uncertainty. A method with a documented weakness on the
+scene is run last, and its partner in a pair must have none.
 
 Runs that look for events at the same times are one witness. Each run therefore has output times of its own between
 those of the judges, and each method steps of its own. Where one package runs the scene alone, two unlike methods of it
-give a truth of the kind "one-package", which confirms no method and calls none wrong.
+are the pair. Such a truth is of the kind "one-package": it confirms no method and classifies none as wrong.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ WORST = 1e-3  # of the scene: engines further apart agree on nothing
 ENOUGH = AGREEMENT / ONE_FIGURE  # of the scene: a truth that is known so well shows agreement
 PER_ENGINE = 2  # methods of each
 BETWEEN = 4  # output times of a run between two of the judges'
-UNKNOWN = NoTruth("engines are to agree on it")
+UNKNOWN = NoTruth("engines have not agreed on one yet")
 SPREAD = 0.25  # by which the steps of two methods at the same level differ at most
 
 
@@ -100,8 +100,8 @@ class Consensus:
     """What engines agree on so far: `truth`, which is final when `is_settled`.
 
     Runs are requested from the pool, whose user hands every result of a Request to `receive`. A scene is settled when
-    it is known to `enough` of its scales, or when no run remains. A method whose run computes for long is
-    waited for only where the others agree on nothing, or where it is one of the closest pair.
+    it is known to `enough` of its scales, or when no run remains. A run that computes for long is awaited only where
+    the others agree on nothing, or where its method is one of the closest pair.
     """
 
     def __init__(self, pool: Pool, runs: Runs, scene: Scene, reason: str = "", enough: float = ENOUGH) -> None:

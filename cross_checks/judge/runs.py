@@ -72,7 +72,7 @@ class Runs:
     def truth(self, scene: Scene, times: np.ndarray | None = None) -> Truth | NoTruth:
         """Return the scene's truth at `times` (s; the judges' grid unless given): stored, or computed and stored.
 
-        The reason where there is none; one that a shorter limit of time stored is no reason.
+        Return the reason where there is none. One that was stored within a shorter limit of time is computed again.
         """
         requested = self.grid(scene) if times is None else times
         key = truth_name(scene, requested)

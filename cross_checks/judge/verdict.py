@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.judge.bounds import AGREEMENT, ALIKE, DOUBTFUL, FAILING, LEVELS, RESOLVED, ROUNDED
+from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, ROUNDED, SCATTER
 from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
@@ -122,7 +122,7 @@ def _approach(last: str, shown: Posterior, documented: float) -> Judgement:
         "that the error hardly falls": shown.odds_of_order_below(_least_order(documented)),
     }
     odds = sum(doubts.values())
-    is_best = error <= ALIKE * float(np.min(ladder.errors))
+    is_best = error <= SCATTER * float(np.min(ladder.errors))
     if len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
         slow = f", below half of {documented:.2g}" if shown.order < 0.5 * documented else ""
         pace = f"falling with order {shown.order:.2g}{slow}"

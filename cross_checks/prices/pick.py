@@ -1,4 +1,4 @@
-"""The cheapest measured setting that reaches an accuracy, and what keeps it from being cheaper."""
+"""The cheapest measured setting that reaches an accuracy, why no cheaper one does, and runs that confirm it."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -19,6 +19,14 @@ from mbs_ref import Scene, Settings
 from mbs_ref.display import facts
 
 RIVAL = 5.0  # of the cheapest loop time: one that is measured beside other runs is off by less than this factor
+CLOSE = 1.5  # a margin below this may be noise: the two are timed against each other
+OUTPUTS = 11  # output times of an engine with its default settings
+WORDS = {
+    Pace.SLOWER: "Confirmed by",
+    Pace.FASTER: "Overturned by",
+    Pace.SAME: "A tie in",
+    Pace.INCONCLUSIVE: "Not settled by",
+}
 
 
 @dataclass(frozen=True)
@@ -192,18 +200,6 @@ def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bou
         return f"{count} settings reach {bounds.error:.1e}, but none keeps the constraints within {tight:.1e}"
     nearest = min(measured, key=known_error)
     return f"none reached {bounds.error:.1e} of the scene; the nearest is {setting(nearest)} with {_length(nearest)}"
-
-
-CLOSE = 1.5  # a margin below this may be noise: the two are timed against each other
-
-OUTPUTS = 11  # times at which an engine is looked at as it comes
-
-WORDS = {
-    Pace.SLOWER: "Confirmed by",
-    Pace.FASTER: "Overturned by",
-    Pace.SAME: "A tie in",
-    Pace.INCONCLUSIVE: "Not settled by",
-}
 
 
 def duel(scene: Scene, choice: Choice, call: Caller = direct, seed: int = 0) -> Comparison:

@@ -19,6 +19,7 @@ import numpy as np
 
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Isolated, Lost
+from cross_checks.isolation.workers import Report
 from cross_checks.judge.ladder import grid
 from cross_checks.records.record import BUSY_NOTE, Record
 from cross_checks.records.store import Store, run_name
@@ -37,8 +38,6 @@ WARMED = 0.2  # s of loop time: warming caches up is a small part of a longer ru
 ROUNDS = 3  # turns, of which a run's least time counts
 CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
 SHARED = " while others used it"  # of a machine's name, under which times of a busy one are stored
-
-Report = Callable[[int, int, str], None]
 
 
 def interleaved[T](

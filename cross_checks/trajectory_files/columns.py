@@ -1,18 +1,18 @@
 """The columns of a file or of arrays by their names, thinned where they have more rows than are judged; units."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 
+from cross_checks.isolation.workers import Report
 from cross_checks.trajectory_files.formats import Columns, FileError, part_of, parts
 
 MOST_ROWS = 4000  # that are judged of those that stand at regular places
 NO_ROWS = "holds no row of numbers; expected: a header and a row a time"
 NONE = 2**62  # a stride that leaves no row but the first
 Only = tuple[np.ndarray, float]  # times of the rows that are wanted, and how far off they may be, in the file's unit
-Report = Callable[[int, int, str], None]  # done, total, what
 
 
 def read_columns(

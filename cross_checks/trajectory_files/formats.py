@@ -65,7 +65,7 @@ def parts(path: Path, delimiter: str = "") -> Iterator[Columns]:
     if path.suffix not in SUFFIXES:
         raise FileError(f"{path}: suffix {path.suffix!r} is unknown; allowed: {', '.join(SUFFIXES)}")
     if not path.is_file():
-        raise FileError(f"{path}: is no file" if path.exists() else f"{path}: there is no such file")
+        raise FileError(f"{path}: not a file" if path.exists() else f"{path}: there is no such file")
     try:
         match path.suffix:
             case ".npz":

@@ -70,13 +70,13 @@ class OutsideDomainError(ValueError):
     """The equations of a truth do not hold at these parameters."""
 
 
-# the end (s of the thread's processor time) and the length (s) of the limit that holds
+# the end (s of the thread's processor time) and the length (s) of the current limit
 _limit: ContextVar[tuple[float, float]] = ContextVar("limit", default=(math.inf, math.inf))
 
 
 @contextmanager
 def time_limit(seconds: float) -> Iterator[float]:
-    """Limit the computation inside to so much processor time (s), or to an outer limit; yield the shortest."""
+    """Limit the processor time (s) of the computation inside; an outer limit still holds. Yield the shorter of both."""
     end, length = _limit.get()
     shortest = min(length, seconds)
     token = _limit.set((min(end, time.thread_time() + seconds), shortest))

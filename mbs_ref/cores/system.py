@@ -96,7 +96,7 @@ class System(ABC):
         return other
 
     def beside(self) -> System:
-        """Return a system for a companion run: another, if runs leave modes or times; it locates events elsewhere."""
+        """Return a system for a companion run, a twin if runs change modes or times; it locates events elsewhere."""
         called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
         other = self.twin() if self.event_sources or called else self
         other.spread_events(COMPANION_NOISE)

@@ -42,7 +42,7 @@ def kinetic_energy(scene: Scene, trajectory: Trajectory) -> np.ndarray:
 
 
 def _rotation(scene: Scene, trajectory: Trajectory) -> np.ndarray:
-    """omega . J omega / 2 of all bodies (n_t,), J; a particle's spin means nothing."""
+    """Return sum(omega . J omega) / 2 of all bodies but particles (n_t,), J."""
     turns = np.array([not isinstance(body, PointMass) for body in scene.bodies], dtype=bool)
     omega, own = trajectory.angular_velocity[:, turns], spins(scene, trajectory)[:, turns]
     return 0.5 * np.sum((omega * own).reshape(len(omega), -1), axis=1)

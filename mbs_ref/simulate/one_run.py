@@ -24,6 +24,8 @@ from mbs_ref.simulate.start.consistent import InconsistentScene, consistent_star
 from mbs_ref.simulate.start.soundness import UnsoundScene, ambiguous_start, check_starts, require_sound
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
+BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # the method failed
+
 
 class Samples(NamedTuple):
     """Poses and reactions at the outputs of a run."""
@@ -121,9 +123,6 @@ def or_empty[T](scene: Scene, make: Callable[[], T], refusal: type[ValueError] =
         return empty(scene, Status.INCONSISTENT, str(error))
     except refusal as error:
         return empty(scene, Status.REFUSED, str(error))
-
-
-BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # the method failed
 
 
 def simulate(

@@ -28,6 +28,9 @@ SPANS = ((31557600.0, "years"), (86400.0, "days"))  # s; a Julian year
 LONGEST_BAR = 0.3  # of the picture
 BESIDE = 5  # pixels between a body and its name
 UNITS = ((1.495978707e11, "au"), (1e3, "km"), (1.0, "m"), (1e-3, "mm"))  # m; au: IAU 2012, rounded
+PLAYER = Path(__file__).parent / "player.html"
+COLOURS = 32  # of a picture
+SMOOTH = 30  # pictures a second of an MP4 at most: more are not seen
 
 
 class Camera:
@@ -124,11 +127,6 @@ def clock(time: float, end: float) -> str:
     """Return a time (s) in a unit that suits a film which ends at `end` (s)."""
     unit, word = next(((length, name) for length, name in SPANS if end >= 3.0 * length), (1.0, "s"))
     return f"{time / unit:.3f} {word}" if unit == 1.0 else f"{time / unit:.1f} {word}"
-
-
-PLAYER = Path(__file__).parent / "player.html"
-COLOURS = 32  # of a picture
-SMOOTH = 30  # pictures a second of an MP4 at most: more are not seen
 
 
 def beside(scene: Scene, runs: Mapping[str, Trajectory]) -> list[Image.Image]:

@@ -15,14 +15,14 @@ from reports.page.render import ALL, INDEX, render, single
 from reports.poses_file import csv_table
 
 HTML = "html"
-PATIENCE = 10.0  # s after which a page of what there is is worth the time to write it ...
-LEAST_APART = 20.0  # ... which may take a twentieth of all time
+PATIENCE = 10.0  # s between two pages at least
+LEAST_APART = 20.0  # times the time that writing a page took: writing takes 5 % of the time at most
 
 
 def write_report(
     out_dir: Path, stages: Generator[ReportData], form: str = HTML, targets: Sequence[float] = ()
 ) -> tuple[Path, str]:
-    """Write the pages of the last stage, and while it takes long, again and again what there is.
+    """Write the pages of the last stage; before it, pages of what there is whenever they are due.
 
     Return the path of the report in the wanted form, and why it is incomplete or nothing.
     """
@@ -33,7 +33,7 @@ def write_report(
             try:
                 write_data(data, out_dir)
                 publish(data, out_dir)
-            except KeyboardInterrupt as stop:  # which stages turn into a sentence
+            except KeyboardInterrupt as stop:  # while verdicts come, `stages` ends with a sentence about it
                 data = stages.throw(stop)
                 break
             due = monotonic() + max(PATIENCE, LEAST_APART * (monotonic() - begun))

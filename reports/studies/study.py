@@ -62,7 +62,7 @@ def _sources(name: str) -> list[str]:
 
 
 def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Report) -> list[str]:
-    """Add to `found` the facts of every study, stored or measured on all cores; return what failed and why.
+    """Add to `result` the facts of every study, stored or measured on all cores; return what failed and why.
 
     Facts are measured again where their code changes or what they depend on: the engines and their adapters.
     """
@@ -72,7 +72,8 @@ def measure_all(store: Store, result: dict[str, Measured], depends: Any, report:
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held
     missing, failed = [name for name in listed if name not in result], []
-    # studies without parts, which take longest, beside the parts of others; what reads those; at last what takes times
+    # First studies without parts, which take longest, and the parts of others; then studies that read those parts;
+    # studies that measure times are last, one at a time.
     parted = {name: own for name in missing if (own := parts(name))}
     whole = [(name, None) for name in missing if not listed[name].alone]
     first = [task for task in whole if task[0] not in parted]
@@ -96,7 +97,7 @@ def _made(call: Caller, task: tuple[str, Any]) -> Measured | str | None:
     name, part = task
     if part is None:
         return _measured(call, name)
-    with suppress(Exception):  # raised in a process of its own; `measure` meets it again
+    with suppress(Exception):  # raised in a process of its own; `measure` raises it again
         call(make, name, part)
     return None
 

@@ -1,6 +1,7 @@
 """A scene as an OpenSim model: every body's frame is its joint's, along the world's axes at t = 0.
 
-With the reader of its states and step counts, and Simbody's integrators as OpenSim offers them."""
+The module also reads states and step counts, and lists the integrators of Simbody that OpenSim offers.
+"""
 
 import ctypes
 import math
@@ -18,6 +19,26 @@ from cross_checks.engine import RTOLS, STEPS, Method
 from cross_checks.linkage.links import Closure, Link, Linkage, rest_length
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import SpringDamper
+
+STEPPED = "_fixed"
+SHORTEST = 2e-8  # of a run: no step is shorter, whatever its error, for 5e7 steps are the most that a run may take
+ENDLESS = "cpodes"  # in loops: no limit on steps ends it (seen in 4.6 on spatial_n_four_bar at 1e-8)
+INTEGRATORS = {
+    "rk_merson": "RungeKuttaMerson",
+    "rk_feldberg": "RungeKuttaFeldberg",
+    "rk3": "RungeKutta3",
+    "verlet": "Verlet",
+    "cpodes": "CPodes",
+}
+METHODS = (
+    Method("rk_merson", "adaptive", 4, "OpenSim's default: Runge-Kutta-Merson", RTOLS, embedded=3),
+    Method("rk_feldberg", "adaptive", 5, "Runge-Kutta-Fehlberg", RTOLS),
+    Method("rk3", "adaptive", 3, "Runge-Kutta 3 with an embedded estimate", RTOLS, embedded=2),
+    Method("verlet", "adaptive", 2, "velocity Verlet", RTOLS[:4]),
+    Method("cpodes", "adaptive", None, "CPODES: variable-order BDF", RTOLS),
+    Method("rk_merson" + STEPPED, "fixed", 4, "Runge-Kutta-Merson at a fixed step", STEPS),
+)
+LEVEL = "Error"  # of what OpenSim prints otherwise
 
 STRAIGHT = np.eye(3)
 KINDS = {
@@ -115,26 +136,6 @@ def _spring(bodies: dict[int, Any], linkage: Linkage, load: SpringDamper) -> Any
     return opensim.PointToPointSpring(*ends, load.stiffness, rest_length(load))
 
 
-STEPPED = "_fixed"
-SHORTEST = 2e-8  # of a run: no step is shorter, whatever its error, for 5e7 steps are the most that a run may take
-ENDLESS = "cpodes"  # in loops: no limit on steps ends it (seen in 4.6 on spatial_n_four_bar at 1e-8)
-INTEGRATORS = {
-    "rk_merson": "RungeKuttaMerson",
-    "rk_feldberg": "RungeKuttaFeldberg",
-    "rk3": "RungeKutta3",
-    "verlet": "Verlet",
-    "cpodes": "CPodes",
-}
-METHODS = (
-    Method("rk_merson", "adaptive", 4, "OpenSim's default: Runge-Kutta-Merson", RTOLS, embedded=3),
-    Method("rk_feldberg", "adaptive", 5, "Runge-Kutta-Fehlberg", RTOLS),
-    Method("rk3", "adaptive", 3, "Runge-Kutta 3 with an embedded estimate", RTOLS, embedded=2),
-    Method("verlet", "adaptive", 2, "velocity Verlet", RTOLS[:4]),
-    Method("cpodes", "adaptive", None, "CPODES: variable-order BDF", RTOLS),
-    Method("rk_merson" + STEPPED, "fixed", 4, "Runge-Kutta-Merson at a fixed step", STEPS),
-)
-
-
 def values(state: Any) -> np.ndarray:
     """Return a copy of Simbody's state vector."""
     return np.array(state.getY().to_numpy())
@@ -175,9 +176,6 @@ class Reader:
         return turn, centre, speed, omega
 
 
-LEVEL = "Error"  # of what OpenSim prints otherwise
-
-
 class Counts(NamedTuple):
     """Of all integrations since the manager was initialized; zeros where the log does not tell."""
 
@@ -189,7 +187,7 @@ class Counts(NamedTuple):
 def counted(manager: Any, t: float) -> tuple[Any, Counts]:
     """Integrate to time t (s); return the state, and what was counted since the manager was initialized.
 
-    What OpenSim prints beside its log is kept from standard output.
+    Nothing that OpenSim prints reaches standard output.
     """
     sink = opensim.StringLogSink()
     opensim.Logger.removeFileSink()

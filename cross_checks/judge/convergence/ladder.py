@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cross_checks.judge.bounds import ALIKE
+from cross_checks.judge.bounds import SCATTER
 
 SAME_STEPS = 1.05  # ratio of step counts below which a finer setting refines nothing: outputs or events set the steps
 SATURATED = 0.5  # of the scene: motions farther apart are unrelated, and only bound the law from below
@@ -42,8 +42,8 @@ class Ladder:
 
     @property
     def is_falling(self) -> bool:
-        """Whether the finest error is below those of the two levels before by more than scatter; one level may fall."""
-        return bool(self.errors[-1] < np.min(self.errors[-3:-1], initial=np.inf) / ALIKE)
+        """Whether the finest error is below those of the two levels before by more than scatter; true of one level."""
+        return bool(self.errors[-1] < np.min(self.errors[-3:-1], initial=np.inf) / SCATTER)
 
     def levels(self) -> Ladder:
         """Return one run per level: its largest error stands, at its finest setting.

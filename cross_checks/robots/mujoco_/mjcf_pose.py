@@ -1,4 +1,4 @@
-"""The bodies, joints and forces of an MJCF model at the start, as parts of a scene, and what it limits."""
+"""An MJCF model at the start as parts of a scene; what no scene can represent is refused or assumed."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -22,6 +22,7 @@ FREE, BALL, SLIDE, HINGE = (int(kind) for kind in (
     mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE,
 ))  # fmt: skip
 CONNECT, WELD = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
+IGNORABLE = ("armature", "damping", "friction", "gravcomp", "springs", "tendons")
 
 type Pair = Revolute | Prismatic | Spherical | Universal | Cylindrical
 
@@ -107,8 +108,8 @@ class Posed:
                 return Spherical(**ends, point=point)
             case [a, b] if {a, b} == {SLIDE, HINGE} and np.abs(np.cross(along[0], along[1])).max() < SAME:
                 return Cylindrical(**ends, point=point, axis=three(along[0]))
-        told = ", ".join(f"{axis.joint!r} {'slides' if axis.slides else 'turns'}" for axis in axes)
-        return f"body {self.name(body)!r} has joints that no joint of a scene makes together ({told}): {TAKEN}"
+        turning = ", ".join(f"{axis.joint!r} {'slides' if axis.slides else 'turns'}" for axis in axes)
+        return f"body {self.name(body)!r} has joints that no joint of a scene makes together ({turning}): {TAKEN}"
 
     def joints(self) -> Iterator[Pair]:
         yield from (pair for pair in self.carried_by.values() if pair is not None and not isinstance(pair, str))
@@ -155,18 +156,15 @@ class Posed:
         return stiffness, 0.0 if "damping" in self.ignored else float(self.model.dof_damping[self.model.jnt_dofadr[j]])
 
 
-IGNORABLE = ("armature", "damping", "friction", "gravcomp", "springs", "tendons")
-
-
 def refusals(posed: Posed) -> Iterator[str]:
     """Yield why the model is no scene."""
     yield from (why for why in posed.carried_by.values() if isinstance(why, str))
     for body in posed.moving:
         if not posed.model.body_mass[posed.parts(body)].sum() > 0.0:
             yield f"body {posed.name(body)!r} moves and has no mass"
-    for word, told in _beyond(posed):
+    for word, text in _beyond(posed):
         if word not in posed.ignored:
-            yield f"{told}; -p ignore={word} leaves it out"
+            yield f"{text}; -p ignore={word} leaves it out"
     yield from _couplings(posed)
     option = posed.model.opt
     if option.density or option.viscosity or np.any(option.wind):
@@ -189,7 +187,7 @@ def _couplings(posed: Posed) -> Iterator[str]:
 
 
 def _beyond(posed: Posed) -> Iterator[tuple[str, str]]:
-    """Yield what a scene cannot hold and may be asked to leave out, by its word."""
+    """Yield the word and the text of each feature that no scene can represent and that `ignore` omits."""
     model = posed.model
     single = set(posed.single())
     shared = np.array([joint not in single for joint in model.dof_jntid], dtype=bool)
@@ -203,10 +201,10 @@ def _beyond(posed: Posed) -> Iterator[tuple[str, str]]:
         "damping": (f"dampers {several}: ", damping | _any_of(model.dof_dampingpoly)),
         "springs": (f"springs {several}, or of a slide and strained at the start: ", springs | bent),
     }
-    for word, (told, values) in words.items():
+    for word, (text, values) in words.items():
         if np.any(values):
             names = (posed.axis(int(model.dof_jntid[k])).joint for k in np.flatnonzero(values))
-            yield word, told + ", ".join(dict.fromkeys(names))
+            yield word, text + ", ".join(dict.fromkeys(names))
     if np.any(model.body_gravcomp):
         yield "gravcomp", "bodies whose weight is compensated (gravcomp)"
     pulling = ("tendon_stiffness", "tendon_damping", "tendon_frictionloss", "tendon_armature")
@@ -240,4 +238,4 @@ def assumptions(posed: Posed, locked: list[str]) -> Iterator[str]:
         yield f"fixed to the bodies that carry them: {', '.join(welded)}"
     if locked:
         yield f"locked in their zero pose: {', '.join(locked)}"
-    yield from (f"left out: {told}" for word, told in _beyond(posed) if word in posed.ignored)
+    yield from (f"left out: {text}" for word, text in _beyond(posed) if word in posed.ignored)

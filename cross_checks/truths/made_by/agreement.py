@@ -12,9 +12,9 @@ from cross_checks.truths.truth import ALIKE, EPS, Truth
 from mbs_ref.observables.distance import Partial, unmasked_distances
 
 NUDGE = 1e-8  # of the start, to measure how the motion magnifies an error
-NUDGED_TOLERANCE = 1e-2 * NUDGE  # of the nudged run: the growth is needed to a digit
+NUDGED_TOLERANCE = 1e-2 * NUDGE  # of the nudged run: one digit of the growth is enough
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
-LOOKS = 0.01  # s: both solvers stop so often where forces set in and let go, or a long step leaps over a branch
+LOOKS = 0.01  # s, longest step of both solvers where forces set in or let go: a longer one may miss a short force
 RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
 ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
 
@@ -45,10 +45,10 @@ def agree(
     """Solve `first` by DOP853 and `second` by extrapolation, in extended precision if so requested; compare poses.
 
     `ways` names the equations and methods of the first and of the second; the truth is the second's motion.
-    Where forces set in or let go, DOP853 is left to find it by its error control and extrapolation locates it.
+    Where forces set in or let go, DOP853 reduces its steps by its error control, and extrapolation locates the time.
     Stiff motions are solved by LSODA and by Radau IIA instead.
     The uncertainty is the difference, times ALIKE unless the second is the more precise one, plus the roundoff of
-    double data magnified by the motion; where the latter alone exceeds LARGEST_UNCERTAINTY the second run is spared.
+    double data magnified by the motion. Where the latter alone exceeds LARGEST_UNCERTAINTY, there is no second run.
     """
     looks = [] if second.switches is None else np.arange(LOOKS, times[-1], LOOKS)
     grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints, *looks))

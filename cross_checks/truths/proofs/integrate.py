@@ -23,10 +23,22 @@ from mbs_ref.scene.scales import scales_of
 SAMPLES = 32  # of a step, at which gaps are evaluated
 ITERATIONS = 12  # of Newton's method for the time
 MARGIN = 8.0  # of the time that the box takes to pass, which the window lasts
+DEGREE, DIGITS = 40, 45  # of the polynomials, at least
+DIGITS_PROVEN = 20.0  # of a radius, that DEGREE and DIGITS reach in most motions
+SAFETY = 5.5  # radii of convergence in a step
+SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
+SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
+LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
+WIDER = 16  # times so much an impact's window in the next attempt
+PARTS = (1, 2, 4, 8, 16)  # of a parameter's interval
+FINEST = 3  # attempts at a radius, each with half as many digits more
 
 
 def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fraction, Fraction] | None:
-    """Return a step's length up to the end of its first impact, and the share of its window; None without one."""
+    """Return a step's length up to the end of its first impact, and the share of its window; None without one.
+
+    Both are hints, which the checker proves.
+    """
     n, (length, time, _) = proof.model.formulas.n, map(float, proof.model.units)
     with precision(proof.bits + 64):
         p = [[arb((int(c), -proof.bits)) for c in row] for row in rows[:n]]
@@ -53,17 +65,6 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fract
         mantissa, exponent = s.man_exp()
         end = Fraction(int(mantissa)) * Fraction(2) ** int(exponent) + Fraction(MARGIN * spread / rate)
         return h * end, Fraction(2 * MARGIN * spread / rate) / end
-
-
-DEGREE, DIGITS = 40, 45  # of the polynomials, at least
-DIGITS_PROVEN = 20.0  # of a radius, that DEGREE and DIGITS reach in most motions
-SAFETY = 5.5  # radii of convergence in a step
-SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
-SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
-LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
-WIDER = 16  # times so much an impact's window in the next attempt
-PARTS = (1, 2, 4, 8, 16)  # of a parameter's interval
-FINEST = 3  # attempts at a radius, each with half as many digits more
 
 
 @dataclass(frozen=True)

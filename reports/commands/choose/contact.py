@@ -15,7 +15,7 @@ from reports.terminal.console import EngineAbsent, NothingSelected, complain, ec
 
 if TYPE_CHECKING:
     from cross_checks.contact.request import ContactModel
-    from mbs_ref.scene import Scene
+    from mbs_ref import Scene
 
 
 @click.command(name="contact", epilog="Example: mbs-ref contact --rebound 0.5 --friction 0.7 --stiffness 1e5 --mass 2")
@@ -34,7 +34,9 @@ if TYPE_CHECKING:
 @click.option("--at", type=float, default=0.0, metavar="T", help="Time of --instant (s); 0 unless given.")
 @inputs.PARAMETERS
 @click.option("--tosses", is_flag=True, help="Compare predictions with measured tosses of a cube instead.")
-@click.option("--folder", type=inputs.FOLDER, help="Of other tosses: the .pt files that ContactNets publishes.")
+@click.option(
+    "--folder", type=inputs.FOLDER, help="Of other tosses than those of this package: ContactNets' .pt files."
+)
 @click.option("--engine", "chosen", multiple=True, metavar="E", help="Only this engine; repeatable.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(
@@ -58,6 +60,8 @@ def command(
         raise click.UsageError(str(error)) from error
     if absent and (chosen or not present):
         raise EngineAbsent("; ".join(absent))
+    if bool(figures) + bool(holding or instant) + bool(tosses or folder) > 1:
+        raise click.UsageError("--figures, --holding or --instant, and --tosses exclude each other")
     if (at or parameters) and (holding or not instant):
         raise click.UsageError("--at and -p go with --instant FILE --scene SCENE")
     if instant and not holding:

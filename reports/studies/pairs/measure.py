@@ -1,6 +1,7 @@
 """Every pair: both at the same target errors, relative to the scene, and timed in interleaved runs.
 
-Each engine enters every method that it offers for a scene; its row is that of its cheapest.
+Each engine enters every method that it offers for a scene; its row is that of its cheapest. Places in the sky are
+compared with the ephemeris that Astropy contains, without any download.
 """
 
 import importlib
@@ -37,10 +38,12 @@ Tables = dict[str, tuple[Row, ...]]
 
 BUILTIN = "astropy_builtin"
 START = "1998-01-01"
-DAYS = (200.0, 360.0)
+DAYS = (200.0, 360.0)  # after START, of the planets
 J2000 = 2_451_545.0  # JD TDB
-SATELLITE_DAYS = (0.0, 100.0, 200.0, 300.0)
+SATELLITE_DAYS = (0.0, 100.0, 200.0, 300.0)  # after J2000
 FINE = Settings(method="gauss", rtol=1e-16, estimate="off")
+CHEAPEST, MARKS = "★ ", "lines+markers"
+WORK = 200_000  # steps times bodies that a run may take: the papers' 4000 steps of the android of 48 bodies are within
 
 
 def sky_places() -> Tables:
@@ -61,7 +64,7 @@ def _places(what: str, days: float, apart: dict[str, float], figures: dict[str, 
 
 
 def _planets(astropy, days: float) -> Tables:
-    """The planets as our run leaves them, from DE440's start, seen from the Sun; the Moon from the Earth."""
+    """Return the planets at the end of our run from DE440's start, from the Sun; the Moon from the Earth."""
     scene = scenes.make("solar_system", days=days, start=START)
     path = simulate(scene, FINE, grid(scene)[[0, -1]])
     jd = julian_date(START) + days
@@ -86,7 +89,7 @@ def _has(astropy, name: str, jd: float) -> bool:
 
 
 def _sun_and_moon(astropy, days: float) -> Tables:
-    """The Sun's and the Moon's direction in the satellites' forces, from the Earth."""
+    """Return the Sun's and the Moon's direction in the satellites' forces, from the Earth."""
     apart, figures = {}, {}
     for name, place in (("sun", sun_place), ("moon", moon_place)):
         ours = np.zeros(3)
@@ -96,10 +99,6 @@ def _sun_and_moon(astropy, days: float) -> Tables:
         apart[name] = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
         figures[name] = float(-np.log10(np.linalg.norm(ours - theirs) / np.linalg.norm(theirs)))
     return _places("Sun and Moon of the satellites' forces against Astropy's", days, apart, figures, "rad")
-
-
-CHEAPEST, MARKS = "★ ", "lines+markers"
-WORK = 200_000  # steps times bodies that a run may take: the papers' 4000 steps of the android of 48 bodies are within
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,8 @@ TREES = {  # name, its scene, and how long (s) the motions are compared
 }
 FINE = 1e-11  # rtol
 CALLS = 2000  # of bodies' right-hand sides in one sample: about a millisecond
+TILTS = (0.1, 1e-3, 1e-8)  # rad, by which an axis misses the pole
+INDICES = ("dassl_index1", "dassl_index2", "dassl", "dassl_index3")
 
 
 @jit
@@ -72,10 +74,6 @@ def _loop(scene: Scene, coordinates: Coordinates):
         return Sample(process_time() - began)
 
     return timed
-
-
-TILTS = (0.1, 1e-3, 1e-8)  # rad, by which an axis misses the pole
-INDICES = ("dassl_index1", "dassl_index2", "dassl", "dassl_index3")
 
 
 def measure() -> Measured:

@@ -11,6 +11,8 @@ def test_reasons_that_differ_by_names_are_counted_and_others_are_shown():
     assert Refusal.text([*many, loops, loops]) == "contact 'a0': no law of '0' (and 19 more like it); no loops"
     assert Refusal.text(many[:2]) == "contact 'a0': no law of '0'; contact 'a1': no law of '1'"
     assert Refusal.text([]) == ""
+    owned = [Refusal(f"the engine's laws lack 'b{k}'", permanent=True) for k in range(9)]
+    assert Refusal.text(owned) == "the engine's laws lack 'b0' (and 8 more like it)"
 
 
 def test_an_engine_refuses_a_scene_of_many_parts_in_a_readable_text():

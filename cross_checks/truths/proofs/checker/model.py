@@ -6,11 +6,7 @@ from fractions import Fraction
 from itertools import chain
 from typing import Any
 
-from flint import (  # pyright: ignore[reportMissingImports]  # an optional extra
-    arb,  # pyright: ignore[reportMissingImports]  # an optional extra
-    arb_mat,
-    arb_series,
-)
+from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
 from cross_checks.truths.proofs.checker.formulas import Formulas, solve
@@ -164,7 +160,11 @@ def _rates(body: Any) -> list[float]:
 
 
 class Impacts:
-    """The contacts of a scene, in the numbers of the checker's mechanics."""
+    """The contacts of free bodies without friction, in the numbers of the checker's mechanics.
+
+    Between impacts every gap stays positive. In the window of an impact one gap falls from positive to negative: all
+    motions of the enclosure pass through its one root (transversality).
+    """
 
     def __init__(self, mechanics: Mechanics) -> None:
         self.mechanics, self.parts = mechanics, mechanics.scene.contacts
