@@ -64,6 +64,8 @@ def command(
         raise click.UsageError("--figures, --holding or --instant, and --tosses exclude each other")
     if (at or parameters) and (holding or not instant):
         raise click.UsageError("--at and -p go with --instant FILE --scene SCENE")
+    if only and not (figures or holding or instant):
+        raise click.UsageError("--scene goes with --figures, --holding or --instant")
     if instant and not holding:
         _print(_violations(present, [inputs.scene(name, parameters) for name in only], at, request["step"], instant),
                as_json)  # fmt: skip

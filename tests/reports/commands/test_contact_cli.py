@@ -65,6 +65,7 @@ def test_an_instant_of_a_scene_with_a_parameter_is_assessed_at_a_time(tmp_path):
         (["--instant", "x.npz", "--scene", "sliding_block", "--at", "-1"], "--at -1: must be at least 0"),
         (["--figures", "-p", "height=0"], "--at and -p go with --instant FILE --scene SCENE"),
         (["--tosses", "--folder", "."], "no file of a toss"),
+        (["--tosses", "--scene", "incline"], "--scene goes with --figures, --holding or --instant"),
         (["--tosses", "--holding"], "--figures, --holding or --instant, and --tosses exclude each other"),
         (["--instant", "x.npz"], "--instant takes one scene"),
     ],
