@@ -91,7 +91,8 @@ def test_a_defect_of_our_own_is_reported_as_one(filled, monkeypatch):
     (line,) = [line for line in done.stderr.splitlines() if line.startswith("Error")]
     assert "defect of mbs-ref" in line
     assert "ZeroDivisionError" in line
-    (file,) = [Path(word.rstrip(":")) for word in line.split() if word.startswith(tempfile.gettempdir())]
+    (file,) = [Path(word.rstrip(":")) for word in line.split() if word.endswith(".txt:")]
+    assert file.parent == Path(tempfile.gettempdir())
     assert "1 / 0" in file.read_text()
     file.unlink()
 
