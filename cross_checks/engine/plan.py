@@ -6,7 +6,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from cross_checks.engine.method import Method, Refusal
+from cross_checks.engine.method import Method
 from mbs_ref import Scene, Settings, Status, Trajectory
 from mbs_ref.observables import rows
 from mbs_ref.scene import Revolute, Weld
@@ -138,8 +138,7 @@ class Planned(Protocol):
     name: ClassVar[str]
 
     def method(self, name: str | None) -> Method: ...
-    def refusals(self, scene: Scene) -> list[Refusal]: ...
-    def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]: ...
+    def refusal(self, scene: Scene, method: Method) -> str: ...
 
 
 def plan_run(engine: Planned, scene: Scene, settings: Settings, times: np.ndarray | None) -> Plan | Trajectory:
