@@ -15,6 +15,7 @@ from cross_checks.contact import request as wanted
 from cross_checks.contact.request import GRAVITY, ContactModel, Request, Translation
 from cross_checks.engine import Engine
 from cross_checks.judge.one_run import checked_run
+from cross_checks.judge.vocabulary import OURS
 from cross_checks.metrics.contact_figures import contact_figures
 from mbs_ref import Settings, Trajectory, scenes
 from mbs_ref.scene import GROUND, Force, PlanarBody, Prismatic, Scene
@@ -179,7 +180,7 @@ def _rows(key: dict[str, Any], reference, scene: Scene, path: Trajectory, fine: 
 
 def _reference(scene: Scene, step: float) -> tuple[dict[str, float], dict[str, float]]:
     """Return the figures by the reference solver's two methods, one of single steps and one of many."""
-    solver, times = engines.get("mbs_ref"), step * np.arange(round(scene.duration / step) + 1)
+    solver, times = engines.get(OURS), step * np.arange(round(scene.duration / step) + 1)
     settings = [Settings(method=name, rtol=RTOL, atol=RTOL, reactions=False, estimate="off") for name in METHODS]
     best, other = (figures_of(scene, solver.run(scene, one, times)) for one in settings)
     return best, other

@@ -17,6 +17,7 @@ from scipy.sparse import csc_array
 from cross_checks import engines
 from cross_checks.contact.by_figure import RTOL, motion, run
 from cross_checks.contact.request import ContactModel
+from cross_checks.judge.vocabulary import OURS
 from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, augmented, unit_rates
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.contact_gap import relative_motion, shapes_known
@@ -25,7 +26,6 @@ from mbs_ref.scene.signals import Constant
 from mbs_ref.scene.traits import traits
 from mbs_ref.simulate.start.equilibrium import restated
 
-REFERENCE = "mbs_ref"
 ITERATIONS = 20_000  # of the projected gradient ...
 RESOLVED = 1e-12  # of the largest impulse: ... which ends once a step changes them by less
 
@@ -75,7 +75,7 @@ def state_at(scene: Scene, time: float) -> Scene:
 
 def _reached(scene: Scene, time: float) -> Trajectory | str:
     settings = Settings(rtol=RTOL, atol=RTOL, reactions=False, estimate="off", initial_tolerance=1.0)
-    return motion(engines.get(REFERENCE), scene, settings, np.array((0.0, time)))
+    return motion(engines.get(OURS), scene, settings, np.array((0.0, time)))
 
 
 def instant(scene: Scene, step: float) -> Instant:
@@ -180,8 +180,8 @@ def _projected(problem: Instant, r: np.ndarray) -> np.ndarray:
 def assess(problem: Instant, models: Iterable[ContactModel]) -> list[Violation]:
     """Return the violations of one step by the reference solver with the scene's laws and by engines' own contacts."""
     scene = problem.scene.model_copy(update={"duration": problem.step})
-    method = engines.get(REFERENCE).method(None).name
-    runs: list[tuple[str, str, Trajectory | str]] = [(REFERENCE, method, _reached(scene, problem.step))]
+    method = engines.get(OURS).method(None).name
+    runs: list[tuple[str, str, Trajectory | str]] = [(OURS, method, _reached(scene, problem.step))]
     runs += [(model.engine.name, method.name, run(model, method.name, scene, problem.step))
              for model in models for method in model.engine.methods()]  # fmt: skip
     found = []

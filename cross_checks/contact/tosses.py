@@ -18,6 +18,7 @@ from scipy.optimize import brentq
 from cross_checks import engines
 from cross_checks.contact.by_figure import motion, run
 from cross_checks.contact.request import NOMINAL_SPEED, ContactModel, linear_law
+from cross_checks.judge.vocabulary import OURS
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.scene import SpatialBody
@@ -196,9 +197,9 @@ def predict(tosses: list[Toss], others: dict[str, ContactModel], step: float) ->
     plain, *rest = [law_of(kind) for kind in LAWS]
     sticking = laws.StickSlip(coefficient=FRICTION, stiffness=plain.stiffness, damping=plain.damping)
     rigid = laws.RigidLaw(restitution=RESTITUTION)
-    models = [_Model("mbs_ref", law.type, law, SMOOTH, _ours) for law in (plain, *rest)]
-    models += [_Model("mbs_ref", f"{plain.type}, stick_slip", plain, sticking, _ours)]
-    models += [_Model("mbs_ref", f"{rigid.type}, no friction", rigid, None, _ours)]
+    models = [_Model(OURS, law.type, law, SMOOTH, _ours) for law in (plain, *rest)]
+    models += [_Model(OURS, f"{plain.type}, stick_slip", plain, sticking, _ours)]
+    models += [_Model(OURS, f"{rigid.type}, no friction", rigid, None, _ours)]
     models += [_Model(engine, method, plain, SMOOTH, _sampled(model, method, steps))
                for engine, model in others.items() for method in model.compared]  # fmt: skip
     noises = [toss.error(toss.flight(floor)) for toss in tosses]
@@ -221,7 +222,7 @@ def _ours(scene: Scene, fine: bool) -> Trajectory | str:
     more: dict[str, Any] = {"rtol": rtol, "atol": rtol * HALF, "outputs": outputs}
     settings = Settings(method="dop853", reactions=False, estimate="off", **more)
     times = np.arange(round(scene.duration * RATE) + 1) / RATE
-    return motion(engines.get("mbs_ref"), scene, settings, times)
+    return motion(engines.get(OURS), scene, settings, times)
 
 
 def _sampled(model: ContactModel, method: str, steps: int) -> Callable[[Scene, bool], Trajectory | str]:

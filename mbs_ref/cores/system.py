@@ -98,7 +98,9 @@ class System(ABC):
     def beside(self) -> System:
         """Return a system for a companion run, a twin if runs change modes or times; it locates events elsewhere."""
         called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
-        other = self.twin() if self.event_sources or called else self
+        if not (self.event_sources or called):
+            return self
+        other = self.twin()
         other.spread_events(COMPANION_NOISE)
         return other
 

@@ -177,7 +177,7 @@ class Reader:
 
 
 class Counts(NamedTuple):
-    """Of all integrations since the manager was initialized; zeros where the log does not tell."""
+    """Of all integrations since the manager was initialized; zeros where the log states none."""
 
     steps: int = 0
     rhs_calls: int = 0

@@ -14,7 +14,7 @@ from mbs_ref.observables.distance import Partial, unmasked_distances
 NUDGE = 1e-8  # of the start, to measure how the motion magnifies an error
 NUDGED_TOLERANCE = 1e-2 * NUDGE  # of the nudged run: one digit of the growth is enough
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
-LOOKS = 0.01  # s, longest step of both solvers where forces set in or let go: a longer one may miss a short force
+LOOKS = 0.01  # s, longest step of both solvers where forces set in or end: a longer one may miss a short force
 RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
 ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
 
@@ -26,7 +26,7 @@ class Formulation:
     derivative: Callable  # (t, y) -> dy/dt in y's precision
     start: np.ndarray  # (n,) y at t = 0
     poses: Callable  # (t, y) -> position (n_bodies, dimension) m, angle (n_bodies,) rad or theta (n_bodies, 4)
-    frozen: Callable | None = None  # (t, y, on) -> dy/dt where forces set in or let go: in the branches `on`
+    frozen: Callable | None = None  # (t, y, on) -> dy/dt where forces set in or end: in the branches `on`
     switches: Callable | None = None  # (t, y) -> (n_switches,): on where positive
     breakpoints: tuple[float, ...] = ()  # s, where the derivative is not smooth in time
 
@@ -45,7 +45,7 @@ def agree(
     """Solve `first` by DOP853 and `second` by extrapolation, in extended precision if so requested; compare poses.
 
     `ways` names the equations and methods of the first and of the second; the truth is the second's motion.
-    Where forces set in or let go, DOP853 reduces its steps by its error control, and extrapolation locates the time.
+    Where forces set in or end, DOP853 reduces its steps by its error control, and extrapolation locates the time.
     Stiff motions are solved by LSODA and by Radau IIA instead.
     The uncertainty is the difference, times ALIKE unless the second is the more precise one, plus the roundoff of
     double data magnified by the motion. Where the latter alone exceeds LARGEST_UNCERTAINTY, there is no second run.

@@ -116,8 +116,8 @@ def test_extremes(monkeypatch, seed):
         caught = [p for p in own.points if p.is_silent and p.fate is Fate.SILENTLY_WRONG and p.status != "success"]
         assert entry["caught"] == len(caught)
         assert entry["counts"] == Counter([str(own.fate)])
-        told = [row for row in shown["silent"] if (row["engine"], row["method"]) == (own.engine, own.method)]
-        assert [row["reason"] for row in told] == [p.reason for p in caught[:1]]
+        listed = [row for row in shown["silent"] if (row["engine"], row["method"]) == (own.engine, own.method)]
+        assert [row["reason"] for row in listed] == [p.reason for p in caught[:1]]
     for k, (cell, row) in enumerate(zip(ordered, one["chart"]["rows"], strict=True)):
         xs = [extremes.LEFT + extremes.WIDTH * i / 4 for i in range(5)]
         assert [mark["x"] for mark in row["marks"]] == xs
