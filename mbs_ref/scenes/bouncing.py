@@ -1,7 +1,7 @@
 """A body that bounces off a floor or between walls, by any contact law, in the plane and in space."""
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import Field
@@ -13,6 +13,7 @@ from mbs_ref.scene.bodies import sphere_inertia
 Law = Literal[
     "spring_damper", "spring_damper_force", "progressive", "hunt_crossley", "lankarani_nikravesh", "flores", "rigid"
 ]
+LAWS = {law.model_fields["type"].default: law for law in get_args(get_args(contact.ContactLaw)[0])}
 RADIUS = 0.05  # m
 SOURCE = "Fox 1999 eqs 18 and 33; Hunt and Crossley 1975; Lankarani and Nikravesh 1990; Flores et al. 2011"
 
@@ -38,6 +39,7 @@ def bouncing_ball(
     (m/s), gravity (m/s^2; 0 leaves a single free impact), thickness of the floor if it is a plate (m; 0 is
     endless: deeper than a plate is behind it), duration (s). ValueError for a ball that rests on a rigid floor, e = 1.
     """
+    chosen = law_of(law, stiffness=stiffness, damping=damping, exponent=exponent, restitution=restitution)
     if law == "rigid" and restitution == 1.0 and gravity > 0.0 and height == 0.0 and speed == 0.0:
         raise ValueError("bouncing_ball: a ball that never loses speed does not rest; give a height or a speed")
     return Scene(
@@ -55,26 +57,18 @@ def bouncing_ball(
         contacts=(
             contact.CircleOnLine(
                 name="floor", body_a="ball", center=(0.0, RADIUS + height), radius=RADIUS,
-                point_1=(-1.0, 0.0), point_2=(1.0, 0.0), law=_law(law, stiffness, damping, exponent, restitution),
-                thickness=plate or None,
+                point_1=(-1.0, 0.0), point_2=(1.0, 0.0), law=chosen, thickness=plate or None,
             ),
         ),
     )  # fmt: skip
 
 
-def _law(law: Law, stiffness: float, damping: float, exponent: float, restitution: float) -> contact.ContactLaw:
-    laws: dict[str, contact.ContactLaw] = {
-        "spring_damper": contact.SpringDamperLaw(stiffness=stiffness, damping=damping),
-        "spring_damper_force": contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force"),
-        "progressive": contact.ProgressiveLaw(stiffness=stiffness, damping=damping),
-        "hunt_crossley": contact.HuntCrossleyLaw(stiffness=stiffness, damping=damping, exponent=exponent),
-        "lankarani_nikravesh": contact.LankaraniNikraveshLaw(
-            stiffness=stiffness, restitution=restitution, exponent=exponent
-        ),
-        "flores": contact.FloresLaw(stiffness=stiffness, restitution=restitution, exponent=exponent),
-        "rigid": contact.RigidLaw(restitution=restitution),
-    }
-    return laws[law]
+def law_of(kind: str, **numbers: Any) -> contact.ContactLaw:
+    """Return the contact law of a kind with those of the numbers that it has; `kind`_force releases at F = 0."""
+    if kind.endswith("_force"):
+        return law_of(kind.removesuffix("_force"), **numbers, release="force")
+    law = LAWS[f"{kind}_law"]
+    return law(**{name: number for name, number in numbers.items() if name in law.model_fields})
 
 
 def bouncing_sphere(
@@ -100,6 +94,7 @@ def bouncing_sphere(
     gravity towards it (m/s^2; 0 leaves a single free impact), thickness of the floor if it is a plate (m; 0 is
     endless), tilt of the floor's normal from z and its heading about z (rad), duration (s).
     """
+    chosen = law_of(law, stiffness=stiffness, damping=damping, exponent=exponent, restitution=restitution)
     normal = floor_normal(tilt, heading)
     center = tuple(((RADIUS + height) * normal).tolist())
     return Scene(
@@ -117,8 +112,7 @@ def bouncing_sphere(
         contacts=(
             contact.SphereOnPlane(
                 name="floor", body_a="ball", center=center, radius=RADIUS, point=(0.0, 0.0, 0.0),
-                normal=tuple(normal.tolist()), thickness=plate or None,
-                law=_law(law, stiffness, damping, exponent, restitution),
+                normal=tuple(normal.tolist()), law=chosen, thickness=plate or None,
             ),
         ),
     )  # fmt: skip
@@ -145,9 +139,7 @@ def disc_between_walls(
     law: an undamped spring of the stiffness (N/m), or rigid; speed (m/s), mass (kg). A period lasts
     2 ((width - 2 r)/v + pi sqrt(m/k)).
     """
-    chosen: contact.ContactLaw = (
-        contact.RigidLaw(restitution=1.0) if law == "rigid" else contact.SpringDamperLaw(stiffness=stiffness)
-    )
+    chosen = law_of("spring_damper" if law == "spring" else law, stiffness=stiffness, restitution=1.0)
     walls = {"left": (0.0, 1.0, 0.0), "right": (WALL_DISTANCE, 0.0, 1.0)}  # m: x, then y from and to
     return Scene(
         name="disc_between_walls",

@@ -9,16 +9,11 @@ from pydantic import Field
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.bodies import sphere_inertia
-from mbs_ref.scene.contact import CircleOnCircle, ContactLaw, RigidLaw, SphereOnSphere, SpringDamperLaw
+from mbs_ref.scene.contact import CircleOnCircle, SphereOnSphere
+from mbs_ref.scenes.bouncing import law_of
 
 RADIUS = 0.05  # m
 CRADLE_RUN_UP = 0.0234567  # m, no whole number of steps, so that no engine meets the floor of a step at touch-down
-
-
-def _law(law: str, restitution: float, stiffness: float, damping: float) -> ContactLaw:
-    if law == "rigid":
-        return RigidLaw(restitution=restitution)
-    return SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
 
 
 def newtons_cradle(
@@ -37,6 +32,7 @@ def newtons_cradle(
     balls; law and its restitution, or stiffness (N/m) and damping (N s/m, released at F = 0); gap between
     neighbours (m), mass (kg), speed of the first (m/s).
     """
+    chosen = law_of(law, restitution=restitution, stiffness=stiffness, damping=damping, release="force")
     spacing = 2.0 * RADIUS + gap
     centers = [(k * spacing - (CRADLE_RUN_UP if k == 0 else 0.0), 0.0) for k in range(balls)]
     return Scene(
@@ -54,8 +50,7 @@ def newtons_cradle(
         contacts=tuple(
             CircleOnCircle(
                 name=f"pair{k}", body_a=f"ball{k}", center_a=centers[k], radius_a=RADIUS,
-                body_b=f"ball{k + 1}", center_b=centers[k + 1], radius_b=RADIUS,
-                law=_law(law, restitution, stiffness, damping),
+                body_b=f"ball{k + 1}", center_b=centers[k + 1], radius_b=RADIUS, law=chosen,
             )
             for k in range(balls - 1)
         ),
@@ -83,6 +78,7 @@ def colliding_spheres(
     law and its restitution, or stiffness (N/m) and damping (N s/m, released at F = 0); speed of the first (m/s,
     along x), angle of the line of centres to it and azimuth of that line about x (rad), masses (kg).
     """
+    chosen = law_of(law, restitution=restitution, stiffness=stiffness, damping=damping, release="force")
     line = line_of_centres(obliquity, azimuth)
     start = tuple((-(RADIUS_A + RADIUS_B) * line - np.array([RUN_UP, 0.0, 0.0])).tolist())
     return Scene(
@@ -97,7 +93,7 @@ def colliding_spheres(
         contacts=(
             SphereOnSphere(
                 name="pair", body_a="a", center_a=start, radius_a=RADIUS_A, body_b="b", center_b=(0.0, 0.0, 0.0),
-                radius_b=RADIUS_B, law=_law(law, restitution, stiffness, damping),
+                radius_b=RADIUS_B, law=chosen,
             ),
         ),
     )  # fmt: skip

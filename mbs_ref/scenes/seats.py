@@ -5,6 +5,7 @@ from typing import Literal
 from mbs_ref.scene import CoordinateDrive, PlanarBody, Scene, contact
 from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.signals import Constant, Harmonic
+from mbs_ref.scenes.bouncing import law_of
 
 RADIUS = 0.05  # m
 
@@ -25,11 +26,7 @@ def ball_on_driven_seat(
     amplitude (m), omega (rad/s), mass (kg) of the ball, stiffness (N/m) and damping (N s/m) of the
     spring-damper, gravity (m/s^2).
     """
-    chosen: contact.ContactLaw = (
-        contact.ConstraintLaw()
-        if law == "constraint"
-        else contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
-    )
+    chosen = law_of(law, stiffness=stiffness, damping=damping, release="force")
     speed = (0.0, amplitude * omega)
     drives = {"x": Constant(value=0.0), "y": Harmonic(amplitude=amplitude, omega=omega), "angle": Constant(value=0.0)}
     return Scene(
@@ -72,8 +69,6 @@ def ball_on_moving_seat(
     contact law, stiffness (N/m), damping (N s/m, or N s/m^2 if progressive), friction (mu), where the ball
     starts along the seat (m, from its middle; the seat ends at 0.5), mass (kg) and spin (rad/s) of the seat.
     """
-    kinds = {"spring_damper": contact.SpringDamperLaw, "progressive": contact.ProgressiveLaw}
-    chosen: contact.ContactLaw = kinds[law](stiffness=stiffness, damping=damping)
     start = (offset, RADIUS + 0.1)
     return Scene(
         name="ball_on_moving_seat",
@@ -87,7 +82,7 @@ def ball_on_moving_seat(
         contacts=(
             contact.CircleOnLine(
                 name="seat", body_a="ball", center=start, radius=RADIUS, body_b="seat", point_1=(-0.5, 0.0),
-                point_2=(0.5, 0.0), extent="capped", law=chosen,
+                point_2=(0.5, 0.0), extent="capped", law=law_of(law, stiffness=stiffness, damping=damping),
                 friction=contact.RegularisedCoulomb(coefficient=friction, speed=0.05) if friction else None,
             ),
         ),
