@@ -15,7 +15,7 @@ def facts(title: str, rows: Iterable[tuple[str, Any]]) -> str:
 
 
 def listing(title: str, head: Sequence[str], rows: Sequence[Sequence[Any]], most: int = MOST_ROWS) -> str:
-    """Return a table with a head; beyond `most` rows their number stands for the rest."""
+    """Return an HTML table with a head; of more than `most` rows the rest is given as a number."""
     shown = [_row(row, "td") for row in rows[:most]]
     rest = f"<tr><td colspan=9>and {len(rows) - most} more</td></tr>" if len(rows) > most else ""
     return (

@@ -9,7 +9,7 @@ from cross_checks.engine import Engine
 
 
 class NoEngine(Exception):
-    """The adapter cannot be used; the message says what its author must change."""
+    """The adapter cannot be used; the message states what its author must change."""
 
 
 def name_of(engine: str) -> str:

@@ -79,7 +79,7 @@ class Engine:
         raise NotImplementedError(f"{self.name} must offer build, advance and poses, or a run of its own")
 
     def collect(self, model: Any, plan: Plan, left: Any) -> Loop:
-        """Return what the loop left as rows at the output times, outside the timed part."""
+        """Return the loop's result as rows at the output times; this is not part of the timed loop."""
         return left
 
     def poses(self, model: Any, plan: Plan, states: np.ndarray) -> Poses:
@@ -91,7 +91,7 @@ class Engine:
         return {}
 
     def notes(self, model: Any, plan: Plan) -> tuple[str, ...]:
-        """Return what the user should know of how this run was made."""
+        """Return sentences for the user on how this run was computed."""
         return ()
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
@@ -149,7 +149,7 @@ class Engine:
         from mbs_ref.scene.traits import part_types
 
         missing = sorted(part_types(scene) - self.part_types)
-        sentence = f"{self.name} is not yet taught the part type"
+        sentence = f"{self.name} does not yet support the part type"
         return [Refusal(f"{sentence} {kind!r}", permanent=False) for kind in missing] + self.topology_refusals(scene)
 
     def able(self, scene: Scene) -> list[Method]:

@@ -73,7 +73,7 @@ class Refusal:
     """Why an engine cannot run a scene."""
 
     reason: str
-    permanent: bool  # True: never, by its nature; False: not yet taught
+    permanent: bool  # True: never, by its nature; False: not yet supported
 
     @staticmethod
     def text(refusals: Iterable["Refusal"]) -> str:

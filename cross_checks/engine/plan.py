@@ -87,7 +87,7 @@ class End:
 
 @dataclass(frozen=True)
 class Loop:
-    """What the engine's loop left: its states at the output times, its end and what it counted."""
+    """The result of an engine's loop: states at the output times, how it ended, and its counts of work."""
 
     states: np.ndarray  # (n_t, n) one row an output time, in the engine's own terms
     end: End
@@ -182,7 +182,7 @@ def _check_settings(engine: str, method: Method, settings: Settings) -> None:
 
 
 def output_times(scene: Scene, settings: Settings, times: np.ndarray | None) -> np.ndarray:
-    """Return the asked times, or the settings' even grid."""
+    """Return the requested times, or the settings' even grid (s)."""
     if times is not None:
         return np.asarray(times, dtype=float)
     t_end = settings.t_end if settings.t_end is not None else scene.duration
@@ -190,7 +190,7 @@ def output_times(scene: Scene, settings: Settings, times: np.ndarray | None) -> 
 
 
 def step_grid(scene: Scene, settings: Settings) -> np.ndarray:
-    """Return the asked number of samples, as evenly spread as multiples of the step allow."""
+    """Return the output times (s): the settings' number of samples, rounded to multiples of the step."""
     t_end = settings.t_end if settings.t_end is not None else scene.duration
     assert settings.step is not None
     (whole,) = step_counts(np.array([0.0, t_end]), settings.step)

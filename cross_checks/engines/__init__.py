@@ -152,9 +152,9 @@ def _is_of(missing: str | None, declared: str | None) -> bool:
 
 
 def _installation(name: str) -> str:
-    """Return how to get what an engine of this project needs; nothing of others, or where nobody can tell.
+    """Return the command that installs an engine of this project; empty for others, and where metadata are missing.
 
-    One whose releases are pinned is best had in an environment of its own.
+    An engine with pinned releases is installed in an environment of its own.
     """
     if is_ours(name) and pins_of(name) is not None:
         return f" (mbs-ref engines install {name})"

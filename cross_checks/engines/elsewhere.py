@@ -1,4 +1,4 @@
-"""An engine that lives in an environment of its own, asked through a child process with that environment's Python."""
+"""An engine in an environment of its own, called through a child process with that environment's Python."""
 
 import math
 import os

@@ -42,7 +42,7 @@ def _has_one_thread() -> bool:
 def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None:
     """Execute the call in a copy of this process: send its id, its notes, its answer, or (None, exit code).
 
-    What it says comes through a pipe of its own, so that a copy ended in the middle of it leaves no half behind.
+    The copy sends through a pipe of its own, so that one ended while it sends leaves no partial message.
     """
     here, there = Pipe(duplex=False)
     copy = os.fork()

@@ -26,11 +26,11 @@ PINS = Path(__file__).parent / "pins"  # NAME.txt: the exact releases of an engi
 
 
 class NotMade(RuntimeError):
-    """An environment could not be made; the sentence says what pip said."""
+    """An environment could not be created; the message contains pip's."""
 
 
 def folder() -> Path:
-    """Return where notes and environments are kept: MBS_REF_ENVIRONMENTS, or the user's data folder."""
+    """Return the folder of notes and environments: MBS_REF_ENVIRONMENTS, or the user's data folder."""
     named = os.environ.get(FOLDER)
     data = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
     return Path(named) if named else data / "mbs-ref" / "engines"

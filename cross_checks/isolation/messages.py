@@ -108,7 +108,7 @@ def spent(before: Moment, now: Moment) -> float:
 
 
 class Patience:
-    """What is left of a call's time; it is spent on the call or on its compilation."""
+    """The remaining time of a call (s), counted separately for the call and for its compilation."""
 
     def __init__(self, timeout: float, start: Moment, compilation: float | None = None) -> None:
         compilation = COMPILATION if compilation is None else compilation

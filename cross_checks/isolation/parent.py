@@ -112,7 +112,7 @@ class Isolated:
 
     @property
     def processors(self) -> int:
-        """How many calls can be made side by side: as many as this process may use processors."""
+        """The number of parallel calls: the processors that this process may use."""
         return len(os.sched_getaffinity(0))
 
     def here(self) -> Isolated:
@@ -203,7 +203,7 @@ class Isolated:
         return receive(self._pipe) if self._pipe.poll(LOOK) else None
 
     def _give_up(self) -> None:
-        """End what makes the call: the child, or its copy, of which the child then says that it is gone."""
+        """End the process of the call: the child, or its copy, whose end the child then reports."""
         if self._copy is None:
             self.close()
             return

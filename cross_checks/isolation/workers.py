@@ -53,7 +53,7 @@ class _Worker:
 
 
 class Pool[Name, Result]:
-    """Tasks made side by side; more may be added, and some dropped, while their results come.
+    """Run tasks in parallel; tasks may be added or dropped while results arrive.
 
     Iterate to receive every task's name with what its work returns, in the order in which they end; an exception of
     the work is raised there. Tasks of fewest expected seconds begin first. Calls are made by callers alike `call`, one

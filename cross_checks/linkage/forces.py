@@ -180,7 +180,7 @@ def applied(linkage: Linkage) -> Applied | None:
 
 
 class Reader(Protocol):
-    """What an engine's state says of the links, in the scene's order of bodies."""
+    """Read links' coordinates and frames from an engine's state, in the scene's order of bodies."""
 
     def coordinates(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return coordinates and rates of a planar scene's freedoms, each (n_v,)."""

@@ -23,7 +23,7 @@ class Errors(NamedTuple):
 
 
 def from_truth(scene: Scene, path: Motion, truth: Truth, other: Motion | None = None) -> Errors:
-    """Return how far a run is from the truth, or from another run in what the truth knows.
+    """Return the distance of a run from the truth, or from another run in the components that the truth covers.
 
     Both are distances in one measure: two runs are no farther apart than the sum of their errors.
     """

@@ -53,7 +53,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Bounds:
-    """What is asked: error (over the scene's scales), compliance (m, rad) and loop time (s)."""
+    """The requirements on a run: error (over the scene's scales), compliance (m, rad) and loop time (s)."""
 
     error: float
     compliance: float | None = None

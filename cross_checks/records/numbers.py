@@ -68,7 +68,7 @@ def setting(settings: dict[str, Any]) -> str:
 
 
 def in_words(label: str) -> str:
-    """Return the judge's name of a setting, step=0.00201613 or rtol=1e-06, as `setting` says it."""
+    """Return the judge's name of a setting, step=0.00201613 or rtol=1e-06, in the format of `setting`."""
     given = dict(part.split("=", 1) for part in label.split(", ") if "=" in part)
     known = all(key in ("step", "rtol", "atol") for key in given)
     return setting({key: float(value) for key, value in given.items()}) if given and known else label

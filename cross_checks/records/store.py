@@ -1,8 +1,8 @@
-"""The store of runs: each is made once, kept in one SQLite file, and asked for by everything that judges or shows.
+"""The store of runs: one SQLite file in which each run is stored once, for everything that judges or shows runs.
 
 A run is written in one transaction: a crash loses at most the run that is being written. Files of several machines or
-shards are merged by `merge`. Samples are kept compressed beside the record, so that errors from any truth, and gaps
-between runs, are questions to the store.
+shards are merged by `merge`. Samples are stored compressed beside the record: errors against any truth, and distances
+between runs, are queries to the store.
 """
 
 from __future__ import annotations

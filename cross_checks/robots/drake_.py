@@ -11,7 +11,7 @@ from cross_checks.robots.robot import base_of
 
 
 def by_drake(path: Path, q: Values, v: Values) -> Dynamics:
-    """Return what Drake says; the root of a URDF is welded to the world."""
+    """Return the dynamics that Drake computes; the root of a URDF is welded to the world."""
     plant = MultibodyPlant(0.0)
     try:
         Parser(plant).AddModels(str(path))

@@ -189,7 +189,7 @@ class _Posed:
 
 
 def by_pinocchio(path: Path, q: Values, v: Values) -> Dynamics:
-    """Return what Pinocchio says; the other joints stay neutral."""
+    """Return the dynamics that Pinocchio computes; the other joints stay neutral."""
     read = pinocchio.buildModelFromUrdf if path.suffix == ".urdf" else pinocchio.buildModelFromMJCF
     try:
         model = read(str(path))

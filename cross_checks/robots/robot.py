@@ -1,4 +1,4 @@
-"""What readers of robot files share: how a start is asked for, refusals, and joints' own springs and dampers."""
+"""Code that readers of robot files share: requested starts, refusals, and joints' own springs and dampers."""
 
 import re
 import tomllib

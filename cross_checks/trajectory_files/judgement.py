@@ -36,7 +36,7 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True)
 class Judgement:
-    """What is said of a file."""
+    """The verdict on a trajectory file, with the figures that it rests on."""
 
     scene: str
     verdict: str  # agrees, departs, not-judged

@@ -43,7 +43,7 @@ class Reporting(NamedTuple):
 
 
 class JointedSystem(ContactSystem):
-    """A system whose `groups` and `scratch` hold constraint rows in slots; `place` says where each joint's are."""
+    """A system whose `groups` and `scratch` hold constraint rows in slots; `place` gives each joint's."""
 
     RATES: ClassVar[int]  # of a body
     SHARED: ClassVar[int]  # numbers a body in each array that a user's force law sees

@@ -25,7 +25,7 @@ class Closure(NamedTuple):
 
 
 class _Paths(NamedTuple):
-    """The way of a closure's rows: bodies from each side up to the apex, which is left out."""
+    """The path of a closure's rows: bodies from each side up to the apex, which is excluded."""
 
     sides: tuple[list[int], list[int]]
     apex: int

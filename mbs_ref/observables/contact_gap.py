@@ -7,7 +7,7 @@ from mbs_ref.scene.contact import CircleOnLine, RoundPair, SphereOnPlane
 
 
 def shapes_known(contact) -> bool:
-    """Return whether `gap_of` knows the contact's shapes."""
+    """Return whether `gap_of` supports the contact's shapes."""
     return isinstance(contact, CircleOnLine | SphereOnPlane | RoundPair)
 
 

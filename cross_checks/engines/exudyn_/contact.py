@@ -33,16 +33,16 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
         reasons += _one_coefficient(contact)
         rule = "gap" if isinstance(contact, FLAT) else "force"
         if contact.law.damping and getattr(contact.law, "release", rule) != rule:
-            reasons.append(f"{where}: GeneralContact lets go of {contact.type} by release = {rule!r}")
+            reasons.append(f"{where}: GeneralContact ends a contact of {contact.type} by release = {rule!r} alone")
         endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
         if isinstance(contact, FLAT) and (contact.body_b != GROUND or not endless):
-            reasons.append(f"{where}: only an endless line or plane on ground is taught")
+            reasons.append(f"{where}: only an endless line or plane on ground is supported")
     reasons += _mixed_refusals(scene)
     return [Refusal(reason, permanent=False) for reason in reasons]
 
 
 def _jointed(scene: Scene) -> list[str]:
-    return [f"joint {joint.name!r}: Exudyn's explicit solvers take no joint" for joint in scene.joints]
+    return [f"joint {joint.name!r}: Exudyn's explicit solvers support no joints" for joint in scene.joints]
 
 
 def _one_coefficient(contact: Any) -> list[str]:
@@ -65,7 +65,7 @@ def _mixed_refusals(scene: Scene) -> list[str]:
     if len(laws) > 1:
         reasons.append("GeneralContact gives laws to shapes, not to pairs: all contacts must share one")
     if len(bodies) != len(set(bodies)) and not every_pair_is_listed:
-        reasons.append("a body with two circles would touch with both")
+        reasons.append("a body has two circles, and GeneralContact would let both touch every surface")
     return reasons
 
 
@@ -128,7 +128,7 @@ def pair_contact_refusals(scene: Scene) -> list[Refusal]:
         elif contact.law.damping and contact.law.release != "gap":
             reasons.append(f"{where}: the connectors release at gap = 0; give release = 'gap'")
         if isinstance(contact, SphereOnPlane) and (contact.extent != "plane" or contact.thickness is not None):
-            reasons.append(f"{where}: only an endless plane is taught")
+            reasons.append(f"{where}: only an endless plane is supported")
     return [Refusal(reason, permanent=False) for reason in reasons]
 
 

@@ -65,10 +65,10 @@ DENSE = 60  # unknowns up to which dense elimination costs no more than sparse (
 
 
 def needs_dense(mbs, scene: Scene) -> bool:
-    """Return whether elimination must bear rows that depend on each other, or may at no cost.
+    """Return whether to solve with dense elimination, which tolerates dependent constraint rows.
 
-    Trees never have such rows. Loops may: at the start, as Exudyn's own count of freedoms tells, or in a singular
-    pose on the way. Sparse elimination stops there.
+    Trees have no such rows. Loops may: at the start, which Exudyn's own count of freedoms shows, or in a singular
+    pose on the way. Sparse elimination stops there. Small systems are solved densely at no cost.
     """
     if "closed-loop" not in traits(scene):
         return False
@@ -127,7 +127,7 @@ def _solve(model, plan: Plan, options) -> str:
 
 
 def _why(error: Exception, mbs) -> str:
-    """Return what Exudyn says, without the file and line of ours that it was called from."""
+    """Return Exudyn's message without the file and line of this project that called it."""
     said = CALLED_FROM.sub("", str(error)).strip()
     return f"exudyn: {said} at t = {mbs.systemData.GetTime():g} s"
 
@@ -143,7 +143,7 @@ def first_call(model, plan: Plan, options) -> None:
 
 @dataclass(frozen=True)
 class Left:
-    """What a run of Exudyn's solver left behind, besides what its sensors hold."""
+    """The result of a run of Exudyn's solver, apart from its sensors' values."""
 
     steps: int
     failure: str = ""  # why the solver stopped

@@ -71,7 +71,7 @@ def library(every: bool = False) -> Path:
 
 
 def _compile(kept: Path, flags: tuple[str, ...]) -> None:
-    """Compile beside the place and move there, so that nobody loads half a library."""
+    """Compile to a temporary file and rename it, so that no process loads an incomplete library."""
     kept.parent.mkdir(parents=True, exist_ok=True)
     handle, made = tempfile.mkstemp(suffix=".so", dir=kept.parent)
     os.close(handle)

@@ -63,7 +63,7 @@ def _model(path: Path, locked: list[str]) -> Any:
 
 
 def by_mujoco(path: Path, q: Values, v: Values) -> Dynamics:
-    """Return what MuJoCo says; the other joints stay where the file has them."""
+    """Return the dynamics that MuJoCo computes; the other joints stay at the file's values."""
     try:
         model = mujoco.MjModel.from_xml_path(str(path))
     except ValueError as error:
