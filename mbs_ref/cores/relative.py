@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from contextlib import AbstractContextManager
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -47,7 +46,7 @@ def no_tree(scene: Scene) -> Iterator[str]:
 
 
 def layout_of(scene: Scene) -> Layout:
-    """Return the layout of a tree; ValueError says all that keeps the scene from being one."""
+    """Return the layout of a tree; ValueError lists why a scene is none."""
     reasons = list(no_tree(scene))
     if reasons:
         raise ValueError(f"coordinates = 'relative' needs a tree of known joints: {'; '.join(reasons[:8])}")
@@ -137,6 +136,11 @@ def _at_full(name: str) -> Any:
 def _over_full(name: str) -> Any:
     """Return the same of a method of many times and states."""
     return lambda self, times, states: getattr(self.redundant, name)(times, self._all_full(states))
+
+
+def _of_redundant(name: str) -> Any:
+    """Return the method of a relative system that calls the redundant one's of this name."""
+    return lambda self, *given: getattr(self.redundant, name)(*given)
 
 
 class RelativeSystem(System):
@@ -240,28 +244,12 @@ class RelativeSystem(System):
     )
     reactions_over, contact_forces = _over_full("reactions_over"), _over_full("contact_forces")
 
-    def set_mode_time(self, t: float) -> None:
-        self.redundant.set_mode_time(t)
-
-    def set_baumgarte(self, gain: float) -> None:
-        """There is nothing to stabilize; reactions are the redundant system's."""
-        self.redundant.set_baumgarte(gain)
-
-    def taut_strings(self) -> AbstractContextManager[bool]:
-        return self.redundant.taut_strings()
-
-    def recall_modes(self, t: float) -> None:
-        self.redundant.recall_modes(t)
-
-    def spread_events(self, factor: float) -> None:
-        self.redundant.spread_events(factor)
-
-    @property
-    def event_sources(self) -> tuple[str, ...]:
-        return self.redundant.event_sources
-
-    def contact_events(self) -> np.ndarray:
-        return self.redundant.contact_events()
+    # and in any state; of a Baumgarte gain only the redundant one's reactions depend, as nothing drifts here
+    set_mode_time, recall_modes, spread_events = map(_of_redundant, ("set_mode_time", "recall_modes", "spread_events"))
+    set_baumgarte, taut_strings, contact_events = map(
+        _of_redundant, ("set_baumgarte", "taut_strings", "contact_events")
+    )
+    event_sources = property(lambda self: self.redundant.event_sources)
 
 
 class RelativePlanarSystem(RelativeSystem):
