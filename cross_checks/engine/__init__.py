@@ -51,7 +51,9 @@ class Engine:
     method_table: ClassVar[tuple[Method, ...]] = ()
     part_types: ClassVar[frozenset[str]]
     as_shipped: ClassVar[Settings | None] = None  # what it does where its user chooses nothing, if that can be said
-    unasked: ClassVar[str | None] = None  # the method of one run by a user who names none; the first unless given
+    default_method: ClassVar[str | None] = (
+        None  # the method of one run by a user who names none; the first unless given
+    )
     made_of: str = ""  # a digest of its adapter, where that is imported in another environment
     checks_start: ClassVar[bool] = False  # refuses inconsistent initial states by itself; else the suite looks for it
 
@@ -149,7 +151,7 @@ class Engine:
         from mbs_ref.scene.traits import part_types
 
         missing = sorted(part_types(scene) - self.part_types)
-        sentence = f"{self.name} is not yet taught the part type"
+        sentence = f"{self.name} does not implement the part type"
         return [Refusal(f"{sentence} {kind!r}", permanent=False) for kind in missing] + self.topology_refusals(scene)
 
     def able(self, scene: Scene) -> list[Method]:

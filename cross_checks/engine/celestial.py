@@ -40,17 +40,17 @@ def no_satellites(scene: Scene) -> Iterator[str]:
     yield from contradictions(scene)
 
 
-def untaught(scene: Scene, engine: str, j2_alone: bool = False) -> list[str]:
+def not_implemented(scene: Scene, engine: str, j2_alone: bool = False) -> list[str]:
     """Return why an engine of free particles with fixed poles cannot run a scene; `j2_alone` about z, perhaps."""
     known = "J2 about a fixed z axis" if j2_alone else "fixed poles"
     reasons = [
-        f"oblateness {load.name!r}: {engine} is taught {known} alone"
+        f"oblateness {load.name!r}: {engine} implements {known} alone"
         for load in scene.loads
         if isinstance(load, Oblateness)
         and (load.pole != "fixed" or (j2_alone and (load.axis != (0.0, 0.0, 1.0) or any(load.zonal[1:]))))
     ]
     if any(scene.gravity):
-        reasons.append(f"gravity = {scene.gravity}: {engine} is taught no uniform field")
+        reasons.append(f"gravity = {scene.gravity}: {engine} implements no uniform field")
     return reasons + contradictions(scene)
 
 

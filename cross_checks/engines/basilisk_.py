@@ -75,7 +75,7 @@ class BasiliskEngine(Engine):
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):
-            return [Refusal("the adapter is taught particles about a planet, and nothing else", False)]
+            return [Refusal("the adapter implements particles about a planet alone", False)]
         return [Refusal(reason, False) for reason in no_satellites(scene)]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:

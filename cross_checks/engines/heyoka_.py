@@ -10,7 +10,7 @@ import heyoka  # an optional extra
 import numpy as np
 
 from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal
-from cross_checks.engine.celestial import of_particles, untaught
+from cross_checks.engine.celestial import not_implemented, of_particles
 from mbs_ref import Scene, Status
 from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.scene.scales import attraction, is_celestial
@@ -43,7 +43,7 @@ class Heyoka(Engine):
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):
             return [Refusal("the adapter writes free particles in space under gravity as series, nothing else", False)]
-        return [Refusal(reason, False) for reason in untaught(scene, "heyoka")]
+        return [Refusal(reason, False) for reason in not_implemented(scene, "heyoka")]
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         start = [[*body.position, *body.velocity] for body in scene.bodies]  # m, m/s

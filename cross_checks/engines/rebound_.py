@@ -10,7 +10,7 @@ import numpy as np
 import rebound
 
 from cross_checks.engine import RTOLS, End, Engine, Loop, Method, Plan, Poses, Refusal
-from cross_checks.engine.celestial import of_particles, untaught
+from cross_checks.engine.celestial import not_implemented, of_particles
 from mbs_ref import Scene, Status
 from mbs_ref.scene.celestial import Oblateness, Relativity
 from mbs_ref.scene.scales import attraction, free_fall_time, is_celestial
@@ -39,7 +39,7 @@ class Rebound(Engine):
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):
             return [Refusal("rebound moves free particles in space under gravity, and nothing else", True)]
-        reasons = untaught(scene, "rebound", j2_alone=True)
+        reasons = not_implemented(scene, "rebound", j2_alone=True)
         if any(isinstance(load, EXTRAS) for load in scene.loads) and find_spec("reboundx") is None:
             reasons.append("relativity and oblateness need the package reboundx")
         return [Refusal(reason, False) for reason in reasons]

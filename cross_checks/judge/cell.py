@@ -92,11 +92,11 @@ def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
     judgement, results = _of_one_package(truth, tried.verdict(), results)
     if truth.kind == "proven" and judgement.verdict in SILENT:
         judgement = judgement._replace(reason=f"{judgement.reason}; wrong by a theorem: the motion is proven")
-    points, shown = (tried.search.points[knob] for knob in tried.knobs), tried.search.shown()
+    points, shown = (tried.points[knob] for knob in tried.knobs), tried.shown()
     return Cell(
         scene.name, dict(scene.parameters), tried.engine, tried.method.name, judgement.verdict, judgement.reason,
         odds=judgement.odds,
-        exemption=tried.method.excused(scene),
+        exemption=tried.method.exemption(scene),
         error=None if record is None or record.error is None else record.error.value,
         compliance=None if record is None else record.measure("compliance_position"),
         order=None if shown is None or tried.kind == "adaptive" else shown.observed_order,

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, ROUNDED, SCATTER
+from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, SCATTER
 from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
@@ -64,7 +64,7 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Jud
         return judged._replace(reason=f"{judged.reason}; rounding may explain the errors of finer runs")
     last, error, uncertainty = good[-1].setting, float(ladder.errors[-1]), ladder.uncertainty
     bar = AGREEMENT + uncertainty  # a limit farther from the truth is off the motion by more than AGREEMENT
-    limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar) + shown.weights["lost"]
+    limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar)
     slow = shown.odds_of_order_below(_least_order(documented))
     if error + uncertainty <= AGREEMENT:
         return _agreement(good, shown, limit + stall)
@@ -79,7 +79,7 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Jud
 
 def above_rounding(ladder: Ladder) -> int:
     """Return the level after which rounding explains all errors: the best of those that it explains, else the last."""
-    allowed = ROUNDED * ladder.rounding
+    allowed = SCATTER * ladder.rounding
     first = len(ladder)
     while first > 0 and ladder.errors[first - 1] <= allowed[first - 1]:
         first -= 1
@@ -113,12 +113,12 @@ def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) 
 
 
 def _approach(last: str, shown: Posterior, documented: float) -> Judgement:
-    ladder, weights, error = shown.ladder, shown.weights, float(shown.ladder.errors[-1])
-    least = max(0.3 * error, ROUNDED * float(ladder.rounding[-1]))
+    ladder, error = shown.ladder, float(shown.ladder.errors[-1])
+    least = max(error / SCATTER, SCATTER * float(ladder.rounding[-1]))
     doubts = {
-        "that it converges to another limit": shown.odds_of_limit(0.3 * error),
-        "that errors stall": shown.odds_of_stall(least) + weights["lost"],
-        "that outputs or events set all steps so far": weights["plateau"],
+        "that it converges to another limit": shown.odds_of_limit(error / SCATTER),
+        "that errors stall": shown.odds_of_stall(least),
+        "that outputs or events set all steps so far": shown.weights["plateau"],
         "that the error hardly falls": shown.odds_of_order_below(_least_order(documented)),
     }
     odds = sum(doubts.values())
@@ -168,7 +168,7 @@ def _without_success(points: Sequence[Point]) -> Judgement:
 
 
 def _with_failures(points: Sequence[Point], judged: Judgement) -> Judgement:
-    """Report the finest run beside the verdict where it failed."""
+    """Add to the reason that the finest run failed, if it did."""
     last = points[-1]
     if last.ok or last.status in REFUSED:
         return judged

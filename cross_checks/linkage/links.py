@@ -176,7 +176,7 @@ def linkage_of(scene: Scene) -> Linkage:
 
 def closure_refusals(engine: str, scene: Scene, known: Collection[str]) -> list[Refusal]:
     """Return which joints close a loop in a way that the engine does not represent."""
-    sentence = "joint {!r} closes a loop as {}, which {} is not yet taught"
+    sentence = "joint {!r} closes a loop as {}, which {} does not implement"
     closed = (_closure(scene, joint) for joint in spanning_tree(scene)[1])
     return [Refusal(sentence.format(c.name, c.kind, engine), False) for c in closed if c.kind not in known]
 

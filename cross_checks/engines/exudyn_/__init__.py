@@ -43,17 +43,17 @@ class Exudyn(Engine):
         if scene.contacts and method.name in EXPLICIT_CONTACT:
             reasons += general_contact_refusals(scene) if method.name == CONTACT else pair_contact_refusals(scene)
         elif method.name in EXPLICIT_CONTACT:
-            reasons += [Refusal("loads are not taught", False)] if scene.loads else []
+            reasons += [Refusal("loads are not implemented", False)] if scene.loads else []
         else:
             reasons += shared_refusals(scene)
         if method.name.startswith(TREE):
             return reasons + tree_refusals(scene)
         drives = (CoordinateDrive,) if scene.dimension == 3 else ()
         strange = [joint for joint in scene.joints if type(joint) not in JOINTS or isinstance(joint, drives)]
-        sentence = f"joint {{!r}}: {method.name} is not yet taught {{}}"
+        sentence = f"joint {{!r}}: {method.name} does not implement {{}}"
         reasons += [Refusal(sentence.format(joint.name, joint.type), False) for joint in strange]
         if method.name == ROTATION_VECTOR and takes_shared_forces(scene, method.name):
-            reasons.append(Refusal(f"{method.name}: the shared force code is not yet taught rotation vectors", False))
+            reasons.append(Refusal(f"{method.name}: the shared force code does not implement rotation vectors", False))
         return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:

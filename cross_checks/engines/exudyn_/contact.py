@@ -36,7 +36,7 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
             reasons.append(f"{where}: GeneralContact lets go of {contact.type} by release = {rule!r}")
         endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
         if isinstance(contact, FLAT) and (contact.body_b != GROUND or not endless):
-            reasons.append(f"{where}: only an endless line or plane on ground is taught")
+            reasons.append(f"{where}: only an endless line or plane on ground is implemented")
     reasons += _mixed_refusals(scene)
     return [Refusal(reason, permanent=False) for reason in reasons]
 
@@ -128,7 +128,7 @@ def pair_contact_refusals(scene: Scene) -> list[Refusal]:
         elif contact.law.damping and contact.law.release != "gap":
             reasons.append(f"{where}: the connectors release at gap = 0; give release = 'gap'")
         if isinstance(contact, SphereOnPlane) and (contact.extent != "plane" or contact.thickness is not None):
-            reasons.append(f"{where}: only an endless plane is taught")
+            reasons.append(f"{where}: only an endless plane is implemented")
     return [Refusal(reason, permanent=False) for reason in reasons]
 
 

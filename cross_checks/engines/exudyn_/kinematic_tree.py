@@ -78,7 +78,7 @@ def tree_refusals(scene: Scene) -> list[Refusal]:
         inner = not link.freedoms and link.parent != FIXED
         if inner or any(kind in ("ball", "free") for kind, _ in link.freedoms):
             strange.append(link.joint or link.name)
-    sentence = "{!r}: a KinematicTree is taught slides and turns alone, and welds to ground"
+    sentence = "{!r}: only slides, turns, and welds to ground are implemented for a KinematicTree"
     return [*loops, *(Refusal(sentence.format(name), False) for name in strange)]
 
 

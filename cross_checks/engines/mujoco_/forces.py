@@ -114,15 +114,15 @@ def load_refusals(linkage: Linkage) -> list[str]:
     for load in linkage.scene.loads:
         where = f"load {load.name!r}"
         if type(load) not in LOADS:
-            reasons.append(f"{where}: mujoco is not yet taught {load.type}")
+            reasons.append(f"{where}: mujoco does not implement {load.type}")
         elif isinstance(load, Force | Torque | TorqueVector) and constant_value(load.factor) is None:
-            reasons.append(f"{where} varies in time, which mujoco is not yet taught")
+            reasons.append(f"{where} varies in time, which mujoco does not implement")
         elif isinstance(load, SpringDamper) and load.tension_only and load.damping:
             reasons.append(f"{where}: a mujoco tendon damps while slack, so tension_only allows no damping")
         elif isinstance(load, SpringDamper) and load.limit is not None:
             reasons.append(f"{where}: a mujoco tendon has no limit of its pull")
         elif isinstance(load, TorsionSpring) and turning(linkage, load) is None:
-            reasons.append(f"{where} acts about no hinges between its bodies, which mujoco is not yet taught")
+            reasons.append(f"{where} acts about no hinges between its bodies, which mujoco does not implement")
     return reasons
 
 

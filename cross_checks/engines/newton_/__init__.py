@@ -3,7 +3,7 @@
 The distributions are `newton` and `warp-lang`. Warp compiles each solver's kernels once, for minutes, and keeps them in
 the cache folder. A step is recorded (an APIC capture) and replayed in C++, a hundred times as fast as from Python.
 
-Not yet taught: MuJoCo-Warp, which Newton's extra `sim` brings; XPBD, whose states are poses that count no turns, and
+Not implemented: MuJoCo-Warp, which Newton's extra `sim` brings; XPBD, whose states are poses that count no turns, and
 which makes velocities of differences of positions over a step, so that rounding grows as steps shrink (seen in 1.8.0).
 """
 

@@ -16,7 +16,7 @@ from mbs_ref.scene.traits import PART_TYPES
 from reports import inputs
 from reports.terminal.console import Failed, echo_json, show, table
 
-LACKS = re.compile(r"not yet taught the part type '?(\w+)")
+LACKS = re.compile(r"does not implement the part type '?(\w+)")
 
 
 EXTRA = re.compile(r"^(?P<what>[^;]+);.*extra == [\"'](?P<extra>[\w-]+)[\"']")

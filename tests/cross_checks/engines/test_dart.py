@@ -92,5 +92,5 @@ def test_named_schemes_give_the_same_numbers():
 
 def test_refusals_name_the_part(dart):
     (refusal,) = dart.refusals(scenes.make("spherical_pendulum"))
-    assert refusal.reason == "joint 'rod' closes a loop as rod, which dart is not yet taught"
+    assert refusal.reason == "joint 'rod' closes a loop as rod, which dart does not implement"
     assert "rigid_law" in dart.refusals(scenes.make("newtons_cradle"))[0].reason

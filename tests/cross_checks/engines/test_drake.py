@@ -85,7 +85,7 @@ def test_a_constraint_at_the_world_itself_costs_its_own_run_alone():
 
 def test_refusals_name_the_part(drake):
     reasons = [refusal.reason for refusal in drake.refusals(scenes.make("incline"))]
-    assert "drake is not yet taught the part type 'stick_slip'" in reasons
+    assert "drake does not implement the part type 'stick_slip'" in reasons
     assert "sap_world differs only where a loop is closed at ground, and none is" in [
         refusal.reason for refusal in drake.method_refusals(FOUR_BAR, drake.method("sap_world"))
     ]

@@ -294,7 +294,7 @@ def test_exudyns_kinematic_tree_has_its_order_in_space(method, order):
     assert np.log2(error(steps[0]) / error(steps[1])) == pytest.approx(order, abs=0.4)
 
 
-def test_exudyns_kinematic_tree_names_what_it_is_not_taught():
+def test_exudyns_kinematic_tree_names_what_it_does_not_implement():
     installed("exudyn")
     exudyn = engines.get("exudyn")
     for name, joint in (("spatial_chain", "'ball1'"), ("torque_free_top", "'top'"), ("bricard", "closes a loop")):

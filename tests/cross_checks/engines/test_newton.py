@@ -129,6 +129,6 @@ def test_samples_do_not_change_the_end():
 
 def test_refusals_name_the_part(newton):
     (refusal,) = newton.refusals(scenes.make("n_four_bar", loops=1))
-    assert refusal.reason.endswith("closes a loop as point, which newton is not yet taught")
+    assert refusal.reason.endswith("closes a loop as point, which newton does not implement")
     assert "'spring_damper'" in newton.refusals(scenes.make("spring_pendulum"))[0].reason
     assert "'circle_on_line'" in " ".join(r.reason for r in newton.refusals(scenes.make("bouncing_ball")))

@@ -82,6 +82,6 @@ def test_refusals_name_the_part(opensim):
     assert "steps of no length without end" in endless.reason
     reasons = [refusal.reason for refusal in opensim.refusals(scenes.make("flyball_governor"))]
     assert any("coupler_left" in reason and "no damping" in reason for reason in reasons)
-    assert "opensim is not yet taught the part type 'circle_on_line'" in [
+    assert "opensim does not implement the part type 'circle_on_line'" in [
         refusal.reason for refusal in opensim.refusals(scenes.make("bouncing_ball"))
     ]

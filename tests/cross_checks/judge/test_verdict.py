@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cross_checks.judge.bounds import SCATTER
 from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.verdict import Judgement, Point, judge, ladder_of
 from cross_checks.judge.vocabulary import Verdict
@@ -132,7 +133,7 @@ def test_runs_that_take_the_same_steps_are_one_level(errors, gaps, steps, word):
 def test_rounding_explains_errors_within_it(errors, gaps, rounding, word):
     found = verdict(errors, gaps, rounding=rounding)
     assert found.verdict is word, found
-    set_aside = errors[-1] <= 5.0 * rounding and word is not Verdict.AGREES
+    set_aside = errors[-1] <= SCATTER * rounding and word is not Verdict.AGREES
     assert ("rounding may explain" in found.reason) == set_aside
 
 

@@ -106,8 +106,8 @@ def test_a_body_on_a_pinned_particle_turns_against_what_carries_the_particle():
     assert linkage.rates == pytest.approx([2.0, 1.0], abs=1e-15)
 
 
-def test_loops_that_an_engine_is_not_taught_are_named():
+def test_loops_that_an_engine_does_not_implement_are_named():
     assert not closure_refusals("some", scenes.make("n_four_bar"), {"point"})
     (refusal,) = closure_refusals("some", scenes.make("spherical_pendulum"), {"point", "hinge"})
-    assert refusal.reason == "joint 'rod' closes a loop as rod, which some is not yet taught"
+    assert refusal.reason == "joint 'rod' closes a loop as rod, which some does not implement"
     assert not refusal.permanent

@@ -6,7 +6,7 @@ from reports.commands.engines.engines import summary
 
 
 def test_part_types_that_lack_are_listed_once():
-    reasons = [f"'pin_{k}': e is not yet taught the part type 'universal'" for k in range(40)]
+    reasons = [f"'pin_{k}': e does not implement the part type 'universal'" for k in range(40)]
     assert summary([*reasons, "e moves nothing"]) == "lacks universal; 1 more"
 
 
