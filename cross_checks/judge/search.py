@@ -193,8 +193,8 @@ class Search(ABC):
                 beyond = np.abs(np.log(knobs / point.knob)) < math.log(1.2)
             nearest = good[np.argmin(np.abs(np.log(good / point.knob)))]
             share = np.log(knobs / nearest) / math.log(point.knob / nearest)  # 0 at the run, 1 at the failure
-            between = np.clip(1.0 - share**2, 0.05, 1.0)
-            leap = 0.3 if self.kind == "fixed" else 0.05
+            between = np.clip(1.0 - share**2, 1.0 - bounds.FAILING, 1.0)
+            leap = bounds.LIKELY if self.kind == "fixed" else 1.0 - bounds.FAILING
             odds *= np.where(beyond, leap, 1.0 if inside else np.where(share > 0.0, between, 1.0))
         return odds
 
