@@ -126,11 +126,11 @@ class Search(ABC):
         steps = np.log10(np.maximum(self.steps(knobs), 1.0))
         worth, able, served = np.zeros(len(knobs)), np.zeros(len(knobs), dtype=bool), []
         within_work = [point for point in self.good if point.steps <= 1.01 * self.most_steps]
-        for target in tries:
-            is_tried = tries[target] >= bounds.LEVELS
+        goals = np.array([*tries])[:, None]
+        below = runs * odds_below(shown, knobs, np.concatenate([goals, goals / bounds.WINDOW]))  # and below the windows
+        for target, at_most, beneath in zip(tries, *np.split(below, 2), strict=True):
+            is_tried, within = tries[target] >= bounds.LEVELS, at_most - beneath
             reaching = [point for point in within_work if point.error is not None and point.error <= target]
-            at_most = runs * odds_below(shown, knobs, target)
-            within = at_most - runs * odds_below(shown, knobs, target / bounds.WINDOW)
             if reaching:
                 cheapest = reaching[0]
                 cheaper = (knobs > cheapest.knob) & (10.0**steps < 0.8 * max(cheapest.steps, 1))

@@ -14,10 +14,13 @@ LIKELY = 1e-3  # of the largest probability: laws below are omitted
 
 
 def odds_below(posterior: Posterior, settings: np.ndarray, error: float | np.ndarray) -> np.ndarray:
-    """Return the probability (n_s,) that a run at each setting has an error of at most `error`, one or (n_s,)."""
-    weights, goal = posterior.weights, np.log10(error)
+    """Return the probability (n_s,) that a run at each setting has an error of at most `error`, one or (n_s,).
+
+    Of a column of errors (n_t, 1), it is (n_t, n_s).
+    """
+    weights, goal = posterior.weights, np.atleast_1d(np.log10(error))
     weight, predicted, scatter = _predicted(posterior, settings)
-    by_law = weight @ probability_below((goal - predicted) / scatter)
+    by_law = weight @ probability_below((goal[..., None, :] - predicted) / scatter)
     near_limit = np.append(0.0, np.cumsum(posterior.distance))[np.searchsorted(DISTANCES, goal)]
     stalled = np.append(0.0, np.cumsum(posterior.level))[np.searchsorted(LEVELS, goal)]
     odds = by_law * (weights["right"] + weights["limit"] * near_limit) + weights["stalled"] * stalled
