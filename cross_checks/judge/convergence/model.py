@@ -171,7 +171,8 @@ class _Data:
     def __init__(
         self, ladder: Ladder, orders: np.ndarray | None = None, amplitudes: np.ndarray = AMPLITUDES
     ) -> None:  # fmt: skip
-        n = len(ladder)
+        n, bound = len(ladder), ladder.bound  # a run that has blown up is as far off as motions go
+        ladder = replace(ladder, errors=np.minimum(ladder.errors, bound), gaps=np.minimum(ladder.gaps, bound))
         self.ladder, self.n = ladder, n
         self.orders, self.amplitudes = _grid(ladder.order) if orders is None else orders, amplitudes
         log_order = _order_prior(self.orders, ladder.order)
