@@ -105,13 +105,10 @@ def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
         truth="" if isinstance(truth, NoTruth) else truth.kind,
         setting="" if record is None else label(Settings(**record.settings)),
         loop_s=None if record is None else record.times.get("loop_s"),
-        contact={} if record is None else record.contact, targets=tuple(_without_history(result) for result in results),
+        contact={} if record is None else record.contact,
+        targets=tuple(replace(r, record=r.record and replace(r.record, history={})) for r in results),
         runs=tuple({"setting": p.setting, "status": p.status, "error": p.error} for p in points),
     )  # fmt: skip
-
-
-def _without_history(result: TargetResult) -> TargetResult:
-    return result if result.record is None else replace(result, record=replace(result.record, history={}))
 
 
 def _of_one_package(
