@@ -78,6 +78,12 @@ def test_errors_that_neither_fall_nor_settle_over_three_decades_diverge():
     assert verdict(errors, gaps, 2.0).verdict is Verdict.NOT_SHOWN  # over 1.8 decades: odds of 0.84
 
 
+def test_runs_that_blow_up_are_one_loss_however_far_they_go():
+    """An instability from some step count on: by size alone, each such run would be a stray of its own."""
+    errors = [1e-5, 1e-7, 1e-9, 3e3, 1e7, 1e11]
+    assert verdict(errors, [1e-5, 1e-7, *errors[3:]], 6.0).verdict is Verdict.LOST
+
+
 @pytest.mark.parametrize(
     ("errors", "word"),
     [
