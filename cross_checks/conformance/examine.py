@@ -38,7 +38,7 @@ def examine(engine: Engine, name: str, progress: Progress = lambda text: None) -
             of_scene, row = climb(engine, method, question)
             findings += of_scene
             rows.append(row)
-        strong = {question.scene.name for question in mine if not method.excused(question.scene)}
+        strong = {question.scene.name for question in mine if not method.exemption(question.scene)}
         findings += _order(method, [row for row in rows if row.method == method.name and row.scene in strong])
         findings += _lost(engine, method, mine)
     findings += [_runs(engine, question, rows) for question in questioned]
@@ -61,9 +61,9 @@ def _runs(engine: Engine, question: Question, rows: list[Row]) -> Finding:
     """Judge whether one of the methods at least ends a run of a scene that the engine takes."""
     scene = question.scene
     ended = any(row.scene == scene.name and row.error is not None for row in rows)
-    excuses = [method.excused(scene) for method in engine.methods() if takes(engine, method, scene)]
+    exemptions = [method.exemption(scene) for method in engine.methods() if takes(engine, method, scene)]
     wrong = "" if ended else "it takes the scene, and none of its methods ends a run"
-    return verdict("something runs", ENGINE_WIDE, scene.name, wrong, excuse=excuses[0] if all(excuses) else "")
+    return verdict("something runs", ENGINE_WIDE, scene.name, wrong, exemption=exemptions[0] if all(exemptions) else "")
 
 
 def _identity(engine: Engine, name: str) -> str:

@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-Outcome = Literal["passed", "failed", "excused"]
+Outcome = Literal["passed", "failed", "exempt"]
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Finding:
     scene: str
     outcome: Outcome
     detail: str = ""  # what was seen; a sentence where it failed
-    excuse: str = ""  # the weakness that the method declares, where that is why a failure does not count
+    exemption: str = ""  # the weakness that the method declares, where that is why a failure does not count
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class Report:
         return {**asdict(self), "conforms": self.conforms}
 
 
-def verdict(question: str, method: str, scene: str, wrong: str, *, seen: str = "", excuse: str = "") -> Finding:
-    """Return a finding: passed where nothing is wrong; a failure is excused by a weakness that the method declares."""
+def verdict(question: str, method: str, scene: str, wrong: str, *, seen: str = "", exemption: str = "") -> Finding:
+    """Return a finding: passed where nothing is wrong; a failure is exempt by a weakness that the method declares."""
     if not wrong:
         return Finding(question, method, scene, "passed", seen)
-    return Finding(question, method, scene, "excused" if excuse else "failed", wrong, excuse)
+    return Finding(question, method, scene, "exempt" if exemption else "failed", wrong, exemption)

@@ -18,7 +18,7 @@ from cross_checks.conformance.questions import Question, rungs
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method
 from cross_checks.engine.plan import initial_sample
-from cross_checks.judge.bounds import FAILING, RESOLVED, TARGETS
+from cross_checks.judge.bounds import AGREEMENT, FAILING, RESOLVED, SCATTER, TARGETS
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.ladder import knob_of
@@ -34,9 +34,7 @@ MORE = 7  # halvings of the finest step while no run resolves the motion
 LIKELY = 0.5  # odds from which a failure to converge is a finding; FAILING where forces jump, and errors scatter
 GOOD = 1e-8  # of the scene: a deviation that need not shrink any more ...
 SLOPE = 1e-5  # ... and of the largest rate, where slopes are differences of samples
-AT_START = 1e-9  # of the scene: how exactly the first sample is the scene's initial state ...
-READ = 10  # ... or this many roundings, as reading a pose in single precision takes
-RESTARTED = 1e-6  # of the scene: how far the end may depend on which samples are requested
+READ = 10  # roundings by which the first sample may miss the initial state: reading a pose in single precision
 EXPLAINED = 2.0  # times the gap to the two runs before: a method of order 1/2 or more is nearer than that to its limit
 SPARSE = 20  # the one inner sample of those runs
 ALOUD = "none: it stops before the end and says so, which is an answer"
@@ -48,7 +46,7 @@ def _peak(curve: np.ndarray) -> float:
 
 def climb(engine: Engine, method: Method, question: Question) -> tuple[list[Finding], Row]:
     """Run the method from coarse to fine and return what is found, with the figures of the best run."""
-    name, scene, excuse = method.name, question.scene.name, method.excused(question.scene)
+    name, scene, exemption = method.name, question.scene.name, method.exemption(question.scene)
     settings = rungs(method, question.times, jumps=not question.is_smooth)
     runs = [called(engine, question.scene, one, question.times) for one in settings]
     rising = _Rungs(method, question, tuple(run for run in runs if run.path.ok))
@@ -57,13 +55,15 @@ def climb(engine: Engine, method: Method, question: Question) -> tuple[list[Find
     if len(rising.runs) < 2:
         stops = "; ".join(f"{run.setting}: {run.path.message}" for run in runs if not run.path.ok)
         wrong = f"fewer than two runs end: {stops}"
-        return [verdict("runs", name, scene, wrong, excuse=excuse or ALOUD)], rising.row()
+        return [verdict("runs", name, scene, wrong, exemption=exemption or ALOUD)], rising.row()
     seen = f"error {min(rising.errors):.1e}"
     findings = [verdict("runs", name, scene, "")]
     findings += [verdict(what, name, scene, wrong) for what, wrong in _always(rising)]
-    findings += [verdict(what, name, scene, wrong, seen=seen, excuse=excuse) for what, wrong in _excusable(rising)]
+    findings += [
+        verdict(what, name, scene, wrong, seen=seen, exemption=exemption) for what, wrong in _exemptible(rising)
+    ]
     if question.is_smooth or rising.meets_contacts:
-        findings.append(verdict("same end", name, scene, _other_end(engine, rising), excuse=excuse))
+        findings.append(verdict("same end", name, scene, _other_end(engine, rising), exemption=exemption))
     return findings, rising.row()
 
 
@@ -150,8 +150,8 @@ def _failing(shown: Posterior, floor: float) -> tuple[str, float]:
     error = float(shown.ladder.errors[-1])
     if shown.ladder.is_falling or not error > floor:
         return "", 0.0
-    limit = shown.odds_of_limit(max(floor, 0.3 * error))
-    stall = shown.odds_of_stall(max(floor, 0.3 * error)) + shown.weights["lost"]
+    bar = max(floor, error / SCATTER)
+    limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar)
     return "converge to another limit" if limit > stall else "do not fall", limit + stall
 
 
@@ -162,13 +162,13 @@ def _sentence(what: str, shown: Posterior | None, errors: Sequence[float], floor
 
 
 def _always(rising: _Rungs) -> Iterator[tuple[str, str]]:
-    """Yield what no weakness excuses: samples, start, velocities, clocks."""
+    """Yield what no weakness exempts: samples, start, velocities, clocks."""
     scene, method, runs = rising.question.scene, rising.method, rising.runs
     odd = [run.setting for run in runs if not np.array_equal(run.path.times, rising.question.times)]
     yield "asked times", f"{odd[0]}: samples are not at the requested times" if odd else ""
     off, allowed = (
         relative(scene, runs[-1].path.upto(1), initial_sample(scene))[0],
-        max(AT_START, method.rounding(READ)),
+        max(TARGETS[-1], method.rounding(READ)),
     )
     wrong = [f"{part} by {miss:.1e} of its scale" for part, miss in zip(NAMES, off, strict=True) if miss > allowed]
     yield "start", f"the first sample is off: {', '.join(wrong)}" if wrong else ""
@@ -178,7 +178,7 @@ def _always(rising: _Rungs) -> Iterator[tuple[str, str]]:
     yield "clock", impossible_time(runs)
 
 
-def _excusable(rising: _Rungs) -> Iterator[tuple[str, str]]:
+def _exemptible(rising: _Rungs) -> Iterator[tuple[str, str]]:
     """Yield what a method may fail where it declares a weakness: accuracy, energy, joints, contact."""
     scene, paths, last = rising.question.scene, [run.path for run in rising.runs], rising.runs[-1]
     enough = max(GOOD, rising.method.rounding(last.path.steps))
@@ -209,6 +209,6 @@ def _other_end(engine: Engine, rising: _Rungs) -> str:
     if not alone.path.ok:
         return f"{fine.setting}: with other samples the run ends: {alone.path.message}"
     moved = float(np.abs(alone.path.position[-1] - fine.path.position[-1]).max()) / scales_of(scene).length
-    if moved <= max(RESTARTED, 1e3 * (fine.settings.rtol or 0.0), rising.errors[-1]):
+    if moved <= max(AGREEMENT, 1e3 * (fine.settings.rtol or 0.0), rising.errors[-1]):
         return ""
     return f"{fine.setting}: the end moves by {moved:.1e} of the scene's length with the samples requested"

@@ -51,7 +51,9 @@ class Engine:
     method_table: ClassVar[tuple[Method, ...]] = ()
     part_types: ClassVar[frozenset[str]]
     as_shipped: ClassVar[Settings | None] = None  # what it does where its user chooses nothing, if that can be said
-    unasked: ClassVar[str | None] = None  # the method of one run by a user who names none; the first unless given
+    default_method: ClassVar[str | None] = (
+        None  # the method of one run by a user who names none; the first unless given
+    )
     made_of: str = ""  # a digest of its adapter, where that is imported in another environment
     checks_start: ClassVar[bool] = False  # refuses inconsistent initial states by itself; else the suite looks for it
 

@@ -30,7 +30,7 @@ class Method:
     locates_events: bool = False  # touch-down, lift-off, slip; else contact forces are clipped by the state
     stability: tuple[float, ...] = ()  # explicit fixed-step methods: coefficients of R(z), lowest power first
     wrong_limit: str = ""  # why it is known to fail or converge elsewhere ...
-    weak_on: frozenset[str] = frozenset()  # ... on scenes with any of these traits: it excuses there, nowhere else
+    weak_on: frozenset[str] = frozenset()  # ... on scenes with any of these traits: an exemption there, nowhere else
     driven_from_python: bool = False  # the engine gives accelerations alone; the time loop is Python code of ours
     embedded: int | None = None  # order of the solution that a pair's estimate of errors compares with, as in 5(4)
     roundoff: float = DOUBLE  # by which a step's result is off, over its size, for want of digits
@@ -48,7 +48,7 @@ class Method:
         """Return what rounding may add up to over the scene's scales: each step leaves the state off by `roundoff`."""
         return self.roundoff * steps
 
-    def excused(self, scene: Scene) -> str:
+    def exemption(self, scene: Scene) -> str:
         """Return why the method is known to go wrong on this very scene; empty where it is not."""
         return self.wrong_limit if self.weak_on & traits(scene) else ""
 

@@ -19,7 +19,7 @@ from mbs_ref.scene.traits import python_parts
 Get = Callable[[str], Engine]  # the registry's, which here and there finds the engine
 
 
-STATED = ("package", "part_types", "as_shipped", "unasked", "checks_start")  # what an adapter declares of itself
+STATED = ("package", "part_types", "as_shipped", "default_method", "checks_start")  # what an adapter declares of itself
 
 
 class Elsewhere(Engine):

@@ -27,7 +27,7 @@ class MbsRef(Engine):
     package: ClassVar[str] = "mbs_ref"
     distribution: ClassVar[str] = "mbs-ref"
     checks_start: ClassVar[bool] = True
-    unasked: ClassVar[str | None] = AUTO
+    default_method: ClassVar[str | None] = AUTO
     part_types: ClassVar[frozenset[str]] = frozenset(PART_TYPES)
 
     def methods(self) -> tuple[Method, ...]:

@@ -22,7 +22,7 @@ from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
 from mbs_ref import Scene
 
 USEFUL = 1e-3 / ONE_FIGURE  # of the scene: a truth that is known so well shows which methods are within 1e-3
-SEARCH = 1.0  # s that a search is expected to take, beside the levels of a consensus
+SEARCH = 1.0  # s that a search is expected to take, compared with the levels of a consensus
 
 
 @dataclass(frozen=True, eq=False)

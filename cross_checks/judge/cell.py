@@ -92,11 +92,11 @@ def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
     judgement, results = _of_one_package(truth, tried.verdict(), results)
     if truth.kind == "proven" and judgement.verdict in SILENT:
         judgement = judgement._replace(reason=f"{judgement.reason}; wrong by a theorem: the motion is proven")
-    points, shown = (tried.search.points[knob] for knob in tried.knobs), tried.search.shown()
+    points, shown = (tried.points[knob] for knob in tried.knobs), tried.shown()
     return Cell(
         scene.name, dict(scene.parameters), tried.engine, tried.method.name, judgement.verdict, judgement.reason,
         odds=judgement.odds,
-        exemption=tried.method.excused(scene),
+        exemption=tried.method.exemption(scene),
         error=None if record is None or record.error is None else record.error.value,
         compliance=None if record is None else record.measure("compliance_position"),
         order=None if shown is None or tried.kind == "adaptive" else shown.observed_order,
@@ -105,13 +105,10 @@ def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
         truth="" if isinstance(truth, NoTruth) else truth.kind,
         setting="" if record is None else label(Settings(**record.settings)),
         loop_s=None if record is None else record.times.get("loop_s"),
-        contact={} if record is None else record.contact, targets=tuple(_without_history(result) for result in results),
+        contact={} if record is None else record.contact,
+        targets=tuple(replace(r, record=r.record and replace(r.record, history={})) for r in results),
         runs=tuple({"setting": p.setting, "status": p.status, "error": p.error} for p in points),
     )  # fmt: skip
-
-
-def _without_history(result: TargetResult) -> TargetResult:
-    return result if result.record is None else replace(result, record=replace(result.record, history={}))
 
 
 def _of_one_package(

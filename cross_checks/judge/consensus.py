@@ -213,7 +213,7 @@ def _distance(scene: Scene, first: Trajectory, second: Trajectory) -> float:
 def best_methods(engine: Engine, scene: Scene) -> list[Method]:
     """Return the methods of highest order that run the scene; those with a documented weakness on it come last."""
     able = engine.able(scene)
-    return sorted(able, key=lambda m: (bool(m.excused(scene)), m.kind != "adaptive", -(m.order or 4)))[:PER_ENGINE]
+    return sorted(able, key=lambda m: (bool(m.exemption(scene)), m.kind != "adaptive", -(m.order or 4)))[:PER_ENGINE]
 
 
 def _timed(runs: Runs, request: Request, call: Caller) -> tuple[Witness | None, float]:
@@ -234,7 +234,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
             return None
         paths.append(path)
     moved = _distance(scene, *paths[-2:])
-    library, is_sound = engines.get(engine).library, not method.excused(scene)
+    library, is_sound = engines.get(engine).library, not method.exemption(scene)
     plain = Witness(engine, library, method.name, label(settings[-1]), paths[-1], moved, is_sound)
     if len(paths) < 3 or method.order is None:
         return plain

@@ -54,7 +54,8 @@ class Runs:
             run = self.call(make, scene, engine, settings, self.grid(scene))
         except Lost as lost:
             run = Run(without_run(scene, engine, settings, lost.status, str(lost)), None)
-        self.keep(scene, engine, settings, run)
+        if run.record.status not in PASSING:
+            self.store.keep_run(run_name(scene, engines.get(engine), settings, self.grid(scene)), run)
         return run
 
     def held(self, scene: Scene, engine: str, settings: Settings) -> Run | None:
@@ -63,11 +64,6 @@ class Runs:
         if stored is None:
             return None
         return replace(stored, record=replace(stored.record, scene=scene.name, parameters=dict(scene.parameters)))
-
-    def keep(self, scene: Scene, engine: str, settings: Settings, run: Run) -> None:
-        """Store a run that another process computed, unless it was lost for want of time or memory."""
-        if run.record.status not in PASSING:
-            self.store.keep_run(run_name(scene, engines.get(engine), settings, self.grid(scene)), run)
 
     def truth(self, scene: Scene, times: np.ndarray | None = None) -> Truth | NoTruth:
         """Return the scene's truth at `times` (s; the judges' grid unless given): stored, or computed and stored.

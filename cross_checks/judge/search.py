@@ -1,23 +1,22 @@
 """Choose which settings of a method to run: the next run is the one that is worth most, by the convergence model.
 
-A run is worth the odds that it reaches a target from within WINDOW, less what its steps cost. A target is given up
-where no setting within the work limit has fair odds. Further runs follow only while the verdict is not settled: a
-finer one, halfway to the finest setting where a plateau or a limit of its own may hide the law. A method is classified
-as wrong only after a run plainly finer than all others, even beyond the work limit. Work is counted in steps, the same
-for every engine, so that the choice does not depend on how busy a machine is.
+A run is worth the odds that it reaches a target from within WINDOW, less what its steps cost. An error below the
+window is worth LIKELY, the odds with which a coarser run follows it. A target is given up where no setting within the
+work limit may reach it. Further runs follow only while the verdict is not settled: a finer one, halfway to the finest
+setting where a plateau or a limit of its own may hide the law. A method is classified as wrong only after a run plainly
+finer than all others, even beyond the work limit. Work is counted in steps, the same for every engine, so that the
+choice does not depend on how busy a machine is.
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 
 from cross_checks.judge import bounds
-from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
-from cross_checks.judge.convergence.prediction import error_range, expected_log_error, odds_below, outcomes
+from cross_checks.judge.convergence.prediction import error_range, odds_below
 from cross_checks.judge.verdict import Judgement, Point, above_rounding, judge, ladder_of
 from cross_checks.judge.vocabulary import REFUSED, SILENT, Omitted, Verdict
 
@@ -25,11 +24,10 @@ PER_DECADE = 12  # settings that are considered
 TOO_SMALL = "step-too-small"  # status of a method whose step size underflowed: a tighter tolerance fails, too
 
 
-class Subject(Protocol):
-    """What is searched: one method on one scene."""
+class Search(ABC):
+    """The runs of one method on one scene, and what they show. A subclass states the attributes and makes the runs."""
 
     kind: str  # fixed | adaptive
-    expected: float  # order of the error in the setting
     documented_order: float  # order that a verdict may expect
     local_order: int  # power of the step that a tolerance controls
     coarsest: float
@@ -39,35 +37,30 @@ class Subject(Protocol):
     most_steps: int
     why_no_truth: str
 
+    def __init__(self) -> None:
+        self.points: dict[float, Point] = {}  # by setting
+        self.reference: tuple[float, float] | None = None  # setting and error of a reference method
+        self._shown: tuple[tuple, Posterior | None] = ((), None)
+
+    @abstractmethod
     def typed(self, knob: float) -> float:
         """Return the setting nearest to a wish that a user can type."""
-        ...
 
+    @abstractmethod
     def run(self, knob: float) -> Point:
         """Return the run at a typed setting."""
-        ...
 
+    @abstractmethod
     def gap(self, first: float, second: float) -> float:
         """Return the distance between two runs; NaN where unknown."""
-        ...
 
+    @abstractmethod
     def facts(self) -> dict:
         """Return what else a ladder states: kind, order, reference, typical, uncertainty."""
-        ...
 
-    def reference(self, knob: float) -> float | None:
+    @abstractmethod
+    def reference_error(self, knob: float) -> float | None:
         """Return the error of a sound method of the same order at the same setting, of another package."""
-        ...
-
-
-@dataclass
-class Search:
-    """The runs of one method, and what they show."""
-
-    subject: Subject
-    points: dict[float, Point] = field(default_factory=dict)
-    reference: tuple[float, float] | None = None  # setting and error of a reference method
-    _shown: tuple[tuple, Posterior | None] = ((), None)
 
     @property
     def knobs(self) -> list[float]:
@@ -83,31 +76,23 @@ class Search:
         """Return the posterior of the runs that succeeded; None without one."""
         state = (len(self.points), self.reference)
         if self._shown[0] != state:
-            ladder = self._ladder(self.good, self._gaps())
+            good, facts = self.good, self.facts()
+            if self.reference is not None:
+                setting, error = self.reference
+                facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
+            gaps = np.array([[self.gap(a.knob, b.knob) for b in good] for a in good])
+            ladder = ladder_of(good, gaps, **facts)
             self._shown = state, None if ladder is None else posterior(ladder)
         return self._shown[1]
 
-    def judgement(self) -> Judgement:
+    def verdict(self) -> Judgement:
         """Return the verdict on all runs."""
-        return self._judged([self.points[knob] for knob in self.knobs], self.shown())
-
-    def _gaps(self) -> np.ndarray:
-        good = self.good
-        return np.array([[self.subject.gap(a.knob, b.knob) for b in good] for a in good])
-
-    def _ladder(self, good: Sequence[Point], gaps: np.ndarray) -> Ladder | None:
-        facts = self.subject.facts()
-        if self.reference is not None:
-            setting, error = self.reference
-            facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
-        return ladder_of(good, gaps, **facts)
-
-    def _judged(self, points: Sequence[Point], shown: Posterior | None) -> Judgement:
-        return judge(points, shown, self.subject.documented_order, self.subject.why_no_truth)
+        points = [self.points[knob] for knob in self.knobs]
+        return judge(points, self.shown(), self.documented_order, self.why_no_truth)
 
     def try_(self, knob: float) -> Point:
         """Run a typed setting."""
-        self.points[knob] = self.subject.run(knob)
+        self.points[knob] = self.run(knob)
         return self.points[knob]
 
     # --- targets
@@ -117,7 +102,7 @@ class Search:
 
         An error of t - u shows a target t, against a truth that is known to u; a target below u is not sought.
         """
-        known = self.subject.facts()["uncertainty"]
+        known = self.facts()["uncertainty"]
         tries = {target - known: 0 for target in targets if target > known}
         while len(self.points) < bounds.MOST_RUNS:
             choice = self._best(tries)
@@ -140,51 +125,52 @@ class Search:
         runs = self._odds_to_run(knobs)
         steps = np.log10(np.maximum(self.steps(knobs), 1.0))
         worth, able, served = np.zeros(len(knobs)), np.zeros(len(knobs), dtype=bool), []
-        within_work = [point for point in self.good if point.steps <= 1.01 * self.subject.most_steps]
-        for target in tries:
+        within_work = [point for point in self.good if point.steps <= 1.01 * self.most_steps]
+        goals = np.array([*tries])[:, None]
+        below = runs * odds_below(shown, knobs, np.concatenate([goals, goals / bounds.WINDOW]))  # and below the windows
+        for target, at_most, beneath in zip(tries, *np.split(below, 2), strict=True):
+            is_tried, within = tries[target] >= bounds.LEVELS, at_most - beneath
             reaching = [point for point in within_work if point.error is not None and point.error <= target]
-            at_most = runs * odds_below(shown, knobs, target)
-            within = at_most - runs * odds_below(shown, knobs, target / bounds.AIM)
             if reaching:
                 cheapest = reaching[0]
                 cheaper = (knobs > cheapest.knob) & (10.0**steps < 0.8 * max(cheapest.steps, 1))
                 gain = np.where(cheaper, within, 0.0)
-                if (cheapest.error or 0.0) >= target / bounds.WINDOW or gain.max() < bounds.LIKELY or tries[target] > 2:
+                if (cheapest.error or 0.0) >= target / bounds.WINDOW or gain.max() < bounds.LIKELY or is_tried:
                     continue
                 worth += gain
                 able |= gain >= bounds.LIKELY
             else:
-                if at_most.max() < (bounds.FAIR if tries[target] < 3 else bounds.LIKELY) or tries[target] > 4:
+                least = bounds.LIKELY if is_tried else bounds.DOUBTFUL
+                if at_most.max() < least or tries[target] > bounds.LEVELS + 1:
                     continue
-                worth += within if served else within + bounds.BELOW * (at_most - within)  # the loosest target leads
+                worth += within if served else within + bounds.LIKELY * (at_most - within)  # the loosest target leads
                 able |= at_most >= 0.5 * at_most.max()
             served.append(target)
         if not served:
             return None
         best = int(np.argmax(np.where(able, worth - bounds.PRICE * steps, -np.inf)))
-        near = [t for t in served if odds_below(shown, knobs[best : best + 1], t)[0] > bounds.FAIR]
+        near = [t for t in served if odds_below(shown, knobs[best : best + 1], t)[0] > bounds.DOUBTFUL]
         return float(knobs[best]), near or served[:1]
 
     def _candidates(self) -> np.ndarray:
         """Return typed settings within the work limit that were not run (n,), coarse to fine."""
-        subject = self.subject
-        count = max(2, int(PER_DECADE * math.log10(subject.coarsest / subject.finest)))
-        wished = np.geomspace(subject.coarsest, subject.finest, count)
-        typed = np.array(sorted({subject.typed(float(knob)) for knob in wished} - set(self.points), reverse=True))
-        return typed[self.steps(typed) <= 1.01 * subject.most_steps] if len(typed) else typed
+        count = max(2, int(PER_DECADE * math.log10(self.coarsest / self.finest)))
+        wished = np.geomspace(self.coarsest, self.finest, count)
+        typed = np.array(sorted({self.typed(float(knob)) for knob in wished} - set(self.points), reverse=True))
+        return typed[self.steps(typed) <= 1.01 * self.most_steps] if len(typed) else typed
 
     def steps(self, knobs: np.ndarray) -> np.ndarray:
         """Return how many steps settings take (n,): counted for a fixed step, extrapolated for a tolerance.
 
         From the next coarser run steps grow by the documented order, or as between the finest runs if that is faster.
         """
-        if self.subject.kind == "fixed":
-            return self.subject.duration / knobs
+        if self.kind == "fixed":
+            return self.duration / knobs
         done = [(point.knob, point.steps) for point in self.good if point.steps]
         if not done:
             return np.zeros(len(knobs))
         known, steps = (np.array(each, dtype=float) for each in zip(*done, strict=True))
-        growth = 1.0 / self.subject.local_order
+        growth = 1.0 / self.local_order
         plainly = np.flatnonzero(known >= 10.0 * known[-1])
         if len(plainly):
             seen = math.log(steps[-1] / steps[plainly[-1]]) / math.log(known[plainly[-1]] / known[-1])
@@ -192,7 +178,7 @@ class Search:
         coarser = np.maximum(np.sum(known[None, :] >= knobs[:, None], axis=1) - 1, 0)  # runs go from coarse to fine
         predicted = steps[coarser] * (known[coarser] / knobs) ** growth
         finer = np.where(known <= knobs[:, None], steps, np.inf).min(axis=1)  # no finer run takes fewer
-        return np.maximum(np.minimum(predicted, finer), min(self.subject.outputs, steps.min()))  # each output ends one
+        return np.maximum(np.minimum(predicted, finer), min(self.outputs, steps.min()))  # each output ends one
 
     def _odds_to_run(self, knobs: np.ndarray) -> np.ndarray:
         """Return the odds (n,) that settings run: less beyond a failure, and between a failure and the nearest run."""
@@ -207,8 +193,8 @@ class Search:
                 beyond = np.abs(np.log(knobs / point.knob)) < math.log(1.2)
             nearest = good[np.argmin(np.abs(np.log(good / point.knob)))]
             share = np.log(knobs / nearest) / math.log(point.knob / nearest)  # 0 at the run, 1 at the failure
-            between = np.clip(1.0 - share**2, 0.05, 1.0)
-            leap = 0.3 if self.subject.kind == "fixed" else 0.05
+            between = np.clip(1.0 - share**2, 1.0 - bounds.FAILING, 1.0)
+            leap = bounds.LIKELY if self.kind == "fixed" else 1.0 - bounds.FAILING
             odds *= np.where(beyond, leap, 1.0 if inside else np.where(share > 0.0, between, 1.0))
         return odds
 
@@ -220,10 +206,10 @@ class Search:
         Finer settings follow where it is refused or fails: steps in growing leaps, tolerances in the middle and at both
         ends.
         """
-        finest = self.subject.finest
+        finest = self.finest
         tightest = math.inf  # tolerances above which steps become too small
         for wish in self._first(max(first, finest)):
-            knob = self.subject.typed(wish)
+            knob = self.typed(wish)
             if knob in self.points or (tightest < math.inf and knob <= tightest):
                 continue
             point = self.try_(knob)
@@ -235,8 +221,8 @@ class Search:
         return False
 
     def _first(self, first: float) -> list[float]:
-        finest, coarsest = self.subject.finest, self.subject.coarsest
-        if self.subject.kind == "adaptive":
+        finest, coarsest = self.finest, self.coarsest
+        if self.kind == "adaptive":
             return [first, math.sqrt(first * finest), finest, math.sqrt(first * coarsest), coarsest]
         wishes, factor = [first], 4.0
         while wishes[-1] > 4.0 * finest:
@@ -248,98 +234,63 @@ class Search:
         """Make runs until the verdict is settled or no setting remains; return it."""
         confirmed = False
         while True:
-            judged = self.judgement()
+            judged, knob = self.verdict(), None
             if judged.verdict in SILENT and self.good and not confirmed:
-                confirmed = True
-                finer = self.subject.typed(self.good[-1].knob / bounds.FINER[self.subject.kind])
-                if finer not in self.points and self._is_able(finer, bounds.FINER["fixed"]):
-                    self.try_(finer)
-                    continue
-            if judged.verdict is Verdict.NOT_SHOWN:
+                confirmed, knob = True, self._plainly_finer()
+            elif judged.verdict is Verdict.NOT_SHOWN:
                 if self._has_new_reference():
                     continue
-                knob = self._settling() if len(self.points) < self._most_runs() else None
-                if knob is not None:
-                    self.try_(knob)
-                    continue
-            return judged
+                knob = self._settling()
+            if knob is None:
+                return judged
+            self.try_(knob)
 
-    def _most_runs(self) -> int:
-        """Return how many runs a verdict is worth: more where a failure is likely and not certain."""
-        shown = self.shown()
-        is_lost = self.reference is not None and (self.good[-1].error or 0.0) > bounds.RESOLVED
-        if shown is None or (
-            not is_lost and (len(shown.ladder) < bounds.LEVELS or shown.weights["right"] < 1.0 - bounds.DOUBTFUL)
-        ):
-            return bounds.MOST_RUNS
-        return bounds.MOST_RUNS // 2
+    def _plainly_finer(self) -> float | None:
+        """Return a setting that confirms a failure, beyond the work limit if need be; None where none will run."""
+        knob = self.typed(self.good[-1].knob / bounds.FINER[self.kind])
+        steps, odds = self.steps(np.array([knob]))[0], self._odds_to_run(np.array([knob]))[0]
+        is_able = steps <= 1.01 * bounds.FINER["fixed"] * self.most_steps and odds >= bounds.LIKELY
+        return knob if is_able and knob not in self.points else None
 
     def _settling(self) -> float | None:
         """Return the setting that is most informative: the middle of the widest gap; None where none remains.
 
-        Where rounding hides the law, the coarse half shows it; where runs do not follow it, the fine half.
+        Where rounding hides the law, the coarse half shows it; where runs do not follow it, the fine half. Fewer runs
+        are made where they follow it, and where a reference method shows that the motion is not resolved.
         """
-        good = np.array([point.knob for point in self.good])
-        knobs = self._candidates()
-        if not len(good) or not len(knobs):
+        good, knobs, shown = np.array([point.knob for point in self.good]), self._candidates(), self.shown()
+        if shown is None or not len(knobs):
+            return None
+        follows = shown.weights["right"] >= 1.0 - bounds.DOUBTFUL
+        unresolved = self.reference is not None and (self.good[-1].error or 0.0) > bounds.RESOLVED
+        if len(self.points) >= bounds.MOST_RUNS // (
+            1 + (unresolved or (follows and len(shown.ladder) >= bounds.LEVELS))
+        ):
             return None
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array(self.knobs))).min(axis=1)
-        knobs = knobs[
-            (apart > math.log(bounds.FINER[self.subject.kind]) / 4.0) & (self._odds_to_run(knobs) >= bounds.LIKELY)
-        ]
+        knobs = knobs[(apart > math.log(bounds.FINER[self.kind]) / 4.0) & (self._odds_to_run(knobs) >= bounds.LIKELY)]
         if not len(knobs):
             return None
-        middle, shown = math.sqrt(good.min() * good.max()), self.shown()
-        wished = knobs < good.max()
-        if shown is not None and len(shown.ladder) > 1:
-            best = above_rounding(shown.ladder)
-            if best < len(shown.ladder) - 1:
-                wished = knobs > shown.ladder.settings[best]
-            elif shown.weights["right"] < 1.0 - bounds.DOUBTFUL:
-                wished = knobs < middle
+        best, wished = above_rounding(shown.ladder), knobs < good.max()
+        if best < len(shown.ladder) - 1:
+            wished = knobs > shown.ladder.settings[best]
+        elif len(shown.ladder) > 1 and not follows:
+            wished = knobs < math.sqrt(good.min() * good.max())
         knobs = knobs[wished] if wished.any() else knobs
-        ends = [self.subject.finest] if self.subject.kind == "adaptive" else []  # a tolerance's steps are extrapolated
+        ends = [self.finest] if self.kind == "adaptive" else []  # a tolerance's steps are extrapolated
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array([*self.knobs, *ends]))).min(axis=1)
         return float(knobs[int(np.argmax(apart))])
-
-    def _is_able(self, knob: float, allowance: float) -> bool:
-        """Whether a setting is within the work limit, and no failure lies between it and the runs."""
-        knobs = np.array([knob])
-        enough = self.steps(knobs)[0] <= 1.01 * allowance * self.subject.most_steps
-        return bool(enough and self._odds_to_run(knobs)[0] >= bounds.LIKELY)
 
     def _has_new_reference(self) -> bool:
         """Run a reference method where runs are as far off as motions go; return whether there is one."""
         good = self.good
         if self.reference is not None or not good or not (good[-1].error or 0.0) > bounds.RESOLVED:
             return False
-        error = self.subject.reference(good[-1].knob)
+        error = self.reference_error(good[-1].knob)
         self.reference = None if error is None else (good[-1].knob, error)
         return error is not None
 
-    # --- what runs would show
-
-    def _foreseen(self, knob: float) -> Iterator[tuple[float, Judgement, Posterior]]:
-        """Yield the odds of each hypothesis and the verdict on all runs and the one that it expects at a setting."""
-        shown, good, gaps = self.shown(), self.good, self._gaps()
-        assert shown is not None
-        errors = np.array([math.nan if point.error is None else point.error for point in good])
-        if good[-1].error is None:
-            errors = 10.0 ** expected_log_error(shown, np.array([point.knob for point in good]))
-        steps, last = int(self.steps(np.array([knob]))[0]), good[-1]
-        rounding = last.rounding * steps / max(last.steps, 1)
-        for odds, error, apart in outcomes(shown, knob, errors, gaps):
-            known = None if last.error is None else error
-            point = Point(f"{knob:g}", knob, "success", "", known, steps, rounding)
-            every = [*good, point]
-            order = np.argsort([-one.knob for one in every])
-            wider = np.pad(gaps, (0, 1))
-            wider[-1, :-1] = wider[:-1, -1] = apart
-            points = [every[k] for k in order]
-            ladder = self._ladder(points, wider[np.ix_(order, order)])
-            assert ladder is not None
-            then = posterior(ladder)
-            yield odds, self._judged(points, then), then
+    # --- what a run would show
 
     def omitted(self, target: float) -> Omitted | None:
         """Return what the coarsest run would show that reaches a target more likely than not, else the likeliest one.
@@ -349,15 +300,11 @@ class Search:
         shown = self.shown()
         if shown is None:
             return None
-        least = self.subject.finest if self.subject.kind == "adaptive" else 1e-8 * self.good[-1].knob
-        knobs = np.geomspace(self.subject.coarsest, least, 121)
+        least = self.finest if self.kind == "adaptive" else 1e-8 * self.good[-1].knob
+        knobs = np.geomspace(self.coarsest, least, 121)
         odds = self._odds_to_run(knobs) * odds_below(shown, knobs, target)
         place = int(np.argmax(odds >= min(0.5, odds.max())))
         knob = float(knobs[place])
         low, middle, high = error_range(shown, knob)
-        verdicts = {self.judgement().verdict: shown.weights["plateau"]}
-        for share, judged, _ in self._foreseen(knob):
-            verdicts[judged.verdict] = verdicts.get(judged.verdict, 0.0) + share
-        verdict = max(verdicts, key=lambda word: verdicts[word])
         steps = float(self.steps(knobs[place : place + 1])[0])
-        return Omitted(knob, steps, float(odds[place]), middle, (low, high), verdict, verdicts[verdict])
+        return Omitted(knob, steps, float(odds[place]), middle, (low, high))

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.bounds import FAILING, MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import AGREEMENT, FAILING, MOST_STEPS, TARGETS
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
-from cross_checks.judge.verdict import Judgement, Point
+from cross_checks.judge.verdict import Point
 from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
@@ -27,8 +27,8 @@ TYPICAL = 10.0  # times the tolerance; of steps, each order brings 1.2 decades
 DECADES_PER_ORDER, MOST_ORDER = 1.2, 6
 
 
-@dataclass
-class Tried:
+@dataclass(eq=False)
+class Tried(Search):
     """The runs of one method on one scene."""
 
     runs: Runs
@@ -42,7 +42,8 @@ class Tried:
     gaps: dict[tuple[float, float], float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.kind: str = self.method.kind
+        super().__init__()
+        self.kind = self.method.kind
         self.duration, self.outputs, self.local_order = self.scene.duration, SAMPLES - 1, self.method.local_order
         self.documented_order = documented_order(self.method, self.scene)
         self.expected = expected_order(self.method, self.scene)
@@ -50,12 +51,6 @@ class Tried:
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
         self.why_no_truth = self.truth.reason if isinstance(self.truth, NoTruth) else ""
         self.uncertainty = 0.0 if isinstance(self.truth, NoTruth) else known_to(self.scene, self.truth)
-        self.search = Search(self)
-
-    @property
-    def knobs(self) -> list[float]:
-        """The settings that were run, coarse to fine."""
-        return self.search.knobs
 
     def typed(self, knob: float) -> float:
         """Return a setting as a user types it: a step that divides the outputs, a tolerance of two digits."""
@@ -79,30 +74,30 @@ class Tried:
         return self.gaps[key]
 
     def facts(self) -> dict:
-        """Return what the ladder of this method states beside its runs."""
+        """Return what the ladder of this method states in addition to its runs."""
         return facts_of(self.method, self.scene, self.duration, self.uncertainty)
 
-    def reference(self, knob: float) -> float | None:
+    def reference_error(self, knob: float) -> float | None:
         """Return the error of a method of that order or more at the same setting, of another package."""
-        for name, other in _alike(self.scene, self.engine, self.method):
-            run = self.runs.run(self.scene, name, settings_at(other, self.scene, knob))
-            record = against(self.scene, run, self.truth)
-            if record.status == "success" and record.error is not None:
-                return record.error.value
+        own, scene, library = self.method, self.scene, engines.get(self.engine).library
+        for other in [one for one in engines.installed() if own.order is not None and one.library != library]:
+            alike = [m for m in other.able(scene) if m.kind == own.kind and (m.order or 0) >= (own.order or 0)]
+            sound = sorted([m for m in alike if not m.exemption(scene)], key=lambda m: m.order or 0)[:1]
+            for method in sound:
+                run = self.runs.run(scene, other.name, settings_at(method, scene, knob))
+                record = against(scene, run, self.truth)
+                if record.status == "success" and record.error is not None:
+                    return record.error.value
         return None
 
     def is_within(self, point: Point) -> bool:
         """Whether a run is within the work limit; a step is shortened to divide the outputs."""
         return (self.kind == "fixed" and point.knob >= 0.99 * self.finest) or point.steps <= 1.01 * self.most_steps
 
-    def verdict(self) -> Judgement:
-        """Return what the runs show."""
-        return self.search.judgement()
-
     def representative(self) -> Record | None:
         """Return the run that represents the method: the finest in agreement, else the finest that succeeded."""
-        good = self.search.good
-        agreeing = [point for point in good if point.error is not None and point.error <= 1e-6]
+        good = self.good
+        agreeing = [point for point in good if point.error is not None and point.error <= AGREEMENT]
         return self.records[(agreeing or good)[-1].knob] if good else None
 
 
@@ -135,29 +130,19 @@ def typical_facts(kind: str, order: int, expected: float, duration: float, uncer
     return {"kind": kind, "order": expected, "reference": where, "typical": typical, "uncertainty": uncertainty}
 
 
-def _alike(scene: Scene, engine: str, method: Method):
-    if method.order is None:
-        return
-    for other in engines.installed():
-        if other.library != engines.get(engine).library:
-            alike = [m for m in other.able(scene) if m.kind == method.kind and (m.order or 0) >= method.order]
-            if sound := [m for m in alike if not m.excused(scene)]:
-                yield other.name, min(sound, key=lambda m: m.order or 0)
-
-
 def search(
     runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, targets: Sequence[float] = TARGETS,
     most_steps: int = MOST_STEPS,
 ) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
     """Search the method's settings for every target; return all runs and what became of each target."""
     tried = Tried(runs, scene, engine, method, truth, most_steps)
-    if not tried.search.begin(first_knob(scene, method)):
+    if not tried.begin(first_knob(scene, method)):
         refused = all(record.status in REFUSED for record in tried.records.values())
         answer: Answer = "cannot" if refused else "not-reached"
         return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
     if isinstance(truth, Truth):
-        tried.search.reach(sorted(targets, reverse=True))
-    tried.search.settle()
+        tried.reach(sorted(targets, reverse=True))
+    tried.settle()
     return tried, [_result(tried, target) for target in sorted(targets, reverse=True)]
 
 
@@ -173,7 +158,7 @@ def first_knob(scene: Scene, method: Method) -> float:
 
 def _result(tried: Tried, target: float) -> TargetResult:
     """Return what became of a target, from all runs within the work limit."""
-    good = tried.search.good
+    good = tried.good
     records = [tried.records[point.knob] for point in good if tried.is_within(point)]
     if isinstance(tried.truth, NoTruth):
         return TargetResult(target, "unjudged", None, tried.truth.reason)
@@ -184,7 +169,7 @@ def _result(tried: Tried, target: float) -> TargetResult:
     if min(target, best - target) <= tried.uncertainty:
         why = f"the best error is {best:.1e}, and the truth is known to {tried.uncertainty:.1e}"
         return TargetResult(target, "unjudged", None, why)
-    omitted, verdict = tried.search.omitted(target - tried.uncertainty), tried.verdict()
+    omitted, verdict = tried.omitted(target - tried.uncertainty), tried.verdict()
     is_open = verdict.verdict not in WRONG and bool(good) and tried.knobs[-1] == good[-1].knob
     if is_open and omitted is not None and omitted.reaches > 1.0 - FAILING:
         return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, ROUNDED, SCATTER
+from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, SCATTER
 from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
@@ -64,8 +64,8 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Jud
         return judged._replace(reason=f"{judged.reason}; rounding may explain the errors of finer runs")
     last, error, uncertainty = good[-1].setting, float(ladder.errors[-1]), ladder.uncertainty
     bar = AGREEMENT + uncertainty  # a limit farther from the truth is off the motion by more than AGREEMENT
-    limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar) + shown.weights["lost"]
-    slow = shown.odds_of_order_below(_least_order(documented))
+    limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar)
+    slow = shown.odds_of_order_below(0.5 * min(documented, 1.0))  # of first order, or of what is documented if less
     if error + uncertainty <= AGREEMENT:
         return _agreement(good, shown, limit + stall)
     if error <= max(AGREEMENT, ONE_FIGURE * uncertainty):
@@ -74,12 +74,12 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Jud
         wrong = _wrong(good, shown, limit, stall + slow)
         if wrong is not None:
             return wrong
-    return _approach(last, shown, documented)
+    return _approach(last, shown, documented, slow)
 
 
 def above_rounding(ladder: Ladder) -> int:
     """Return the level after which rounding explains all errors: the best of those that it explains, else the last."""
-    allowed = ROUNDED * ladder.rounding
+    allowed = SCATTER * ladder.rounding
     first = len(ladder)
     while first > 0 and ladder.errors[first - 1] <= allowed[first - 1]:
         first -= 1
@@ -112,30 +112,25 @@ def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) 
     return Judgement(Verdict.DIVERGED, f"the error does not fall: still {error:.1e} at {last}", odds)
 
 
-def _approach(last: str, shown: Posterior, documented: float) -> Judgement:
-    ladder, weights, error = shown.ladder, shown.weights, float(shown.ladder.errors[-1])
-    least = max(0.3 * error, ROUNDED * float(ladder.rounding[-1]))
+def _approach(last: str, shown: Posterior, documented: float, slow: float) -> Judgement:
+    ladder, error = shown.ladder, float(shown.ladder.errors[-1])
+    least = max(error / SCATTER, SCATTER * float(ladder.rounding[-1]))
     doubts = {
-        "that it converges to another limit": shown.odds_of_limit(0.3 * error),
-        "that errors stall": shown.odds_of_stall(least) + weights["lost"],
-        "that outputs or events set all steps so far": weights["plateau"],
-        "that the error hardly falls": shown.odds_of_order_below(_least_order(documented)),
+        "that it converges to another limit": shown.odds_of_limit(error / SCATTER),
+        "that errors stall": shown.odds_of_stall(least),
+        "that outputs or events set all steps so far": shown.weights["plateau"],
+        "that the error hardly falls": slow,
     }
     odds = sum(doubts.values())
     is_best = error <= SCATTER * float(np.min(ladder.errors))
     if len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
-        slow = f", below half of {documented:.2g}" if shown.order < 0.5 * documented else ""
-        pace = f"falling with order {shown.order:.2g}{slow}"
+        pace = f"falling with order {shown.order:.2g}"
+        pace += f", below half of {documented:.2g}" if shown.order < 0.5 * documented else ""
         return Judgement(Verdict.CONVERGING, f"{error:.1e} at {last}, {pace}", _capped(odds))
     what, most = max(doubts.items(), key=lambda item: item[1])
     why = f"odds of {most:.2g} {what}" if odds >= DOUBTFUL else "too few levels, or too far off, to show an approach"
     why = why if is_best else f"a coarser setting is better, {np.min(ladder.errors):.1e}"
     return Judgement(Verdict.NOT_SHOWN, f"still {error:.1e} off at {last}: {why}")
-
-
-def _least_order(documented: float) -> float:
-    """Return the order of the slowest approach: half of first order, or of what is documented where that is less."""
-    return 0.5 * min(documented, 1.0)
 
 
 def _without_truth(shown: Posterior, why: str) -> Judgement:
@@ -168,7 +163,7 @@ def _without_success(points: Sequence[Point]) -> Judgement:
 
 
 def _with_failures(points: Sequence[Point], judged: Judgement) -> Judgement:
-    """Report the finest run beside the verdict where it failed."""
+    """Add to the reason that the finest run failed, if it did."""
     last = points[-1]
     if last.ok or last.status in REFUSED:
         return judged

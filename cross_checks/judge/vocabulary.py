@@ -84,13 +84,11 @@ class Omitted:
     reaches: float  # odds that it reaches the target
     error: float  # over the scene's scales; the median ...
     range: tuple[float, float]  # ... and the central 68 %
-    verdict: Verdict  # the most probable one on all runs and this one ...
-    odds: float  # ... and the odds of it
 
     def __str__(self) -> str:
         low, high = self.range
         error = f"an error of about {self.error:.1g} (68 %: {low:.1g} to {high:.1g})"
-        return f"about {self.steps:.1g} steps and show {error}, {self.verdict} with odds of {self.odds:.2g}"
+        return f"about {self.steps:.1g} steps and show {error}"
 
 
 @dataclass(frozen=True)

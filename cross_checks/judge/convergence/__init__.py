@@ -10,7 +10,7 @@ FILE = Path(__file__).with_name("calibration.json")
 
 @cache
 def calibration() -> dict[str, Any]:
-    """Return counts of verdicts by the true behaviour, and stated odds of a wrong limit beside what came true.
+    """Return counts of verdicts by the true behaviour, and stated odds of a wrong limit with the share that came true.
 
     `python -m tests.cross_checks.convergence.searched --write` measures them.
     """

@@ -1,14 +1,13 @@
 """The probability that a method converges to the truth, from the errors of its runs and the gaps between them.
 
 A run at setting s ends at x(s) = x_true + D + C s^p z: d = |D| is the distance of the method's own limit from the
-truth, p the order and z a direction of size about 1 whose length scatters by `sigma` decades. Five hypotheses explain
+truth, p the order and z a direction of size about 1 whose length scatters by `sigma` decades. Four hypotheses explain
 the same errors e_i and gaps g_ij, each datum once, as products of densities of log10 distances:
 
     right     D = 0: errors follow the law; a gap follows from the two errors
     limit     D > 0: gaps between neighbours follow the law; the finest error states d; the other errors follow from it
     plateau   outputs or events set the steps at all runs so far: equal errors, and the law is not visible yet
-    stalled   errors follow the law down to a level below which they do not fall, in random directions
-    lost      errors follow the law, and the last runs lie far above it
+    stalled   errors follow the law, and the last ones do not fall: they lie about a level, in random directions
 
 Right and limit admit first runs that are not on the law, plateaus before it and stray runs. Known contributions enter
 as known: the truth's uncertainty in errors, rounding in errors and gaps. Densities are Student's t with 4 degrees of
@@ -26,7 +25,7 @@ from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.truths.truth import ONE_FIGURE
 
 # Priors. Calibrated on synthetic ladders (docs/theory.md); none refers to a scene or an engine.
-PRIORS = {"right": 0.62, "limit": 0.25, "plateau": 0.04, "stalled": 0.07, "lost": 0.02}
+PRIORS = {"right": 0.62, "limit": 0.25, "plateau": 0.04, "stalled": 0.09}
 STRAY = 0.03  # probability that a run lies anywhere, off the law
 REPEATING = 0.2  # probability that runs of a stalled method may end in the same place: both miss the same event, say
 REPEATED = 0.5  # ... and that a run then ends where the one before did
@@ -76,13 +75,6 @@ class Posterior:
         ends = DISTANCES + 0.5 * (DISTANCES[1] - DISTANCES[0])  # of the grid's cells
         return float(10.0 ** np.interp(0.5, np.cumsum(self.distance), ends))
 
-    def order_range(self, share: float = 0.68) -> tuple[float, float]:
-        """Return the central interval of the order that holds a share of its probability."""
-        total = np.cumsum(self.law.sum(axis=1))
-        ends = np.searchsorted(total, [(1.0 - share) / 2.0, (1.0 + share) / 2.0])
-        low, high = self.orders[np.minimum(ends, len(self.orders) - 1)]
-        return float(low), float(high)
-
     @property
     def order(self) -> float:
         """The most probable order: the mean of the fourth power of its density, on a finer grid about the maximum."""
@@ -104,7 +96,8 @@ class Posterior:
     @property
     def observed_order(self) -> float | None:
         """The order where two runs or more follow the law and its central 68 % span less than KNOWN; else None."""
-        low, high = self.order_range()
+        total = np.cumsum(self.law.sum(axis=1))
+        low, high = self.orders[np.minimum(np.searchsorted(total, [0.16, 0.84]), len(self.orders) - 1)]
         follows = len(self.ladder) > 1 and self.weights["right"] + self.weights["limit"] > 0.5
         return self.order if follows and high - low < KNOWN * max(1.0, self.order) else None
 
@@ -114,13 +107,15 @@ def posterior(ladder: Ladder) -> Posterior:
     if not len(ladder):
         raise ValueError("ladder = (): a posterior needs one run at least")
     levels = ladder.levels()
-    known = levels.errors[np.isfinite(levels.errors)]
-    smallest = max(float(np.min(known, initial=np.inf)), TINY)
-    if not np.any(levels.rounding > COMMON * smallest):
-        return _mixed(levels, [_evidence(levels)])
-    growth = np.maximum(levels.steps, 1)
-    sizes = [factor * levels.rounding * growth ** (power - 1.0) for factor, power in ROUNDINGS]
-    return _mixed(levels, [_evidence(replace(levels, rounding=size)) for size in sizes])
+    known, sizes = levels.errors[np.isfinite(levels.errors)], [levels.rounding]
+    if np.any(levels.rounding > COMMON * max(float(np.min(known, initial=np.inf)), TINY)):
+        growth = np.maximum(levels.steps, 1)
+        sizes = [factor * levels.rounding * growth ** (power - 1.0) for factor, power in ROUNDINGS]
+    totals, parts = zip(*[_evidence(replace(levels, rounding=size)) for size in sizes], strict=True)
+    share = np.exp(np.array(totals) - _log_sum(totals))
+    weights = {name: float(share @ [part.weights[name] for part in parts]) for name in PRIORS}
+    every = [np.tensordot(share, [getattr(part, name) for part in parts], 1) for name in ("law", "distance", "level")]
+    return Posterior(levels, weights, parts[0].orders, *(each / each.sum() for each in every))
 
 
 def _log_sum(logs: Any, axis: int | tuple[int, ...] | None = None) -> np.ndarray:
@@ -176,7 +171,8 @@ class _Data:
     def __init__(
         self, ladder: Ladder, orders: np.ndarray | None = None, amplitudes: np.ndarray = AMPLITUDES
     ) -> None:  # fmt: skip
-        n = len(ladder)
+        n, bound = len(ladder), ladder.bound  # a run that has blown up is as far off as motions go
+        ladder = replace(ladder, errors=np.minimum(ladder.errors, bound), gaps=np.minimum(ladder.gaps, bound))
         self.ladder, self.n = ladder, n
         self.orders, self.amplitudes = _grid(ladder.order) if orders is None else orders, amplitudes
         log_order = _order_prior(self.orders, ladder.order)
@@ -286,33 +282,25 @@ class _Data:
                      - decades / FADE[self.ladder.kind])  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Evidence:
-    """Unnormalised probabilities under one size of rounding."""
-
-    total: float
-    logs: dict[str, float]
-    orders: np.ndarray
-    law: np.ndarray
-    distance: np.ndarray
-    level: np.ndarray
-
-
-def _evidence(ladder: Ladder) -> _Evidence:
+def _evidence(ladder: Ladder) -> tuple[float, Posterior]:
+    """Return the log evidence under one size of rounding, and what it shows; the law's sum is that of its weights."""
     data = _Data(ladder)
     if not np.isfinite(ladder.errors).all():
         return _without_truth(data)
     right, law_right = _right(data)
     limit, law_limit, distance = _limit(data)
     stalled, level = _stalled(data)
-    logs = {
-        "right": right, "limit": limit, "stalled": stalled, "lost": _lost(data),
-        "plateau": data.plateau(data.n) if data.n > 1 else -np.log(SPAN),
-    }  # fmt: skip
-    logs = {name: float(value + np.log(PRIORS[name])) for name, value in logs.items()}
-    total = float(_log_sum(list(logs.values())))
-    law = np.exp(logs["right"] - total) * law_right + np.exp(logs["limit"] - total) * law_limit
-    return _Evidence(total, logs, data.orders, law, distance, level)
+    plateau = data.plateau(data.n) if data.n > 1 else -np.log(SPAN)
+    total, weights = _weighed({"right": right, "limit": limit, "plateau": plateau, "stalled": stalled})
+    law = weights["right"] * law_right + weights["limit"] * law_limit
+    return total, Posterior(ladder, weights, data.orders, law, distance, level)
+
+
+def _weighed(logs: dict[str, float]) -> tuple[float, dict[str, float]]:
+    """Return the log evidence of all hypotheses, and their probabilities; those without evidence have none."""
+    every = {name: float(logs.get(name, -np.inf) + np.log(prior)) for name, prior in PRIORS.items()}
+    total = float(_log_sum(list(every.values())))
+    return total, {name: float(np.exp(value - total)) for name, value in every.items()}
 
 
 def _right(data: _Data) -> tuple[float, np.ndarray]:
@@ -352,8 +340,8 @@ def _limit(data: _Data) -> tuple[float, np.ndarray, np.ndarray]:
 def _stalled(data: _Data) -> tuple[float, np.ndarray]:
     """Return the log evidence that errors stall, grow, or lie at random heights, and the posterior of their level.
 
-    The last runs scatter about a level by 0.12 to 1.5 decades; those before them may follow the law. Directions are
-    random, or there are few of them, and runs that take the same one are equal.
+    The last runs scatter about a level by 0.12 to 1.5 decades; those before may follow the law, to far below it.
+    Directions are random, or there are few of them, and runs that take the same one are equal.
     """
     n = data.n
     widths = np.array([0.12, 0.35, 0.7, 1.5])
@@ -374,50 +362,22 @@ def _stalled(data: _Data) -> tuple[float, np.ndarray]:
     return total, np.exp(logs - total)
 
 
-def _lost(data: _Data) -> float:
-    """Return the log evidence that two last runs or more lie far above the law of those before."""
-    logs = []
-    for count in range(2, data.n):
-        before = data.n - count
-        if np.min(data.errors[before:]) <= 3.0 * np.min(data.errors[:before]):
-            continue
-        law = data.by_law[..., :before].sum(axis=-1) + data.gaps_by_errors[..., : before - 1].sum(axis=-1)
-        rest = float(data.across[before - 1 :].sum()) - count * np.log(SPAN) - count * np.log(2.0)
-        logs.append(float(_log_sum(data.prior + law)) + rest)
-    return float(_log_sum(logs)) if logs else -np.inf
-
-
 def _by_gaps(data: _Data) -> tuple[float, np.ndarray]:
     """Return the log evidence that gaps follow the law, and the posterior of order and amplitude."""
     return _summed(data.prior + data.gaps_by_law.sum(axis=-1))
 
 
-def _without_truth(data: _Data) -> _Evidence:
+def _without_truth(data: _Data) -> tuple[float, Posterior]:
     """Return the evidence of the gaps alone: they follow the law, or do not shrink."""
     right, law = _by_gaps(data)
     apart = density(data.log_gap, LEVELS[:, None], 0.35).sum(axis=-1) - np.log(len(LEVELS))
-    logs = {name: -np.inf for name in PRIORS}
-    logs |= {"right": right + np.log(PRIORS["right"]), "stalled": float(_log_sum(apart)) + np.log(PRIORS["stalled"])}
-    total = float(_log_sum(list(logs.values())))
-    level = np.exp(apart - _log_sum(apart))
-    return _Evidence(total, logs, data.orders, law, np.full(len(DISTANCES), 1.0 / len(DISTANCES)), level)
+    stalled = float(_log_sum(apart))
+    total, weights = _weighed({"right": right, "stalled": stalled})
+    flat = np.full(len(DISTANCES), 1.0 / len(DISTANCES))
+    return total, Posterior(data.ladder, weights, data.orders, law, flat, np.exp(apart - stalled))
 
 
 def _summed(logs: np.ndarray) -> tuple[float, np.ndarray]:
     """Return the log of a sum over the grid, and the probabilities of order and amplitude (p, b)."""
     total = float(_log_sum(logs))
     return total, np.exp(_log_sum(logs, axis=tuple(range(2, logs.ndim))) - total)
-
-
-def _mixed(ladder: Ladder, parts: list[_Evidence]) -> Posterior:
-    share = np.exp([part.total for part in parts] - _log_sum([part.total for part in parts]))
-    weights = {
-        name: float(sum(s * np.exp(part.logs[name] - part.total) for s, part in zip(share, parts, strict=True)))
-        for name in PRIORS
-    }
-
-    def mixed(name: str) -> np.ndarray:
-        return np.sum([s * getattr(part, name) for s, part in zip(share, parts, strict=True)], axis=0)
-
-    law, distance, level = mixed("law"), mixed("distance"), mixed("level")
-    return Posterior(ladder, weights, parts[0].orders, law / law.sum(), distance / distance.sum(), level / level.sum())

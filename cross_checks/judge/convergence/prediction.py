@@ -1,7 +1,6 @@
 """The error to expect at a setting that was not run, from the posterior of the runs that were; and where runs lead."""
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -11,23 +10,17 @@ from mbs_ref import Trajectory
 FAR = {"fixed": 0.25, "adaptive": 0.4}  # decades: scatter of an error far from all runs
 NEAR = 0.06  # decades: scatter of an error at a setting that was run
 MEMORY = 1.5  # decades of the error over which the nearest run's distance from the law fades by e
-UNLIKELY = 0.03  # odds of a hypothesis below which its outcome is omitted
 LIKELY = 1e-3  # of the largest probability: laws below are omitted
 
 
-class Outcome(NamedTuple):
-    """What a hypothesis expects of a run."""
-
-    odds: float  # of the hypothesis
-    error: float
-    gaps: np.ndarray  # (n,) to the runs so far
-
-
 def odds_below(posterior: Posterior, settings: np.ndarray, error: float | np.ndarray) -> np.ndarray:
-    """Return the probability (n_s,) that a run at each setting has an error of at most `error`, one or (n_s,)."""
-    weights, goal = posterior.weights, np.log10(error)
+    """Return the probability (n_s,) that a run at each setting has an error of at most `error`, one or (n_s,).
+
+    Of a column of errors (n_t, 1), it is (n_t, n_s).
+    """
+    weights, goal = posterior.weights, np.atleast_1d(np.log10(error))
     weight, predicted, scatter = _predicted(posterior, settings)
-    by_law = weight @ probability_below((goal - predicted) / scatter)
+    by_law = weight @ probability_below((goal[..., None, :] - predicted) / scatter)
     near_limit = np.append(0.0, np.cumsum(posterior.distance))[np.searchsorted(DISTANCES, goal)]
     stalled = np.append(0.0, np.cumsum(posterior.level))[np.searchsorted(LEVELS, goal)]
     odds = by_law * (weights["right"] + weights["limit"] * near_limit) + weights["stalled"] * stalled
@@ -40,34 +33,12 @@ def probability_below(z: np.ndarray) -> np.ndarray:
     return 0.5 + 0.375 * u * (1.0 - u * u / 12.0)
 
 
-def expected_log_error(posterior: Posterior, settings: np.ndarray) -> np.ndarray:
-    """Return the mean log10 error (n_s,) by the law alone."""
-    weight, predicted, _ = _predicted(posterior, settings)
-    return weight @ predicted
-
-
 def error_range(posterior: Posterior, setting: float) -> tuple[float, float, float]:
     """Return the error at a setting that a run does not exceed with a probability of 0.16, 0.5 and 0.84."""
     errors = np.geomspace(1e-16, 1e2, 145)
     below = odds_below(posterior, np.full(len(errors), setting), errors)
     low, middle, high = (errors[min(int(np.searchsorted(below, odds)), len(errors) - 1)] for odds in (0.16, 0.5, 0.84))
     return float(low), float(middle), float(high)
-
-
-def outcomes(posterior: Posterior, setting: float, errors: np.ndarray, gaps: np.ndarray) -> list[Outcome]:
-    """Return what likely hypotheses but a plateau expect of a run, beside runs of these errors (n,) and gaps (n, n)."""
-    weights = posterior.weights
-    by_law = float(10.0 ** expected_log_error(posterior, np.array([setting]))[0])
-    middle = 10.0 ** LEVELS[int(np.searchsorted(np.cumsum(posterior.level), 0.5))]
-    to_limit = gaps[:, -1].copy()
-    to_limit[-1] = min(by_law, float(errors[-1]))
-    off = float(np.hypot(posterior.limit_distance, min(by_law, float(errors[-1]))))
-    every = [
-        Outcome(weights["right"], by_law, np.hypot(errors, by_law)),
-        Outcome(weights["limit"], off, to_limit),
-        Outcome(weights["stalled"] + weights["lost"], middle, np.hypot(errors, middle)),
-    ]
-    return [one for one in every if one.odds > UNLIKELY]
 
 
 def _predicted(posterior: Posterior, settings: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

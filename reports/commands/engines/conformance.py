@@ -56,7 +56,7 @@ def _progress(text: str) -> None:
 
 
 def _lines(report: Report) -> Iterable[str]:
-    """Yield the table of figures, what is excused, what failed, and the sum."""
+    """Yield the table of figures, what is exempt, what failed, and the sum."""
     yield f"{report.engine} {report.version}"
     yield COLUMNS
     for row in report.rows:
@@ -64,23 +64,23 @@ def _lines(report: Report) -> Iterable[str]:
         error = "none ends" if row.error is None else f"{row.error:.1e}"
         loop = "" if row.loop_s is None else f"{1e3 * row.loop_s:.3g} ms"
         yield f"{row.scene:<26} {row.method:<22} {order:>6} {row.documented or '':>6} {error:>9} {loop:>10}"
-    for finding in report.of("excused"):
-        yield f"excused: {finding.question}: {finding.scene} by {finding.method}: {finding.detail}"
-    for method, excuse in sorted({(f.method, f.excuse) for f in report.of("excused")}):
-        yield f"  {method} declares: {excuse}"
+    for finding in report.of("exempt"):
+        yield f"exempt: {finding.question}: {finding.scene} by {finding.method}: {finding.detail}"
+    for method, exemption in sorted({(f.method, f.exemption) for f in report.of("exempt")}):
+        yield f"  {method} declares: {exemption}"
     for finding in report.of("failed"):
         yield f"FAILED: {finding.question}: {finding.scene} {finding.method}: {finding.detail}"
     if report.uncovered:
         yield f"declared, and in no scene that is asked here: {', '.join(report.uncovered)}"
-    counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "excused", "failed")}
+    counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "exempt", "failed")}
     yield ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
 
 
 def _badge(report: Report) -> dict[str, object]:
     """Return a badge in the form that shields.io reads from an endpoint."""
-    counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "excused", "failed")}
+    counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "exempt", "failed")}
     message = ", ".join(f"{count} {outcome}" for outcome, count in counts.items() if count)
-    colour = "red" if counts["failed"] else "yellow" if counts["excused"] else "brightgreen"
+    colour = "red" if counts["failed"] else "yellow" if counts["exempt"] else "brightgreen"
     return {"schemaVersion": 1, "label": "mbs-ref conformance", "message": message, "color": colour}
 
 

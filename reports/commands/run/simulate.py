@@ -56,7 +56,7 @@ def command(
     chosen_scene = inputs.scene(scene, parameters, keep_rates)
     chosen = inputs.settings(method=method, **options)
     solver = inputs.engine(engine)
-    chosen = chosen.model_copy(update={"method": inputs.method(solver, method or solver.unasked)})
+    chosen = chosen.model_copy(update={"method": inputs.method(solver, method or solver.default_method)})
 
     if not as_json:
         click.echo(summary(chosen_scene).sentence())

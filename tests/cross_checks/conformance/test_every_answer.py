@@ -94,16 +94,16 @@ def test_an_engine_is_called_by_its_name_and_its_ladders_fall():
         assert "no package" in examine._identity(SimpleNamespace(**{**vars(good), **lacking}), "a")  # type: ignore[arg-type]
 
 
-def test_findings_are_sorted_by_outcome_and_excused_ones_do_not_fail():
-    found = [verdict("q", "m", "s", wrong, seen="seen", excuse=excuse)
-             for wrong, excuse in (("", ""), ("", "weak"), ("bad", "weak"), ("bad", ""))]  # fmt: skip
-    assert [(f.outcome, f.detail, f.excuse) for f in found] == [
-        ("passed", "seen", ""), ("passed", "seen", ""), ("excused", "bad", "weak"), ("failed", "bad", "")]  # fmt: skip
+def test_findings_are_sorted_by_outcome_and_exempt_ones_do_not_fail():
+    found = [verdict("q", "m", "s", wrong, seen="seen", exemption=exemption)
+             for wrong, exemption in (("", ""), ("", "weak"), ("bad", "weak"), ("bad", ""))]  # fmt: skip
+    assert [(f.outcome, f.detail, f.exemption) for f in found] == [
+        ("passed", "seen", ""), ("passed", "seen", ""), ("exempt", "bad", "weak"), ("failed", "bad", "")]  # fmt: skip
     assert found[0] == Finding("q", "m", "s", "passed", "seen")
     reports = [Report("e", "1", tuple(found[:k]), ()) for k in (3, 4)]
     assert [report.conforms for report in reports] == [True, False]
     assert reports[1].to_dict()["conforms"] is False
-    assert [len(reports[1].of(word)) for word in ("passed", "excused", "failed")] == [2, 1, 1]  # type: ignore[arg-type]
+    assert [len(reports[1].of(word)) for word in ("passed", "exempt", "failed")] == [2, 1, 1]  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

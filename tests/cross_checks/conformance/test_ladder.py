@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cross_checks.conformance.apart import Called
-from cross_checks.conformance.ladder import _excusable, _Rungs
+from cross_checks.conformance.ladder import _exemptible, _Rungs
 from cross_checks.conformance.questions import Question
 from cross_checks.engine import Method
 from cross_checks.judge.ladder import settings_at
@@ -59,7 +59,7 @@ def test_runs_that_follow_an_order_raise_no_alarm(order, rates):
     for kind, count in (("fixed", 2), ("fixed", 3), ("fixed", 4), ("adaptive", 2), ("adaptive", 4)):
         rising = rungs(order, count, kind, rates, rng)
         assert rising.shown is not None
-        assert next(_excusable(rising)) == ("truth", ""), (kind, count, rising.errors, rising.shown.weights)
+        assert next(_exemptible(rising)) == ("truth", ""), (kind, count, rising.errors, rising.shown.weights)
 
 
 @pytest.mark.parametrize("rates", KNOWN)

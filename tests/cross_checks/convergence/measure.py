@@ -27,7 +27,7 @@ MISTAKES: list[tuple[Label, str]] = [  # the worst first
     ("correct", "open"), ("wrong-limit", "open"), ("never", "open"),
 ]  # fmt: skip
 
-type Answer = tuple[str, Mapping[str, float], int]  # verdict, odds of wrong_limit, none and lost, number of runs
+type Answer = tuple[str, Mapping[str, float], int]  # verdict, odds of wrong_limit and none, number of runs
 type Classifier = Callable[[SyntheticMethod, int], Answer]
 
 

@@ -23,12 +23,13 @@ FAMILIES = {"calibration": CALIBRATION, "held-out": HELD_OUT}
 FIRST_STEPS = 400  # of the first run with fixed steps
 
 
-class Subject:
+class Searched(Search):
     """One synthetic method; errors are relative to the scene."""
 
     why_no_truth, outputs, most_steps = "", OUTPUTS, MOST_STEPS
 
     def __init__(self, method: SyntheticMethod) -> None:
+        super().__init__()
         self.method, self.kind, self.duration = method, method.kind, method.duration
         p = float(method.order)
         self.documented_order = p / (p + 1.0) if method.kind == "adaptive" else p if method.is_smooth else min(p, 1.0)
@@ -60,21 +61,20 @@ class Subject:
         facts = typical_facts(self.kind, self.method.order, self.expected, self.duration, self.method.uncertainty)
         return facts | {"typical": facts["typical"] + amplified}
 
-    def reference(self, knob: float) -> None:
+    def reference_error(self, knob: float) -> None:
         return None
 
 
 def classify(method: SyntheticMethod, seed: int) -> Answer:
     """Return the verdict on a method, its odds and the number of runs."""
-    subject = Subject(method)
-    search = Search(subject)
+    search = Searched(method)
     if search.begin(FIRST_RTOL if method.kind == "adaptive" else method.duration / FIRST_STEPS):
         search.reach(TARGETS)
     verdict, shown = search.settle().verdict, search.shown()
     if shown is None:
         return str(verdict), {}, len(search.points)
     bar = max(AGREEMENT, 10.0 * method.uncertainty)
-    odds = {"wrong_limit": shown.odds_of_limit(bar), "none": shown.odds_of_stall(bar), "lost": shown.weights["lost"]}
+    odds = {"wrong_limit": shown.odds_of_limit(bar), "none": shown.odds_of_stall(bar)}
     return str(verdict), odds, len(search.points)
 
 

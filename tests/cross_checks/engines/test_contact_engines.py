@@ -57,7 +57,7 @@ def test_the_closed_form_is_a_truth():
 
 
 @pytest.mark.parametrize(("engine", "method"), [("mujoco", "rk4"), ("exudyn", "contact_rk44")])
-def test_a_weakness_with_friction_excuses_where_something_rubs(engine, method):
+def test_a_weakness_with_friction_exempts_where_something_rubs(engine, method):
     offered = engines.get(engine).method(method)
-    assert offered.excused(scenes.make("sliding_block"))
-    assert not offered.excused(scenes.make("bouncing_ball"))
+    assert offered.exemption(scenes.make("sliding_block"))
+    assert not offered.exemption(scenes.make("bouncing_ball"))

@@ -117,7 +117,7 @@ def test_a_copy_under_another_name_has_the_truth_and_the_verdict_of_the_original
     assert not known.is_wrong
 
 
-def test_a_weakness_excuses_where_its_trait_holds_alone():
+def test_a_weakness_exempts_where_its_trait_holds_alone():
     method = engines.get("mujoco").method("rk4")
-    assert method.excused(scenes.make("slider_crank"))
-    assert not method.excused(scenes.make("pendulum_chain", links=3))
+    assert method.exemption(scenes.make("slider_crank"))
+    assert not method.exemption(scenes.make("pendulum_chain", links=3))

@@ -31,7 +31,7 @@ FOURTH, ADAPTIVE = Method("rk4", "fixed", 4, "made up"), Method("tight", "adapti
 @pytest.fixture(autouse=True)
 def alone(monkeypatch):
     """No other engine is a reference of made-up methods, unless a test wants one."""
-    monkeypatch.setattr("cross_checks.judge.tried.Tried.reference", lambda tried, knob: None)
+    monkeypatch.setattr("cross_checks.judge.tried.Tried.reference_error", lambda tried, knob: None)
 
 
 @dataclass
@@ -247,7 +247,6 @@ def test_what_costs_too_much_is_not_tried_and_says_so():
     omitted = answers[1].omitted
     assert 0.5 < omitted.steps / (SCENE.duration / 1e-6) < 3.0
     assert omitted.range[0] <= omitted.error <= omitted.range[1] <= 3e-6
-    assert omitted.verdict is Verdict.AGREES
     assert SCENE.duration / min(runs.asked) <= 1.01 * MOST_STEPS
 
 
@@ -284,9 +283,9 @@ def test_runs_that_are_as_far_off_as_motions_go_are_compared_with_a_reference_me
     """Its error at the same setting states what the motion allows: as far off as it, nobody is classified as wrong."""
     made = MadeUp(lambda h: 1.5 + 0.2 * np.sin(1e4 * h), turn=lambda h: 7e5 * h)
     for error, verdict in ((1.6, Verdict.NOT_SHOWN), (1e-9, Verdict.DIVERGED)):
-        monkeypatch.setattr("cross_checks.judge.tried.Tried.reference", lambda tried, knob, error=error: error)
+        monkeypatch.setattr("cross_checks.judge.tried.Tried.reference_error", lambda tried, knob, error=error: error)
         tried, answers = search(made, SCENE, "made", FOURTH, TRUTH)
-        assert tried.search.reference is not None
+        assert tried.reference is not None
         assert tried.verdict().verdict is verdict, tried.verdict()
         assert {answer.answer for answer in answers} <= {"not-tried", "not-reached"}
 
@@ -324,8 +323,8 @@ def test_the_reference_is_of_another_library_and_of_no_lower_order(monkeypatch):
     monkeypatch.undo()
     scene = scenes.make("double_pendulum")
     runs, truth = Runs(), truth_of(Runs(), scene)
-    theirs = Tried(runs, scene, "pinocchio", engines.get("pinocchio").method("rk4"), truth).reference(0.05)
-    ours = Tried(runs, scene, "mbs_ref", engines.get("mbs_ref").method("rk4"), truth).reference(0.05)
+    theirs = Tried(runs, scene, "pinocchio", engines.get("pinocchio").method("rk4"), truth).reference_error(0.05)
+    ours = Tried(runs, scene, "mbs_ref", engines.get("mbs_ref").method("rk4"), truth).reference_error(0.05)
     assert theirs is not None
     assert ours == pytest.approx(theirs, rel=0.5)  # rk4 is rk4
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cross_checks.judge.bounds import SCATTER
 from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.verdict import Judgement, Point, judge, ladder_of
 from cross_checks.judge.vocabulary import Verdict
@@ -77,6 +78,12 @@ def test_errors_that_neither_fall_nor_settle_over_three_decades_diverge():
     assert verdict(errors, gaps, 2.0).verdict is Verdict.NOT_SHOWN  # over 1.8 decades: odds of 0.84
 
 
+def test_runs_that_blow_up_are_one_loss_however_far_they_go():
+    """An instability from some step count on: by size alone, each such run would be a stray of its own."""
+    errors = [1e-5, 1e-7, 1e-9, 3e3, 1e7, 1e11]
+    assert verdict(errors, [1e-5, 1e-7, *errors[3:]], 6.0).verdict is Verdict.LOST
+
+
 @pytest.mark.parametrize(
     ("errors", "word"),
     [
@@ -132,7 +139,7 @@ def test_runs_that_take_the_same_steps_are_one_level(errors, gaps, steps, word):
 def test_rounding_explains_errors_within_it(errors, gaps, rounding, word):
     found = verdict(errors, gaps, rounding=rounding)
     assert found.verdict is word, found
-    set_aside = errors[-1] <= 5.0 * rounding and word is not Verdict.AGREES
+    set_aside = errors[-1] <= SCATTER * rounding and word is not Verdict.AGREES
     assert ("rounding may explain" in found.reason) == set_aside
 
 
