@@ -1,5 +1,6 @@
 """Runs of scenes, each computed once: what the store lacks is computed in this process or another, and stored."""
 
+import time
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,7 +12,8 @@ from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.metric import Judged, from_truth
-from cross_checks.records.record import Record
+from cross_checks.records.machine import BUSY, WARMED, machine
+from cross_checks.records.record import Record, loop_time
 from cross_checks.records.store import Run, Store, run_name, truth_name
 from cross_checks.truths import LIMIT_S, seek_truth
 from cross_checks.truths.truth import NoTruth, Truth, time_limit
@@ -31,6 +33,7 @@ class Runs:
     call: Caller = direct  # makes the runs; cross_checks.isolation.parent survives engines that do not come back
     computed: int = 0  # runs that were not in the store
     times: np.ndarray | None = None  # (n_t,) s of every run; the judges' grid unless given
+    longest: float = np.inf  # s of processor time that a search may spend on a run for a target alone
 
     def grid(self, scene: Scene) -> np.ndarray:
         """Return the times of a scene's runs (n_t,), s."""
@@ -65,9 +68,13 @@ class Runs:
         return replace(stored, record=replace(stored.record, scene=scene.name, parameters=dict(scene.parameters)))
 
     def keep(self, scene: Scene, engine: str, settings: Settings, run: Run) -> None:
-        """Store a run that another process computed, unless it was lost for want of time or memory."""
-        if run.record.status not in PASSING:
-            self.store.keep_run(run_name(scene, engines.get(engine), settings, self.grid(scene)), run)
+        """Store a run, unless it was lost for want of time or memory, and the time of a long loop."""
+        if run.record.status in PASSING:
+            return
+        name, loop_s = run_name(scene, engines.get(engine), settings, self.grid(scene)), loop_time(run.record)
+        self.store.keep_run(name, run)
+        if run.host and loop_s > WARMED and run.record.times["cpu_share"] >= BUSY:
+            self.store.keep_timings(name, run.host, [loop_s])
 
     def truth(self, scene: Scene, times: np.ndarray | None = None) -> Truth | NoTruth:
         """Return the scene's truth at `times` (s; the judges' grid unless given): stored, or computed and stored.
@@ -88,7 +95,10 @@ class Runs:
 
 def make(scene: Scene, engine: str, settings: Settings, times: np.ndarray) -> Run:
     """Make a run, held against no truth; one that Ctrl-C cut short is none."""
-    return Run(*complete(judged_run(scene, engine, settings, times, truth=NOT_COMPARED)))
+    wall, cpu = time.perf_counter(), time.process_time()
+    record, path = complete(judged_run(scene, engine, settings, times, truth=NOT_COMPARED))
+    share = (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9)
+    return Run(replace(record, times=record.times | {"cpu_share": share}), path, machine() if path else "")
 
 
 def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:

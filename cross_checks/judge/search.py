@@ -4,7 +4,8 @@ A run is worth the odds that it reaches a target from within WINDOW, less what i
 where no setting within the work limit has fair odds. Further runs follow only while the verdict is not settled: a
 finer one, halfway to the finest setting where a plateau or a limit of its own may hide the law. A method is classified
 as wrong only after a run plainly finer than all others, even beyond the work limit. Work is counted in steps, the same
-for every engine, so that the choice does not depend on how busy a machine is.
+for every engine, so that the choice does not depend on how busy a machine is. A limit of processor time may besides
+end the search for a target; a verdict goes beyond it where no shorter run is left.
 """
 
 import math
@@ -39,6 +40,11 @@ class Subject(Protocol):
     most_steps: int
     why_no_truth: str
 
+    @property
+    def affordable(self) -> float:
+        """The steps of a run that is made for a target alone."""
+        ...
+
     def typed(self, knob: float) -> float:
         """Return the setting nearest to a wish that a user can type."""
         ...
@@ -49,6 +55,10 @@ class Subject(Protocol):
 
     def gap(self, first: float, second: float) -> float:
         """Return the distance between two runs; NaN where unknown."""
+        ...
+
+    def seconds(self, steps: float) -> float | None:
+        """Return the processor time (s) of so many steps; None where no run shows it."""
         ...
 
     def facts(self) -> dict:
@@ -133,9 +143,8 @@ class Search:
 
         `tries` counts the runs made for each target.
         """
-        shown = self.shown()
-        knobs = self._candidates()
-        if shown is None or not len(knobs):
+        shown, knobs = self.shown(), self._candidates()
+        if shown is None or not len(knobs := knobs[self.steps(knobs) <= self.subject.affordable]):
             return None
         runs = self._odds_to_run(knobs)
         steps = np.log10(np.maximum(self.steps(knobs), 1.0))
@@ -289,6 +298,8 @@ class Search:
         ]
         if not len(knobs):
             return None
+        cheap = self.steps(knobs) <= self.subject.affordable
+        knobs = knobs[cheap] if cheap.any() else knobs
         middle, shown = math.sqrt(good.min() * good.max()), self.shown()
         wished = knobs < good.max()
         if shown is not None and len(shown.ladder) > 1:
@@ -360,4 +371,5 @@ class Search:
             verdicts[judged.verdict] = verdicts.get(judged.verdict, 0.0) + share
         verdict = max(verdicts, key=lambda word: verdicts[word])
         steps = float(self.steps(knobs[place : place + 1])[0])
-        return Omitted(knob, steps, float(odds[place]), middle, (low, high), verdict, verdicts[verdict])
+        reaches, seconds = float(odds[place]), self.subject.seconds(steps)
+        return Omitted(knob, steps, reaches, middle, (low, high), verdict, verdicts[verdict], seconds)

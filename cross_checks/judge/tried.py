@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.bounds import FAILING, MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import FAILING, FAIR, MOST_STEPS, TARGETS
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
 from cross_checks.judge.verdict import Judgement, Point
-from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult
+from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, Omitted, TargetResult
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
@@ -78,6 +78,19 @@ class Tried:
             self.gaps[key] = gap(self.scene, self.truth, self.paths[first], self.paths[second])
         return self.gaps[key]
 
+    def seconds(self, steps: float) -> float | None:
+        """Return the processor time (s) of so many steps, by the longest run; None where none shows it."""
+        times = [(point.steps, self.records[point.knob].times) for point in self.search.good if point.steps]
+        made, known = max(times, key=lambda one: one[0], default=(0, {}))
+        cost = known.get("loop_s", 0.0) * min(known.get("cpu_share", 0.0), 1.0)
+        return cost / made * steps if cost else None
+
+    @property
+    def affordable(self) -> float:
+        """The steps of a run that is made for a target alone: a power of two, so that small noise changes nothing."""
+        a_step, longest = self.seconds(1.0), self.runs.longest
+        return 2.0 ** math.floor(math.log2(longest / a_step)) if a_step and longest < math.inf else math.inf
+
     def facts(self) -> dict:
         """Return what the ladder of this method states beside its runs."""
         return facts_of(self.method, self.scene, self.duration, self.uncertainty)
@@ -94,6 +107,10 @@ class Tried:
     def is_within(self, point: Point) -> bool:
         """Whether a run is within the work limit; a step is shortened to divide the outputs."""
         return (self.kind == "fixed" and point.knob >= 0.99 * self.finest) or point.steps <= 1.01 * self.most_steps
+
+    def is_costly(self, omitted: Omitted) -> bool:
+        """Whether a run was omitted for its processor time, within the work limit."""
+        return self.affordable < omitted.steps <= 1.01 * self.most_steps
 
     def verdict(self) -> Judgement:
         """Return what the runs show."""
@@ -186,7 +203,7 @@ def _result(tried: Tried, target: float) -> TargetResult:
         return TargetResult(target, "unjudged", None, why)
     omitted, verdict = tried.search.omitted(target - tried.uncertainty), tried.verdict()
     is_open = verdict.verdict not in WRONG and bool(good) and tried.knobs[-1] == good[-1].knob
-    if is_open and omitted is not None and omitted.reaches > 1.0 - FAILING:
+    if is_open and omitted is not None and omitted.reaches > (FAIR if tried.is_costly(omitted) else 1.0 - FAILING):
         return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
     return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}", omitted)
 

@@ -86,11 +86,13 @@ class Omitted:
     range: tuple[float, float]  # ... and the central 68 %
     verdict: Verdict  # the most probable one on all runs and this one ...
     odds: float  # ... and the odds of it
+    seconds: float | None = None  # of processor time; None where no run shows what a step costs
 
     def __str__(self) -> str:
         low, high = self.range
         error = f"an error of about {self.error:.1g} (68 %: {low:.1g} to {high:.1g})"
-        return f"about {self.steps:.1g} steps and show {error}, {self.verdict} with odds of {self.odds:.2g}"
+        cost = f"about {self.steps:.1g} steps" + (f", {self.seconds:.2g} s," if self.seconds else "")
+        return f"{cost} and show {error}, {self.verdict} with odds of {self.odds:.2g}"
 
 
 @dataclass(frozen=True)

@@ -17,13 +17,14 @@ from pydantic import TypeAdapter
 
 from cross_checks import engines
 from cross_checks.engine import Method
+from cross_checks.judge.bounds import longest
 from cross_checks.judge.cell import judged, refused, tasks
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell
-from cross_checks.prices.timing import least_times
+from cross_checks.prices.timing import Sample, least_times, stored_times
 from cross_checks.records.numbers import duration, metres, setting, short
-from cross_checks.records.record import Record, loop_time
+from cross_checks.records.record import Record, is_busy, loop_time
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, Settings, scenes
@@ -148,10 +149,10 @@ class Result:
         }  # fmt: skip
 
 
-def measure() -> Measured:
-    """Search and time everything; the store holds the searched runs."""
+def measure(full: bool = False) -> Measured:
+    """Search and time everything; the store holds the searched runs. `full` makes runs that take long, too."""
     with Store(default_path()) as store:
-        rows = [pair(Runs(store), request) for request in PAIRS]
+        rows = [pair(Runs(store, longest=longest(full)), request) for request in PAIRS]
     return shown([(request.title, request.note, own) for request, own in zip(PAIRS, rows, strict=True)], sky_places())
 
 
@@ -212,9 +213,9 @@ def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Result]:
     data = ReportData(tuple(_cell(runs, scene, *entrant, truth, request) for entrant in request.entrants()), ())
     label = data.scenes[0]
     able = {cell.engine for cell in data.cells if not cell.is_refused}
+    data = replace(data, records=_timed(runs.store, scene, data, request.targets))
     for target in request.targets:
-        timed = replace(data, records=_timed(scene, data, target))
-        listed = [entry for entry in entries(timed, label, target) if entry.engine in able]
+        listed = [entry for entry in entries(data, label, target) if entry.engine in able]
         ours = next((loop_time(entry.best) for entry in listed if entry.best and entry.engine == OURS), None)
         for entry in listed:
             ratio = None if ours is None or entry.best is None else loop_time(entry.best) / ours
@@ -230,11 +231,18 @@ def _cell(
     return judged(runs, scene, engine, method, truth, request.targets, WORK // len(scene.bodies))[0]
 
 
-def _timed(scene: Scene, data: ReportData, target: float) -> tuple[Record, ...]:
-    """Return the runs that may be an engine's cheapest at a target, timed in randomly interleaved turns."""
-    near_best = [run for engine in data.engines for run in near(reaching(data, data.scenes[0], engine, target))]
-    times = least_times([partial(_loop, scene, run) for run in near_best], [loop_time(run) for run in near_best])
-    return tuple(replace(run, times=run.times | {"loop_s": time}) for run, time in zip(near_best, times, strict=True))
+def _timed(store: Store, scene: Scene, data: ReportData, targets: Sequence[float]) -> tuple[Record, ...]:
+    """Return the runs that may be an engine's cheapest at a target, each timed once in randomly interleaved turns.
+
+    A long run that had a processor to itself when it was searched is not repeated.
+    """
+    offers = [reaching(data, data.scenes[0], engine, target) for engine in data.engines for target in targets]
+    runs = list({(run.engine, str(run.settings)): run for offered in offers for run in near(offered)}.values())
+    held = [stored_times(store, scene, run) for run in runs]
+    first = [Sample(loop_time(run), float(own is not None and not is_busy(own)))
+             for run, own in zip(runs, held, strict=True)]  # fmt: skip
+    times = least_times([partial(_loop, scene, run) for run in runs], first)
+    return tuple(replace(run, times=run.times | {"loop_s": time}) for run, time in zip(runs, times, strict=True))
 
 
 def _loop(scene: Scene, run: Record) -> float:
@@ -251,10 +259,10 @@ def parts() -> list[tuple[int, int, int]]:
     ]  # fmt: skip
 
 
-def make(part: tuple[int, int, int]) -> None:
+def make(part: tuple[int, int, int], full: bool = False) -> None:
     """Search once: the store keeps the runs, among which `measure` looks for the cheapest."""
     request = PAIRS[part[0]]
     scene, entrant = request.built()[part[1]], request.entrants()[part[2]]
     with Store(default_path()) as store:
-        runs = Runs(store)
+        runs = Runs(store, longest=longest(full))
         _cell(runs, scene, *entrant, runs.truth(scene), request)

@@ -26,7 +26,7 @@ FIRST_STEPS = 400  # of the first run with fixed steps
 class Subject:
     """One synthetic method; errors are relative to the scene."""
 
-    why_no_truth, outputs, most_steps = "", OUTPUTS, MOST_STEPS
+    why_no_truth, outputs, most_steps, affordable = "", OUTPUTS, MOST_STEPS, math.inf
 
     def __init__(self, method: SyntheticMethod) -> None:
         self.method, self.kind, self.duration = method, method.kind, method.duration
@@ -54,6 +54,9 @@ class Subject:
 
     def gap(self, first: float, second: float) -> float:
         return size(self.states[first] - self.states[second])
+
+    def seconds(self, steps: float) -> None:
+        return None
 
     def facts(self) -> dict:
         amplified = math.log10(self.method.amplification)
