@@ -164,9 +164,12 @@ def _alike(scene: Scene, engine: str, method: Method):
 
 def search(
     runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, targets: Sequence[float] = TARGETS,
-    most_steps: int = MOST_STEPS,
+    most_steps: int = MOST_STEPS, settle: bool = True,
 ) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
-    """Search the method's settings for every target; return all runs and what became of each target."""
+    """Search the method's settings for every target; return all runs and what became of each target.
+
+    Unless `settle`, no run is made for the verdict.
+    """
     tried = Tried(runs, scene, engine, method, truth, most_steps)
     if not tried.search.begin(first_knob(scene, method)):
         refused = all(record.status in REFUSED for record in tried.records.values())
@@ -174,7 +177,8 @@ def search(
         return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
     if isinstance(truth, Truth):
         tried.search.reach(sorted(targets, reverse=True))
-    tried.search.settle()
+    if settle:
+        tried.search.settle()
     return tried, [_result(tried, target) for target in sorted(targets, reverse=True)]
 
 

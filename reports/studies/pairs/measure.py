@@ -1,7 +1,8 @@
 """Every pair: both at the same target errors, relative to the scene, and timed in interleaved runs.
 
-Each engine enters every method that it offers for a scene; its row is that of its cheapest. Places in the sky are
-compared with the ephemeris that Astropy contains, without any download.
+Each engine enters every method that it offers for a scene; its row is that of its cheapest. No run is made that cannot
+be that: none for a verdict alone, and none that would take longer than the cheapest so far at every target. Places in
+the sky are compared with the ephemeris that Astropy contains, without any download.
 """
 
 import importlib
@@ -18,7 +19,7 @@ from pydantic import TypeAdapter
 from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge.bounds import longest
-from cross_checks.judge.cell import judged, refused, tasks
+from cross_checks.judge.cell import judged, tasks
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell
@@ -26,11 +27,11 @@ from cross_checks.prices.timing import Sample, least_times, stored_times
 from cross_checks.records.numbers import duration, metres, setting, short
 from cross_checks.records.record import Record, is_busy, loop_time
 from cross_checks.records.store import Store, default_path
-from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, Settings, scenes
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.simulate import simulate
+from reports.facts import cheapest
 from reports.facts.cheapest import Entry, entries, near, reaching
 from reports.facts.curves import Curves, Measured, Row, Value
 from reports.facts.report_data import ReportData
@@ -44,6 +45,7 @@ J2000 = 2_451_545.0  # JD TDB
 SATELLITE_DAYS = (0.0, 100.0, 200.0, 300.0)  # after J2000
 FINE = Settings(method="gauss", rtol=1e-16, estimate="off")
 CHEAPEST, MARKS = "★ ", "lines+markers"
+MARGIN = 2.0  # of a limit on time: a search allows a power of two of steps below it
 WORK = 200_000  # steps times bodies that a run may take: the papers' 4000 steps of the android of 48 bodies are within
 
 
@@ -209,8 +211,8 @@ def pair(runs: Runs, request: Request) -> tuple[Result, ...]:
 
 def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Result]:
     """Yield a row for each target and engine, the cheapest first, and one for each engine that cannot run the scene."""
-    truth = runs.truth(scene)
-    data = ReportData(tuple(_cell(runs, scene, *entrant, truth, request) for entrant in request.entrants()), ())
+    offered = [_cells(runs, scene, engine, request) for engine in (OURS, *request.rivals)]
+    data = ReportData(tuple(cell for cells in offered for cell in cells), ())
     label = data.scenes[0]
     able = {cell.engine for cell in data.cells if not cell.is_refused}
     data = replace(data, records=_timed(runs.store, scene, data, request.targets))
@@ -225,10 +227,21 @@ def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Result]:
             yield Result(label, None, Entry(engine, "cannot", None, data.cells_of(label, engine)[0].reason))
 
 
-def _cell(
-    runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth, request: Request
-) -> Cell:
-    return judged(runs, scene, engine, method, truth, request.targets, WORK // len(scene.bodies))[0]
+def _cells(runs: Runs, scene: Scene, engine: str, request: Request) -> list[Cell]:
+    """Return the cell of each of an engine's methods, of the highest order first.
+
+    Once every target is reached, a run may take what the cheapest takes at the dearest one, and a margin.
+    """
+    truth, best, cells = runs.truth(scene), dict.fromkeys(request.targets, np.inf), list[Cell]()
+    own = [method for name, method in request.entrants() if name == engine]
+    for method in sorted(own, key=lambda one: -((one and one.order) or 0)):
+        limited = replace(runs, longest=min(runs.longest, MARGIN * cheapest.NEAR * max(best.values())))
+        most = WORK // len(scene.bodies)
+        cells.append(judged(limited, scene, engine, method, truth, request.targets, most, settle=False)[0])
+        for result in cells[-1].targets:
+            if result.record is not None:
+                best[result.target] = min(best[result.target], loop_time(result.record))
+    return cells
 
 
 def _timed(store: Store, scene: Scene, data: ReportData, targets: Sequence[float]) -> tuple[Record, ...]:
@@ -249,20 +262,14 @@ def _loop(scene: Scene, run: Record) -> float:
     return engines.get(run.engine).run(scene, Settings(**run.settings), grid(scene)).timing.loop_s
 
 
-def parts() -> list[tuple[int, int, int]]:
-    """Return every search as a pair, a scene of it and an entrant, counted: their order does not matter."""
-    return [
-        (k, number, entrant)
-        for k, request in enumerate(PAIRS)
-        for number, scene in enumerate(request.built())
-        for entrant, who in enumerate(request.entrants()) if not refused(scene, *who)[1]
-    ]  # fmt: skip
+def parts() -> list[tuple[int, int, str]]:
+    """Return every search as a pair, a scene of it and an engine: their order does not matter."""
+    every = [(k, number, request) for k, request in enumerate(PAIRS) for number in range(len(request.scenes))]
+    return [(k, number, engine) for k, number, request in every for engine in (OURS, *request.rivals)]
 
 
-def make(part: tuple[int, int, int], full: bool = False) -> None:
+def make(part: tuple[int, int, str], full: bool = False) -> None:
     """Search once: the store keeps the runs, among which `measure` looks for the cheapest."""
     request = PAIRS[part[0]]
-    scene, entrant = request.built()[part[1]], request.entrants()[part[2]]
     with Store(default_path()) as store:
-        runs = Runs(store, longest=longest(full))
-        _cell(runs, scene, *entrant, runs.truth(scene), request)
+        _cells(Runs(store, longest=longest(full)), request.built()[part[1]], part[2], request)
