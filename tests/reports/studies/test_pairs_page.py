@@ -10,7 +10,7 @@ import pytest
 from cross_checks import engines
 from cross_checks.judge.cell import judge_method, tasks
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.vocabulary import OURS
+from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from reports.facts import cheapest
@@ -49,6 +49,23 @@ def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monke
         assert row.entry.best.times["loop_s"] == 1e-6 * best.rhs_calls
         assert row.ratio == 1.0
     assert rows[1].entry.method == "dop853"  # of three methods one reaches it
+
+
+def test_no_run_is_made_that_cannot_be_the_cheapest(monkeypatch, offered):
+    limits: dict[str, float] = {}
+    loops = {"dop853": 0.3, "rk4": 0.2, "euler": 0.1}
+
+    def judged(runs, scene, engine, method, *given, settle):
+        limits[method.name] = runs.longest
+        run = Record(scene.name, {}, engine, method.name, {}, "success", times={"loop_s": loops[method.name]})
+        answers = [TargetResult(FEW, "reached", run), TargetResult(1e-11, "reached", run if method.order > 4 else None)]
+        return Cell(scene.name, {}, engine, method.name, Verdict.AGREES, "", targets=tuple(answers)), ()
+
+    monkeypatch.setattr(measure, "judged", judged)
+    request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW, 1e-11))
+    measure._cells(Runs(longest=5.0), request.built()[0], OURS, request)
+    margin = measure.MARGIN * cheapest.NEAR
+    assert limits == {"dop853": 5.0, "rk4": margin * 0.3, "euler": margin * 0.3}  # rk4 was the cheapest at one alone
 
 
 def test_an_engine_that_cannot_run_the_scene_gives_its_reason(tmp_path: Path, offered):
