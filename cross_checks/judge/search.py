@@ -5,7 +5,7 @@ where no setting within the work limit has fair odds. Further runs follow only w
 finer one, halfway to the finest setting where a plateau or a limit of its own may hide the law. A method is classified
 as wrong only after a run plainly finer than all others, even beyond the work limit. Work is counted in steps, the same
 for every engine, so that the choice does not depend on how busy a machine is. A limit of processor time may besides
-end the search for a target; a verdict goes beyond it where no shorter run is left.
+end the search for a target; where the verdict is not settled within it, nothing is limited.
 """
 
 import math
@@ -298,8 +298,6 @@ class Search:
         ]
         if not len(knobs):
             return None
-        cheap = self.steps(knobs) <= self.subject.affordable
-        knobs = knobs[cheap] if cheap.any() else knobs
         middle, shown = math.sqrt(good.min() * good.max()), self.shown()
         wished = knobs < good.max()
         if shown is not None and len(shown.ladder) > 1:
@@ -308,7 +306,8 @@ class Search:
                 wished = knobs > shown.ladder.settings[best]
             elif shown.weights["right"] < 1.0 - bounds.DOUBTFUL:
                 wished = knobs < middle
-        knobs = knobs[wished] if wished.any() else knobs
+        cheap = self.steps(knobs) <= self.subject.affordable
+        knobs = next((knobs[chosen] for chosen in (wished & cheap, cheap, wished) if chosen.any()), knobs)
         ends = [self.subject.finest] if self.subject.kind == "adaptive" else []  # a tolerance's steps are extrapolated
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array([*self.knobs, *ends]))).min(axis=1)
         return float(knobs[int(np.argmax(apart))])

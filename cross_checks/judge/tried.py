@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from cross_checks import engines
 from cross_checks.engine import Method
@@ -11,7 +11,7 @@ from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, labe
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
 from cross_checks.judge.verdict import Judgement, Point
-from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, Omitted, TargetResult
+from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, Omitted, TargetResult, Verdict
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
@@ -109,8 +109,8 @@ class Tried:
         return (self.kind == "fixed" and point.knob >= 0.99 * self.finest) or point.steps <= 1.01 * self.most_steps
 
     def is_costly(self, omitted: Omitted) -> bool:
-        """Whether a run was omitted for its processor time, within the work limit."""
-        return self.affordable < omitted.steps <= 1.01 * self.most_steps
+        """Whether a run was omitted for its processor time, before the work limit."""
+        return self.affordable < min(omitted.steps, self.most_steps)
 
     def verdict(self) -> Judgement:
         """Return what the runs show."""
@@ -168,7 +168,7 @@ def search(
 ) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
     """Search the method's settings for every target; return all runs and what became of each target.
 
-    Unless `settle`, no run is made for the verdict.
+    Unless `settle`, no run is made for the verdict. Where `runs.longest` leaves it open, nothing is limited.
     """
     tried = Tried(runs, scene, engine, method, truth, most_steps)
     if not tried.search.begin(first_knob(scene, method)):
@@ -177,8 +177,8 @@ def search(
         return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
     if isinstance(truth, Truth):
         tried.search.reach(sorted(targets, reverse=True))
-    if settle:
-        tried.search.settle()
+    if settle and tried.search.settle().verdict is Verdict.NOT_SHOWN and runs.longest < math.inf:
+        return search(replace(runs, longest=math.inf), scene, engine, method, truth, targets, most_steps)
     return tried, [_result(tried, target) for target in sorted(targets, reverse=True)]
 
 

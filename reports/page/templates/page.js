@@ -48,7 +48,9 @@ async function draw(div) {
     const Plotly = await plotly();
     const { data, layout } = JSON.parse(div.nextElementSibling.textContent);
     const options = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"], toImageButtonOptions: { format: "svg" } };
-    await Plotly.newPlot(div, data, forScreen(layout), options);
+    const fitted = forScreen(layout);
+    div.style.minHeight = `${fitted.height}px`; // a responsive plot fills its box, and would be cut off by a lower one
+    await Plotly.newPlot(div, data, fitted, options);
     Plotly.relayout(div, themed());
   } catch (error) { div.textContent = `This plot could not be drawn: ${error.message}.`; }
 }
