@@ -6,12 +6,12 @@ from dataclasses import dataclass, field, replace
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.bounds import FAILING, FAIR, MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import FAILING, MOST_STEPS, TARGETS
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
 from cross_checks.judge.verdict import Judgement, Point
-from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, Omitted, TargetResult, Verdict
+from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult, Verdict
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
@@ -108,10 +108,6 @@ class Tried:
         """Whether a run is within the work limit; a step is shortened to divide the outputs."""
         return (self.kind == "fixed" and point.knob >= 0.99 * self.finest) or point.steps <= 1.01 * self.most_steps
 
-    def is_costly(self, omitted: Omitted) -> bool:
-        """Whether a run was omitted for its processor time, before the work limit."""
-        return self.affordable < min(omitted.steps, self.most_steps)
-
     def verdict(self) -> Judgement:
         """Return what the runs show."""
         return self.search.judgement()
@@ -207,7 +203,7 @@ def _result(tried: Tried, target: float) -> TargetResult:
         return TargetResult(target, "unjudged", None, why)
     omitted, verdict = tried.search.omitted(target - tried.uncertainty), tried.verdict()
     is_open = verdict.verdict not in WRONG and bool(good) and tried.knobs[-1] == good[-1].knob
-    if is_open and omitted is not None and omitted.reaches > (FAIR if tried.is_costly(omitted) else 1.0 - FAILING):
+    if is_open and omitted is not None and omitted.reaches > 1.0 - FAILING:
         return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
     return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}", omitted)
 

@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import computed_field
 
+from cross_checks.records.numbers import duration, short
 from cross_checks.records.record import Record
 from mbs_ref import scenes
 from mbs_ref.display import facts, listing
@@ -91,7 +92,7 @@ class Omitted:
     def __str__(self) -> str:
         low, high = self.range
         error = f"an error of about {self.error:.1g} (68 %: {low:.1g} to {high:.1g})"
-        cost = f"about {self.steps:.1g} steps" + (f", {self.seconds:.2g} s," if self.seconds else "")
+        cost = f"about {short(self.steps, 1)} steps" + (f", {duration(self.seconds)}," if self.seconds else "")
         return f"{cost} and show {error}, {self.verdict} with odds of {self.odds:.2g}"
 
 

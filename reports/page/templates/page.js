@@ -25,7 +25,9 @@ function themed() {
 function forScreen(layout) {
   if (!narrow()) return layout;
   const below = { orientation: "h", y: -0.22, yanchor: "top", font: { size: 11 }, groupclick: "toggleitem" };
-  return { ...layout, legend: { ...layout.legend, ...below }, margin: { ...layout.margin, l: 52, r: 8 }, height: layout.height + 190 };
+  const title = { ...layout.xaxis?.title, font: { size: 11 } };  // one line of a phone
+  title.text = title.text?.replace(/^(.{20,44}?) (?=.{20})/, "$1<br>");
+  return { ...layout, xaxis: { ...layout.xaxis, title }, legend: { ...layout.legend, ...below }, margin: { ...layout.margin, l: 52, r: 8 }, height: layout.height + 190 };
 }
 
 let library = null;
