@@ -68,12 +68,9 @@ SILENT = frozenset({Verdict.WRONG_LIMIT, Verdict.LOST, Verdict.DIVERGED})  # the
 
 Answer = Literal["reached", "not-tried", "not-reached", "unjudged", "cannot"]
 ANSWERS: dict[Answer, tuple[str, Tone]] = {
-    "reached": ("reached", "good"),
-    "not-tried": ("not tried", "fair"),
-    "not-reached": ("not reached", "bad"),
-    "unjudged": ("not judged", "plain"),
-    "cannot": ("cannot", "plain"),
-}  # with word and tone; the first of the answers of its methods is an engine's
+    "reached": ("reached", "good"), "not-tried": ("not tried", "fair"), "not-reached": ("not reached", "bad"),
+    "unjudged": ("not judged", "plain"), "cannot": ("cannot", "plain"),
+}  # with word and tone; the first of the answers of its methods is an engine's  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ A study that leaves out what costs most has `fuller = true` there: `measure(full
 
 import pkgutil
 import tomllib
-from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.resources import files
@@ -104,16 +103,7 @@ def measure_all(
 def _made(call: Caller, task: tuple[str, Any, bool]) -> Measured | str | None:
     """Return a study's facts, or the sentence why there are none; nothing of one of its parts."""
     name, part, full = task
-    if part is None:
-        return _measured(call, name, full)
-    with suppress(Exception):  # raised in a process of its own; `measure` raises it again
-        call(make, name, part, full)
-    return None
-
-
-def _measured(call: Caller, name: str, full: bool) -> Measured | str:
-    """Return a study's facts, or the sentence why there are none."""
     try:
-        return call(measure, name, full)
-    except Exception as error:  # raised in a process of its own: whatever it is, it costs this study alone
-        return f"{type(error).__name__}: {error}"
+        return call(measure, name, full) if part is None else call(make, name, part, full)
+    except Exception as error:  # raised in a process of its own: it costs this study alone, where `measure` raises it
+        return f"{type(error).__name__}: {error}" if part is None else None

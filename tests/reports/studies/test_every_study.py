@@ -492,7 +492,7 @@ def test_a_study_that_fails_says_how_and_is_measured_again_where_engines_change(
     def fails(*given):
         raise ZeroDivisionError("why")
 
-    assert study._measured(fails, "a", False) == "ZeroDivisionError: why"
+    assert study._made(fails, ("a", None, False)) == "ZeroDivisionError: why"
     asked: list[Any] = []
     space = study.every()["space"]
     monkeypatch.setattr(study, "every", lambda: {"space": space})
