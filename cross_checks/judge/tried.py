@@ -87,9 +87,9 @@ class Tried:
 
     @property
     def affordable(self) -> float:
-        """The steps of a run that is made for a target alone: a power of two, so that small noise changes nothing."""
+        """The steps of a run for a target alone: a power of two, so that small noise of times changes nothing."""
         a_step, longest = self.seconds(1.0), self.runs.longest
-        return 2.0 ** math.floor(math.log2(longest / a_step)) if a_step and longest < math.inf else math.inf
+        return 2.0 ** math.ceil(math.log2(longest / a_step)) if a_step and longest < math.inf else math.inf
 
     def facts(self) -> dict:
         """Return what the ladder of this method states beside its runs."""

@@ -45,7 +45,6 @@ J2000 = 2_451_545.0  # JD TDB
 SATELLITE_DAYS = (0.0, 100.0, 200.0, 300.0)  # after J2000
 FINE = Settings(method="gauss", rtol=1e-16, estimate="off")
 CHEAPEST, MARKS = "★ ", "lines+markers"
-MARGIN = 2.0  # of a limit on time: a search allows a power of two of steps below it
 WORK = 200_000  # steps times bodies that a run may take: the papers' 4000 steps of the android of 48 bodies are within
 
 
@@ -230,12 +229,12 @@ def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Result]:
 def _cells(runs: Runs, scene: Scene, engine: str, request: Request) -> list[Cell]:
     """Return the cell of each of an engine's methods, of the highest order first.
 
-    Once every target is reached, a run may take what the cheapest takes at the dearest one, and a margin.
+    Once every target is reached, a run may take what the cheapest takes at the dearest one.
     """
     truth, best, cells = runs.truth(scene), dict.fromkeys(request.targets, np.inf), list[Cell]()
     own = [method for name, method in request.entrants() if name == engine]
     for method in sorted(own, key=lambda one: -((one and one.order) or 0)):
-        limited = replace(runs, longest=min(runs.longest, MARGIN * cheapest.NEAR * max(best.values())))
+        limited = replace(runs, longest=min(runs.longest, cheapest.NEAR * max(best.values())))
         most = WORK // len(scene.bodies)
         cells.append(judged(limited, scene, engine, method, truth, request.targets, most, settle=False)[0])
         for result in cells[-1].targets:
