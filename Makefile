@@ -93,7 +93,7 @@ nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full 
 	step $(NIGHT)/mbs-ref certify; \
 	step $(NIGHT)/mbs-ref proofs --seed $$(($$(date +%s) / 86400)) --shard $(EXTREME_PART)/7; \
 	step $(NIGHT)/mbs-ref extremes --full --shard $(EXTREME_PART)/7 -o $(NIGHT_EXTREMES); \
-	step env MBS_REF_STORE=$(NIGHT_STORE) $(NIGHT)/mbs-ref report; \
+	step env MBS_REF_STORE=$(NIGHT_STORE) $(NIGHT)/mbs-ref report --full; \
 	bench=; if [ -s reports/out/bench.json ]; then bench="--bench reports/out/bench.json"; fi; \
 	step env MBS_REF_STORE=$(NIGHT_STORE) $(NIGHT)/mbs-ref nightly --baseline $(BASELINE) $$bench --sweeps reports/out/sweeps --trends reports/out/trends.html; \
 	step $(NIGHT)/mbs-ref board -o reports/out/board.html; \

@@ -27,14 +27,13 @@ from reports.facts import stored as facts
 from reports.facts.cheapest import contenders
 from reports.facts.compiling import compile_kernels
 from reports.facts.environment import environment
-from reports.facts.report_data import ReportData
+from reports.facts.report_data import GROWING, INTERRUPTED, ReportData
 from reports.facts.scene_facts import SceneFacts, TruthFacts, scene_facts, truth_facts
 from reports.studies.study import every, measure_all, stored
 
 LISTS = tomllib.loads((files(__package__) / "scenes.toml").read_text(encoding="utf-8"))
 SCENES, QUICK = LISTS["report"], LISTS["quick"]
 FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
-INTERRUPTED = "interrupted"
 
 
 def chosen_scenes(quick: bool = False, wanted: Sequence[str] = ()) -> dict[str, Scene]:
@@ -53,7 +52,8 @@ def chosen_scenes(quick: bool = False, wanted: Sequence[str] = ()) -> dict[str, 
 class Gathering:
     """How the data of a report are brought up to date.
 
-    Effort is bounded by the work that a search may do, never by a clock. `quick` takes few scenes; `scenes` and
+    Effort is bounded by the work that a search may do and, unless `full`, by the predicted processor time of a run that
+    serves a target alone; what is left out states its cost. `quick` takes few scenes; `scenes` and
     `engines` name others, without the studies; `again` times anew what the store has timed. What `files` of extremes
     hold is shown, else a few extremes are run. Runs are made by callers alike `call`, times and studies always on this
     machine.
@@ -67,6 +67,7 @@ class Gathering:
     call: Isolated | None = None
     scenes: Sequence[str] = ()
     engines: Sequence[str] = ()
+    full: bool = False
 
     @property
     def is_part(self) -> bool:
@@ -83,46 +84,48 @@ class Gathering:
         if self.progress is not None:
             self.progress(done, total, what)
 
-    def stages(self) -> Generator[ReportData]:
-        """Yield the cells, runs and studies of the scenes: what there is after each cell, then after each stage.
+    def stages(self) -> Generator[Callable[[], ReportData]]:
+        """Yield what returns the data there are: after each cell, after each stage, and at last of all of them.
 
         `incomplete` states what is still being computed; after Ctrl-C, what was interrupted.
         """
         data = ReportData((), (), environment=environment(), quick=self.is_part, studies=stored())
         data = yield from self.judged(data)
         for waited_for, stage in STAGES[:-1] if self.is_part else STAGES:
-            if data.incomplete.startswith(INTERRUPTED):
+            if data.state == INTERRUPTED:
                 break
-            yield replace(data, incomplete=f"still being computed: {waited_for}")
+            yield partial(replace, data, incomplete=f"still being computed: {waited_for}", state=GROWING)
             data = stage(self, data)
         self.report(1, 1, "writing the page")
-        yield data
+        yield lambda: data
 
-    def judged(self, data: ReportData) -> Generator[ReportData, None, ReportData]:
+    def judged(self, data: ReportData) -> Generator[Callable[[], ReportData], None, ReportData]:
         """Judge every method on every scene, and yield the data so far; after Ctrl-C unfinished ones are missing."""
 
-        def there(incomplete: str) -> ReportData:
+        def there() -> ReportData:
             held = [result[question] for question in wanted if question in result]
-            records = tuple(record for answer in held for record in answer.records)
-            return replace(data, cells=tuple(one.cell for one in held), records=records, incomplete=incomplete)
+            records, missing = tuple(record for answer in held for record in answer.records), len(wanted) - len(held)
+            incomplete = f"still being computed: {missing} of {len(wanted)} verdicts"
+            cells = tuple(one.cell for one in held)
+            return replace(data, cells=cells, records=records, incomplete=incomplete, state=GROWING)
 
         wanted = questions(list(self.shown.values()), tasks(self.engines or engines.names()))
-        result = facts.stored_answers(self.store, wanted)
+        result = facts.stored_answers(self.store, wanted, self.full)
         missing = [question for question in wanted if question not in result]
         reasons: list[str] = []
         truths: dict[str, TruthFacts] = {}
         with _interruptible(reasons, lambda: f"{len(result)} of {len(wanted)} cells"):
             if missing:
                 compile_kernels(self.store, self.report)
-                for answer in facts.settled_answers(self.store, missing, self.report, self.call):
+                for answer in facts.settled_answers(self.store, missing, self.report, self.call, self.full):
                     if answer.truth is not None and answer.cell.label not in truths:
                         truths[answer.cell.label] = truth_facts(answer.cell.label, answer.question.scene, answer.truth)
                         facts.keep(
                             self.store, facts.truth_key(answer.question.scene), TruthFacts, truths[answer.cell.label]
                         )
                     result[answer.question] = facts.Stored(answer.cell, answer.records)
-                    yield there(f"still being computed: {len(wanted) - len(result)} of {len(wanted)} verdicts")
-        return there("; ".join(reasons))
+                    yield there
+        return _ended(there(), reasons)
 
     def timed(self, data: ReportData) -> ReportData:
         """Time what is ranked, alone."""
@@ -131,7 +134,7 @@ class Gathering:
         with _interruptible(reasons, lambda: "the accuracy runs, before all was timed"):
             result = timed_all(self.store, contenders(data), self.report, self.again)
         records = tuple(result.get(id(record), record) for record in data.records)
-        return replace(data, records=records, incomplete="; ".join(reasons))
+        return _ended(replace(data, records=records), reasons)
 
     def beyond(self, data: ReportData) -> ReportData:
         """Add what engines can model, the facts of the truths, and the extremes."""
@@ -146,7 +149,7 @@ class Gathering:
         data = replace(data, capabilities=able)
         with _interruptible(reasons, lambda: "the timed runs, before the extremes"):
             data = replace(data, extremes=self.extreme_cells())
-        return replace(data.only(engines=self.engines), incomplete="; ".join(reasons))
+        return _ended(data.only(engines=self.engines), reasons)
 
     def mechanism(self, label: str, scene: Scene) -> SceneFacts:
         """Return a scene's facts."""
@@ -170,14 +173,20 @@ class Gathering:
         reasons: list[str] = []
         result = dict(data.studies)
         with _interruptible(reasons, lambda: f"{len(result)} of {len(every())} studies"):
-            reasons += measure_all(self.store, result, facts.engine_keys(), self.report)
-        return replace(data, studies=result, incomplete="; ".join(reasons))
+            reasons += measure_all(self.store, result, facts.engine_keys(), self.report, self.full)
+        return _ended(replace(data, studies=result), reasons)
 
 
 STAGES: tuple[tuple[str, Callable[[Gathering, ReportData], ReportData]], ...] = (  # each with what a page waits for
     ("times taken alone", Gathering.timed), ("capabilities and extremes", Gathering.beyond),
     ("studies", Gathering.studied),
 )  # fmt: skip
+
+
+def _ended(data: ReportData, reasons: Sequence[str]) -> ReportData:
+    """Return the data of a stage that has ended, with the reasons for what is missing."""
+    interrupted = any(reason.startswith(INTERRUPTED) for reason in reasons)
+    return replace(data, incomplete="; ".join(reasons), state=INTERRUPTED if interrupted else "")
 
 
 @contextmanager

@@ -130,19 +130,11 @@ class Interrupted(Incomplete):
 
 
 def sweep_records(
-    scene: Scene,
-    chosen: tuple[str, ...],
-    methods: tuple[str, ...],
-    target: Path | None,
-    timeout: float | None = None,
-    memory_mib: float | None = None,
-    *,
-    store: str | None = None,
-    scheduler: str | None = None,
-    errors: tuple[float, ...] = (),
-    best: Callable[[Sequence[Record]], str] = lambda records: "",
+    scene: Scene, chosen: tuple[str, ...], methods: tuple[str, ...], target: Path | None, timeout: float | None = None,
+    memory_mib: float | None = None, *, store: str | None = None, scheduler: str | None = None,
+    errors: tuple[float, ...] = (), best: Callable[[Sequence[Record]], str] = lambda records: "",
     worth: Worth | None = None,
-) -> list[Record]:
+) -> list[Record]:  # fmt: skip
     """Return the sweep's records, and add to `target` those that it lacks; Interrupted where it is cut short.
 
     Engines run in a process of their own, within `timeout` (s) and `memory_mib` for each run. `best` states what the

@@ -90,12 +90,10 @@ class Case:
 
 
 CASES = (
-    Case("pendulum_chain", "dop853", {"links": 10}),
-    Case("pendulum_chain", "dop853", {"links": 100}),
-    Case("pendulum_chain", "rk4", {"links": 10}),
-    Case("n_four_bar", "dop853", {"loops": 2}),
+    Case("pendulum_chain", "dop853", {"links": 10}), Case("pendulum_chain", "dop853", {"links": 100}),
+    Case("pendulum_chain", "rk4", {"links": 10}), Case("n_four_bar", "dop853", {"loops": 2}),
     Case("slider_crank", "dop853"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,10 @@
 """What every method must reach, how much work a run may take, and every threshold of verdicts and searches."""
 
+import math
+
 TARGETS = (1e-3, 1e-6, 1e-9)  # errors over the scene's scales
 MOST_STEPS = 100_000  # that a run may take
+LONGEST = 1.0  # s of processor time: a report makes no run for a target alone that would take longer, unless --full
 AGREEMENT = 1e-6  # of the scene: an error at or below this is agreement
 
 # Thresholds. None refers to a scene or an engine; `python -m tests.cross_checks.convergence.searched` calibrates them.
@@ -15,3 +18,8 @@ WINDOW = 10.0  # a chosen error lies within this factor below its target
 PRICE = 0.1  # worth of a decade of steps
 FINER = {"fixed": 4.0, "adaptive": 100.0}  # ratio to a plainly finer setting, required of a failure beyond MOST_STEPS
 MOST_RUNS = 12  # of one method where a failure is likely and not certain; half of it in other cases
+
+
+def longest(full: bool) -> float:
+    """Return the processor time (s) that a report's run for a target alone may take; a full report has no limit."""
+    return math.inf if full else LONGEST

@@ -54,16 +54,16 @@ def judge_method(
 
 def judged(
     runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth,
-    targets: Sequence[float] = TARGETS, most_steps: int = MOST_STEPS,
+    targets: Sequence[float] = TARGETS, most_steps: int = MOST_STEPS, settle: bool = True,
 ) -> tuple[Cell, tuple[Record, ...]]:  # fmt: skip
     """Return the method's cell and the records that it is based on, coarse to fine; none of a method that is refused.
 
-    No run takes more than `most_steps`.
+    No run takes more than `most_steps`; unless `settle`, none is made for the verdict.
     """
     refusal = refusal_of(scene, engine, method, targets)
     if refusal is not None or method is None:
         return refusal, ()  # type: ignore[return-value] - None only with a method
-    tried, results = search(runs, scene, engine, method, truth, targets, most_steps)
+    tried, results = search(runs, scene, engine, method, truth, targets, most_steps, settle)
     return cell_of(tried, results), tuple(tried.records[knob] for knob in tried.knobs)
 
 

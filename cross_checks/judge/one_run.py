@@ -166,12 +166,7 @@ def without_run(
 ) -> Record:
     """Return the record of a run that has no result, with the sentence why."""
     return Record(
-        scene=scene.name,
-        parameters=dict(scene.parameters),
-        engine=engine_name,
-        method=settings.method or "",
-        settings=settings.model_dump(mode="json", exclude_none=True),
-        status=status,
-        message=message,
+        scene=scene.name, parameters=dict(scene.parameters), engine=engine_name, method=settings.method or "",
+        settings=settings.model_dump(mode="json", exclude_none=True), status=status, message=message,
         versions=_versions(engine),
-    )
+    )  # fmt: skip

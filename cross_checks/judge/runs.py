@@ -1,5 +1,6 @@
 """Runs of scenes, each computed once: what the store lacks is computed in this process or another, and stored."""
 
+import time
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,7 +12,8 @@ from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.metric import Judged, from_truth
-from cross_checks.records.record import Record
+from cross_checks.records.machine import BUSY, WARMED, machine
+from cross_checks.records.record import Record, loop_time
 from cross_checks.records.store import Run, Store, run_name, truth_name
 from cross_checks.truths import LIMIT_S, seek_truth
 from cross_checks.truths.truth import NoTruth, Truth, time_limit
@@ -31,6 +33,7 @@ class Runs:
     call: Caller = direct  # makes the runs; cross_checks.isolation.parent survives engines that do not come back
     computed: int = 0  # runs that were not in the store
     times: np.ndarray | None = None  # (n_t,) s of every run; the judges' grid unless given
+    longest: float = np.inf  # s of processor time that a search may spend on a run for a target alone
 
     def grid(self, scene: Scene) -> np.ndarray:
         """Return the times of a scene's runs (n_t,), s."""
@@ -55,8 +58,15 @@ class Runs:
         except Lost as lost:
             run = Run(without_run(scene, engine, settings, lost.status, str(lost)), None)
         if run.record.status not in PASSING:
-            self.store.keep_run(run_name(scene, engines.get(engine), settings, self.grid(scene)), run)
+            self._keep(run_name(scene, engines.get(engine), settings, self.grid(scene)), run)
         return run
+
+    def _keep(self, name: str, run: Run) -> None:
+        """Store a run, and the time of a long loop that had a processor to itself."""
+        self.store.keep_run(name, run)
+        loop_s = loop_time(run.record)
+        if run.host and loop_s > WARMED and run.record.times["cpu_share"] >= BUSY:
+            self.store.keep_timings(name, run.host, [loop_s])
 
     def held(self, scene: Scene, engine: str, settings: Settings) -> Run | None:
         """Return the run that the store holds, under the name that the scene has here: physics alone decided it."""
@@ -84,7 +94,10 @@ class Runs:
 
 def make(scene: Scene, engine: str, settings: Settings, times: np.ndarray) -> Run:
     """Make a run, held against no truth; one that Ctrl-C cut short is none."""
-    return Run(*complete(judged_run(scene, engine, settings, times, truth=NOT_COMPARED)))
+    wall, cpu = time.perf_counter(), time.process_time()
+    record, path = complete(judged_run(scene, engine, settings, times, truth=NOT_COMPARED))
+    share = (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9)
+    return Run(replace(record, times=record.times | {"cpu_share": share}), path, machine() if path else "")
 
 
 def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:

@@ -5,7 +5,8 @@ window is worth LIKELY, the odds with which a coarser run follows it. A target i
 work limit may reach it. Further runs follow only while the verdict is not settled: a finer one, halfway to the finest
 setting where a plateau or a limit of its own may hide the law. A method is classified as wrong only after a run plainly
 finer than all others, even beyond the work limit. Work is counted in steps, the same for every engine, so that the
-choice does not depend on how busy a machine is.
+choice does not depend on how busy a machine is. A limit of processor time may end the search for a target as well;
+where it leaves the verdict open, nothing is limited.
 """
 
 import math
@@ -63,6 +64,15 @@ class Search(ABC):
         """Return the error of a sound method of the same order at the same setting, of another package."""
 
     @property
+    def affordable(self) -> float:
+        """The steps of a run that is made for a target alone."""
+        return math.inf
+
+    def seconds(self, steps: float) -> float | None:
+        """Return the processor time (s) of so many steps; None where no run shows it."""
+        return None
+
+    @property
     def knobs(self) -> list[float]:
         """The settings that were run, coarse to fine."""
         return sorted(self.points, reverse=True)
@@ -118,9 +128,8 @@ class Search(ABC):
 
         `tries` counts the runs made for each target.
         """
-        shown = self.shown()
-        knobs = self._candidates()
-        if shown is None or not len(knobs):
+        shown, knobs = self.shown(), self._candidates()
+        if shown is None or not len(knobs := knobs[self.steps(knobs) <= self.affordable]):
             return None
         runs = self._odds_to_run(knobs)
         steps = np.log10(np.maximum(self.steps(knobs), 1.0))
@@ -276,7 +285,8 @@ class Search(ABC):
             wished = knobs > shown.ladder.settings[best]
         elif len(shown.ladder) > 1 and not follows:
             wished = knobs < math.sqrt(good.min() * good.max())
-        knobs = knobs[wished] if wished.any() else knobs
+        cheap = self.steps(knobs) <= self.affordable
+        knobs = next((knobs[chosen] for chosen in (wished & cheap, cheap, wished) if chosen.any()), knobs)
         ends = [self.finest] if self.kind == "adaptive" else []  # a tolerance's steps are extrapolated
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array([*self.knobs, *ends]))).min(axis=1)
         return float(knobs[int(np.argmax(apart))])
@@ -307,4 +317,4 @@ class Search(ABC):
         knob = float(knobs[place])
         low, middle, high = error_range(shown, knob)
         steps = float(self.steps(knobs[place : place + 1])[0])
-        return Omitted(knob, steps, float(odds[place]), middle, (low, high))
+        return Omitted(knob, steps, float(odds[place]), middle, (low, high), self.seconds(steps))

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from cross_checks import engines
 from cross_checks.engine import Method
@@ -11,7 +11,7 @@ from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, labe
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
 from cross_checks.judge.verdict import Point
-from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult
+from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult, Verdict
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth, Truth
@@ -73,6 +73,19 @@ class Tried(Search):
             self.gaps[key] = gap(self.scene, self.truth, self.paths[first], self.paths[second])
         return self.gaps[key]
 
+    def seconds(self, steps: float) -> float | None:
+        """Return the processor time (s) of so many steps, by the longest run; None where none shows it."""
+        times = [(point.steps, self.records[point.knob].times) for point in self.good if point.steps]
+        made, known = max(times, key=lambda one: one[0], default=(0, {}))
+        cost = known.get("loop_s", 0.0) * min(known.get("cpu_share", 0.0), 1.0)
+        return cost / made * steps if cost else None
+
+    @property
+    def affordable(self) -> float:
+        """The steps of a run for a target alone: a power of two, so that small noise of times changes nothing."""
+        a_step, longest = self.seconds(1.0), self.runs.longest
+        return 2.0 ** math.ceil(math.log2(longest / a_step)) if a_step and longest < math.inf else math.inf
+
     def facts(self) -> dict:
         """Return what the ladder of this method states in addition to its runs."""
         return facts_of(self.method, self.scene, self.duration, self.uncertainty)
@@ -132,9 +145,12 @@ def typical_facts(kind: str, order: int, expected: float, duration: float, uncer
 
 def search(
     runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, targets: Sequence[float] = TARGETS,
-    most_steps: int = MOST_STEPS,
+    most_steps: int = MOST_STEPS, settle: bool = True,
 ) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
-    """Search the method's settings for every target; return all runs and what became of each target."""
+    """Search the method's settings for every target; return all runs and what became of each target.
+
+    Unless `settle`, no run is made for the verdict. Where `runs.longest` leaves it open, nothing is limited.
+    """
     tried = Tried(runs, scene, engine, method, truth, most_steps)
     if not tried.begin(first_knob(scene, method)):
         refused = all(record.status in REFUSED for record in tried.records.values())
@@ -142,7 +158,8 @@ def search(
         return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
     if isinstance(truth, Truth):
         tried.reach(sorted(targets, reverse=True))
-    tried.settle()
+    if settle and tried.settle().verdict is Verdict.NOT_SHOWN and runs.longest < math.inf:
+        return search(replace(runs, longest=math.inf), scene, engine, method, truth, targets, most_steps)
     return tried, [_result(tried, target) for target in sorted(targets, reverse=True)]
 
 

@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import computed_field
 
+from cross_checks.records.numbers import duration, short
 from cross_checks.records.record import Record
 from mbs_ref import scenes
 from mbs_ref.display import facts, listing
@@ -84,11 +85,13 @@ class Omitted:
     reaches: float  # odds that it reaches the target
     error: float  # over the scene's scales; the median ...
     range: tuple[float, float]  # ... and the central 68 %
+    seconds: float | None = None  # of processor time; None where no run shows what a step costs
 
     def __str__(self) -> str:
         low, high = self.range
         error = f"an error of about {self.error:.1g} (68 %: {low:.1g} to {high:.1g})"
-        return f"about {self.steps:.1g} steps and show {error}"
+        cost = f"about {short(self.steps, 1)} steps" + (f", {duration(self.seconds)}," if self.seconds else "")
+        return f"{cost} and show {error}"
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,16 @@
 """Loop times: of runs in randomly interleaved turns, of two things against each other, of runs alone on the machine.
 
 A setting is run again until the half-width of its interval is below 5 % of the median, three to five times: the rule
-of hyperfine, with a bound; a loop of more than ENOUGH seconds is run once. The store holds times by run and machine.
+of hyperfine, with a bound; a loop of more than ENOUGH seconds is run once. The store holds times by run and machine;
+the first one of a loop of more than WARMED seconds is that of the search, if the run had a processor to itself.
 Times measured while others used the machine are marked, and are replaced by those of an idle one.
 """
 
-import platform
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache, partial
-from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
@@ -21,6 +20,7 @@ from cross_checks import engines
 from cross_checks.isolation.parent import Caller, Isolated, Lost
 from cross_checks.isolation.workers import Report
 from cross_checks.judge.ladder import grid
+from cross_checks.records.machine import BUSY, WARMED, machine
 from cross_checks.records.record import BUSY_NOTE, Record
 from cross_checks.records.store import Store, run_name
 from mbs_ref import Scene, Settings, scenes
@@ -29,14 +29,11 @@ PAIRS = 5  # runs of each in a block, of which the fastest counts
 FEWEST_BLOCKS, MOST_BLOCKS = 10, 40  # of a comparison
 LIMIT = 1.05  # a ratio of times within 1/LIMIT and LIMIT is the same
 RESAMPLES = 1000
-BUSY = 0.9  # of a processor: with less, a run shares the machine
 AGAIN = 3  # times a disturbed run is repeated
 FEWEST_RUNS, MOST_RUNS = 3, 5  # of a setting
 NARROW = 0.05  # of the median: half of the interval
 ENOUGH = 1.0  # s of loop time: a longer run is timed once, a scheduler's quanta are small beside it
-WARMED = 0.2  # s of loop time: warming caches up is a small part of a longer run, which counts
 ROUNDS = 3  # turns, of which a run's least time counts
-CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
 SHARED = " while others used it"  # of a machine's name, under which times of a busy one are stored
 
 
@@ -52,24 +49,25 @@ def interleaved[T](
     return results
 
 
-def least_times(runs: Sequence[Callable[[], float]], first: Sequence[float], alone: bool = False) -> list[float]:
-    """Return the least time (s) of each run, which returns its own, in interleaved turns.
-
-    `first` (s) are estimates of the times: a run of more than ENOUGH takes one turn. With `alone` they were measured
-    with the machine to themselves, and are the first turn.
-    """
-    best = list(first) if alone else [min(times) for times in interleaved(runs, 1)]
-    short = [k for k, seconds in enumerate(first) if seconds <= ENOUGH]
-    for k, times in zip(short, interleaved([runs[k] for k in short], ROUNDS - 1), strict=True):
-        best[k] = min(best[k], *times)
-    return best
-
-
 class Sample(NamedTuple):
     """One timed run."""
 
     loop_s: float
     cpu_share: float = 1.0  # of a processor, while it ran
+
+
+def least_times(runs: Sequence[Callable[[], float]], first: Sequence[Sample]) -> list[float]:
+    """Return the least time (s) of each run, which returns its own, in interleaved turns.
+
+    A run's first sample is one of its ROUNDS turns, if it had a processor to itself; one turn is enough for a loop of
+    more than ENOUGH.
+    """
+    best = [own.loop_s if own.cpu_share >= BUSY else np.inf for own in first]
+    for turn in range(ROUNDS):
+        due = [k for k, own in enumerate(first) if (turn == 0 and best[k] == np.inf) or (turn and own.loop_s <= ENOUGH)]
+        for k, times in zip(due, interleaved([runs[k] for k in due], 1), strict=True):
+            best[k] = min(best[k], *times)
+    return best
 
 
 class Pace(StrEnum):
@@ -154,7 +152,7 @@ def timed_all(store: Store, records: Iterable[Record], report: Report, again: bo
     with Isolated() as call:
         for done, (record, scene) in enumerate(missing):
             report(done, len(missing), f"timing {record.scene} {record.engine} {record.method}")
-            result[id(record)] = measured(store, call, scene, record)
+            result[id(record)] = measured(store, call, scene, record, again)
     return {key: record for key, record in result.items() if record is not None}
 
 
@@ -163,21 +161,25 @@ def timed(store: Store, call: Caller, scene: Scene, record: Record) -> Record:
     if record.status != "success":
         return record
     loops = store.timings(_key(scene, record), machine())
-    return with_loops(record, loops) if loops else measured(store, call, scene, record)
+    return with_loops(record, loops) if is_enough(loops) else measured(store, call, scene, record)
 
 
 def stored_times(store: Store, scene: Scene, record: Record) -> Record | None:
     """Return the record with the times that the store holds of it on this machine; None where it holds none."""
     key = _key(scene, record)
-    quiet = store.timings(key, machine())
-    loops = quiet or store.timings(key, machine() + SHARED)
+    quiet = is_enough(loops := store.timings(key, machine()))
+    loops = loops if quiet else store.timings(key, machine() + SHARED)
     return with_loops(record, loops, "" if quiet else BUSY_NOTE) if loops else None
 
 
-def measured(store: Store, call: Caller, scene: Scene, record: Record) -> Record:
-    """Return the record with its loop times, which the store keeps; with a note where no run came back."""
+def measured(store: Store, call: Caller, scene: Scene, record: Record, again: bool = False) -> Record:
+    """Return the record with its loop times, which the store keeps; with a note where no run came back.
+
+    Times that the store holds of an idle machine count, unless `again`.
+    """
+    held = [] if again else store.timings(_key(scene, record), machine())
     try:
-        loops, share = call(time_loops, scene, record.engine, Settings(**record.settings))
+        loops, share = call(time_loops, scene, record.engine, Settings(**record.settings), held)
     except (Lost, RuntimeError, ValueError, ArithmeticError) as error:
         return replace(record, notes=(*record.notes, f"not timed: {error}"))
     busy = share < BUSY
@@ -185,12 +187,13 @@ def measured(store: Store, call: Caller, scene: Scene, record: Record) -> Record
     return with_loops(record, loops, BUSY_NOTE if busy else "")
 
 
-def time_loops(scene: Scene, engine: str, settings: Settings) -> tuple[list[float], float]:
-    """Return the loop times (s), and the share of a processor that the process got meanwhile; a short run warms up."""
-    first = sample(scene, engine, settings)
-    if first.loop_s > ENOUGH:
-        return [first.loop_s], first.cpu_share
-    samples = [first] if first.loop_s > WARMED else []
+def time_loops(scene: Scene, engine: str, settings: Settings, held: Sequence[float] = ()) -> tuple[list[float], float]:
+    """Return the loop times (s), of which `held` are the first, and the share of a processor that the runs got.
+
+    A short run warms up.
+    """
+    samples = [Sample(loop_s) for loop_s in held] or [sample(scene, engine, settings)]
+    samples = samples if samples[0].loop_s > WARMED else []
     while not is_enough([one.loop_s for one in samples]):
         samples.append(sample(scene, engine, settings))
     return [one.loop_s for one in samples], float(np.mean([one.cpu_share for one in samples]))
@@ -207,7 +210,7 @@ def sample(scene: Scene, engine: str, settings: Settings) -> Sample:
 def is_enough(loops: list[float]) -> bool:
     """Whether the interval is narrow, or the bound on runs or on time is met."""
     if len(loops) < FEWEST_RUNS:
-        return False
+        return len(loops) == 1 and loops[0] > ENOUGH
     return len(loops) >= MOST_RUNS or half_width(loops) < NARROW or sum(loops) > ENOUGH
 
 
@@ -215,19 +218,6 @@ def half_width(loops: list[float]) -> float:
     """Return half of the spread of the loop times over their median; 0 where nothing was measured."""
     middle = float(np.median(loops))
     return 0.0 if middle <= 0.0 else 0.5 * (max(loops) - min(loops)) / middle
-
-
-def processor() -> str:
-    """Return the processor's name."""
-    lines = CPU_FACTS.read_text().splitlines() if CPU_FACTS.exists() else []
-    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return next(iter(models), platform.processor() or platform.machine())
-
-
-@cache
-def machine() -> str:
-    """Return what times compare on: the computer and its processor."""
-    return f"{platform.node()} {processor()}"
 
 
 def _key(scene: Scene, record: Record) -> str:

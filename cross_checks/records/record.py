@@ -61,7 +61,7 @@ class Record:
     measures: dict[str, float | None] = field(default_factory=dict)  # by the name of a metric (cross_checks.metrics)
     bounds: dict[str, float] = field(default_factory=dict)  # what unknown measures are at most, where that is known
     error: Error | None = None
-    times: dict[str, float] = field(default_factory=dict)  # build_s, first_call_s, loop_s
+    times: dict[str, float] = field(default_factory=dict)  # build_s, first_call_s, loop_s, cpu_share (of a processor)
     versions: dict[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     figures: dict[str, float] = field(default_factory=dict)  # body -> significant figures, against an ephemeris
@@ -128,7 +128,7 @@ def loop_time(record: Record) -> float:
 
 
 def is_timed(record: Record) -> bool:
-    """Whether the loop was timed alone, several times."""
+    """Whether the loop was timed with a processor to itself, a short one several times."""
     return "loop_runs" in record.times
 
 

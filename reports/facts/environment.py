@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from cross_checks import engines
-from cross_checks.prices.timing import processor
+from cross_checks.records.machine import processor
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "pydantic", "plotly")
 
@@ -17,15 +17,11 @@ PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "pydantic", "plotly")
 def environment() -> dict[str, str]:
     """Return the facts a reader needs to judge or repeat the figures."""
     return {
-        "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "commit": _commit(),
-        "processor": processor(),
-        "processors": str(os.cpu_count()),
-        "system": platform.platform(),
-        "python": platform.python_version(),
+        "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"), "commit": _commit(), "processor": processor(),
+        "processors": str(os.cpu_count()), "system": platform.platform(), "python": platform.python_version(),
         **{name: package_version(name) for name in PACKAGES},
         **{f"engine {name}": version for name, version in engine_versions()},
-    }
+    }  # fmt: skip
 
 
 def _commit() -> str:

@@ -18,6 +18,8 @@ from cross_checks.records.record import Record
 from reports.facts.curves import Measured
 from reports.facts.scene_facts import SceneFacts, TruthFacts
 
+GROWING, INTERRUPTED = "growing", "interrupted"  # more is being computed, and pages reload; Ctrl-C ended it
+
 
 @dataclass(frozen=True)
 class ReportData:
@@ -30,6 +32,7 @@ class ReportData:
     quick: bool = False
     targets: tuple[float, ...] = TARGETS  # errors over the scene's scales
     incomplete: str = ""  # why it holds less than requested; empty where it holds all
+    state: str = ""  # GROWING, INTERRUPTED, or nothing once every stage has ended
     mechanisms: tuple[SceneFacts, ...] = ()
     truths: tuple[TruthFacts, ...] = ()  # what the errors are measured from
     extremes: tuple[ExtremeCell, ...] = ()  # read from a file beside the page, or a few cells

@@ -12,7 +12,7 @@ from cross_checks import engines as registry
 from cross_checks.isolation.parent import Isolated
 from cross_checks.isolation.workers import TIMEOUT, Report
 from cross_checks.judge.answers import Answer, Question, answers
-from cross_checks.judge.bounds import TARGETS
+from cross_checks.judge.bounds import TARGETS, longest
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
 from cross_checks.judge.vocabulary import Cell
@@ -70,29 +70,33 @@ def scene_key(scene: Scene) -> str:
     return digest_of(["scene facts", *_physics(scene), code_of("reports.facts.scene_facts")])
 
 
-def _question_key(question: Question) -> str:
+def _question_key(question: Question, full: bool) -> str:
     method = None if question.method is None else question.method.name
-    return digest_of(["cell", *_physics(question.scene), question.engine, method, engine_keys(), _judge()])
+    return digest_of(["cell", *_physics(question.scene), question.engine, method, engine_keys(), _judge(), full])
 
 
 def _physics(scene: Scene) -> list[str]:
     return [scenes.label(scene.name, scene.parameters), physics_of(scene), truth_name(scene, grid(scene))]
 
 
-def stored_answers(store: Store, wanted: list[Question]) -> dict[Question, Stored]:
+def stored_answers(store: Store, wanted: list[Question], full: bool = False) -> dict[Question, Stored]:
     """Return the answers that the store holds."""
-    held = {question: recall(store, _question_key(question), Stored) for question in wanted}
+    held = {question: recall(store, _question_key(question, full), Stored) for question in wanted}
     return {question: answer for question, answer in held.items() if answer is not None}
 
 
 def settled_answers(
-    store: Store, wanted: list[Question], report: Report, call: Isolated | None = None
+    store: Store, wanted: list[Question], report: Report, call: Isolated | None = None, full: bool = False
 ) -> Iterator[Answer]:
-    """Yield the settled answer to every question; the store keeps those in which the machine had no part."""
-    for answer in answers(Runs(store, call or Isolated(TIMEOUT)), wanted, progress=report):
+    """Yield the settled answer to every question; the store keeps those in which the machine had no part.
+
+    Unless `full`, no run is made for a target alone that would take longer than LONGEST.
+    """
+    runs = Runs(store, call or Isolated(TIMEOUT), longest=longest(full))
+    for answer in answers(runs, wanted, progress=report):
         if answer.is_settled:
             if not any(record.status in PASSING for record in answer.records):
-                keep(store, _question_key(answer.question), Stored, Stored(answer.cell, answer.records))
+                keep(store, _question_key(answer.question, full), Stored, Stored(answer.cell, answer.records))
             yield answer
 
 

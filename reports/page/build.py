@@ -20,23 +20,24 @@ LEAST_APART = 20.0  # times the time that writing a page took: writing takes 5 %
 
 
 def write_report(
-    out_dir: Path, stages: Generator[ReportData], form: str = HTML, targets: Sequence[float] = ()
+    out_dir: Path, stages: Generator[Callable[[], ReportData]], form: str = HTML, targets: Sequence[float] = ()
 ) -> tuple[Path, str]:
     """Write the pages of the last stage; before it, pages of what there is whenever they are due.
 
     Return the path of the report in the wanted form, and why it is incomplete or nothing.
     """
-    due, data = monotonic() + PATIENCE, ReportData((), ())
-    for data in stages:
+    due = monotonic() + PATIENCE
+    for there in stages:
         begun = monotonic()
         if begun > due:
             try:
-                write_data(data, out_dir)
+                write_data(data := there(), out_dir)
                 publish(data, out_dir)
             except KeyboardInterrupt as stop:  # while verdicts come, `stages` ends with a sentence about it
-                data = stages.throw(stop)
+                there = stages.throw(stop)
                 break
             due = monotonic() + max(PATIENCE, LEAST_APART * (monotonic() - begun))
+    data = there()
     write_data(data, out_dir)
     return publish(data.only(targets=targets), out_dir, form), data.incomplete
 

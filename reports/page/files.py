@@ -20,14 +20,9 @@ from reports.page.slug import command
 
 TIMES = ("build_s", "first_call_s", "loop_s", "loop_median_s", "loop_most_s", "loop_runs")
 VERDICTS = {
-    "engine": "engine",
-    "method": "method",
-    "verdict": "word",
-    "code": "code",
-    "error": "error",
-    "setting": "setting",
+    "engine": "engine", "method": "method", "verdict": "word", "code": "code", "error": "error", "setting": "setting",
     "why": "reason",
-}  # column -> key of a cell's view
+}  # column -> key of a cell's view  # fmt: skip
 PRICES = ("within", "engine", "method", "setting", "error", "loop time", "over the cheapest")
 
 
@@ -47,27 +42,16 @@ def csv_row(record: Record) -> dict[str, Any]:
     error = record.error
     units = {name: metric.unit for name, metric in metrics.every().items()}
     return {
-        "scene": record.scene,
-        "parameters": json.dumps(record.parameters),
-        "engine": record.engine,
-        "method": record.method,
-        "setting": setting(record.settings),
-        "status": record.status,
-        "message": record.message,
-        "t_end_s": record.t_end,
-        "steps": record.steps,
-        "rhs_calls": record.rhs_calls,
-        "error": error.value if error else None,
-        "error_m": error.metres if error else None,
-        "error_worst": error.worst if error else None,
-        "truth_uncertainty": error.uncertainty if error else None,
+        "scene": record.scene, "parameters": json.dumps(record.parameters), "engine": record.engine,
+        "method": record.method, "setting": setting(record.settings), "status": record.status,
+        "message": record.message, "t_end_s": record.t_end, "steps": record.steps, "rhs_calls": record.rhs_calls,
+        "error": error.value if error else None, "error_m": error.metres if error else None,
+        "error_worst": error.worst if error else None, "truth_uncertainty": error.uncertainty if error else None,
         "truth": error.truth if error else None,
         **{f"{name} [{unit}]": record.measure(name) for name, unit in units.items()},
         **{f"{error.name} below [{error.unit}]": record.bounds.get(error.name) for error in COMPONENTS},
-        **{phase: record.times.get(phase) for phase in TIMES},
-        "busy": is_busy(record),
-        "command": command(record),
-    }
+        **{phase: record.times.get(phase) for phase in TIMES}, "busy": is_busy(record), "command": command(record),
+    }  # fmt: skip
 
 
 def document(data: ReportData, template: str) -> bytes:

@@ -18,7 +18,7 @@ from cross_checks.records import numbers
 from cross_checks.records.plots.plot import style_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import studies
-from reports.facts.report_data import ReportData, Section
+from reports.facts.report_data import GROWING, ReportData, Section
 from reports.page import advice, findings
 from reports.page.sections import extremes, matrix, method, overview, plots, prices, profiles
 from reports.page.slug import command, engine_file, scene_file, slug
@@ -98,7 +98,8 @@ def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> s
 
     context = {"bodies": [body(section) for section in page.sections], "stamp": data.environment.get("made", "")}
     whole = templates().get_template("page.html")
-    return whole.render(page=page, listed=listed, quick=data.quick, incomplete=data.incomplete, **context)
+    return whole.render(page=page, listed=listed, quick=data.quick, incomplete=data.incomplete,
+                        growing=data.state == GROWING, **context)  # fmt: skip
 
 
 INDEX = "index.html"

@@ -97,14 +97,11 @@ def _entry(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Pat
     known = stored(scene)
     truth = "computed at its first use" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m"
     rows = [
-        ["made of", summary(scene).sentence()],
-        ["traits", ", ".join(sorted(traits(scene))) or "none"],
-        ["who can", who_can(scene.name, able) or "nobody that is installed"],
-        ["truth", truth],
-        ["what accuracy costs", _trade(runs, scene, pictures)],
-        ["source", scene.source or "this project"],
+        ["made of", summary(scene).sentence()], ["traits", ", ".join(sorted(traits(scene))) or "none"],
+        ["who can", who_can(scene.name, able) or "nobody that is installed"], ["truth", truth],
+        ["what accuracy costs", _trade(runs, scene, pictures)], ["source", scene.source or "this project"],
         ["again", f"`mbs-ref simulate {scene.name}`"],
-    ]
+    ]  # fmt: skip
     return f"## {scene.name}\n\n{scene.description}\n\n{_film(scene, pictures)}\n\n{table(['', ''], rows)}"
 
 

@@ -48,6 +48,7 @@ class Document:
     blocks: list[Block]
     place: int = 0  # on a shared page; the lowest stands first
     alone: bool = False  # it measures times, so that nothing else may run meanwhile
+    fuller: bool = False  # a full report measures more (see reports.studies.study)
     stored: bool = False  # it presents tables of the source tree, for which nothing is run
     claim: list[dict[str, Any]] = field(default_factory=list)
 

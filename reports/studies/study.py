@@ -2,11 +2,11 @@
 
 Beside a study's study.toml stands measure.py, whose `measure()` returns a Measured. It may offer `parts()` and
 `make(part)`: runs that the store holds once they are computed, in any order and side by side, for `measure()` to read.
+A study that leaves out what costs most has `fuller = true` there: `measure(full)` and `make(part, full)`.
 """
 
 import pkgutil
 import tomllib
-from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.resources import files
@@ -38,14 +38,19 @@ def stored() -> dict[str, Measured]:
     return {name: measure(name) for name, document in every().items() if document.stored}
 
 
-def measure(name: str) -> Measured:
+def measure(name: str, full: bool = False) -> Measured:
     """Measure a study: for a process of its own."""
-    return import_module(f"reports.studies.{name}.measure").measure()
+    return import_module(f"reports.studies.{name}.measure").measure(*_fuller(name, full))
 
 
-def make(name: str, part: Any) -> None:
+def make(name: str, part: Any, full: bool = False) -> None:
     """Compute one of a study's parts."""
-    import_module(f"reports.studies.{name}.measure").make(part)
+    import_module(f"reports.studies.{name}.measure").make(part, *_fuller(name, full))
+
+
+def _fuller(name: str, full: bool) -> list[bool]:
+    """Return `full` for a study that it makes a difference to."""
+    return [full] if every()[name].fuller else []
 
 
 def parts(name: str) -> list[Any]:
@@ -61,13 +66,16 @@ def _sources(name: str) -> list[str]:
     return [code_of(f"reports.studies.{name}.measure"), *(texts[file] for file in sorted(texts))]
 
 
-def measure_all(store: Store, result: dict[str, Measured], depends: Any, report: Report) -> list[str]:
+def measure_all(
+    store: Store, result: dict[str, Measured], depends: Any, report: Report, full: bool = False
+) -> list[str]:
     """Add to `result` the facts of every study, stored or measured on all cores; return what failed and why.
 
-    Facts are measured again where their code changes or what they depend on: the engines and their adapters.
+    Facts are measured again where their code changes or what they depend on: the engines and their adapters. With
+    `full` nothing is left out for its cost.
     """
     listed = every()
-    keys = {name: digest_of(["study", name, depends, *_sources(name)]) for name in listed}
+    keys = {name: digest_of(["study", name, depends, *_fuller(name, full), *_sources(name)]) for name in listed}
     for name in listed.keys() - result.keys():
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held
@@ -75,14 +83,14 @@ def measure_all(store: Store, result: dict[str, Measured], depends: Any, report:
     # First studies without parts, which take longest, and the parts of others; then studies that read those parts;
     # studies that measure times are last, one at a time.
     parted = {name: own for name in missing if (own := parts(name))}
-    whole = [(name, None) for name in missing if not listed[name].alone]
+    whole = [(name, None, full) for name in missing if not listed[name].alone]
     first = [task for task in whole if task[0] not in parted]
-    first += [(name, part) for name, own in parted.items() for part in own]
+    first += [(name, part, full) for name, own in parted.items() for part in own]
     reading = [task for task in whole if task[0] in parted]
-    last = [(name, None) for name in missing if listed[name].alone]
+    last = [(name, None, full) for name in missing if listed[name].alone]
     steps = chain(each(first, _made, timeout=LONGEST), each(reading, _made, timeout=LONGEST),
                   each(last, _made, 1, LONGEST))  # fmt: skip
-    for done, ((name, part), facts) in enumerate(steps, 1):
+    for done, ((name, part, _), facts) in enumerate(steps, 1):
         if isinstance(facts, str):
             failed.append(f"section {name}: {facts}")
         elif facts is not None:
@@ -92,19 +100,10 @@ def measure_all(store: Store, result: dict[str, Measured], depends: Any, report:
     return failed
 
 
-def _made(call: Caller, task: tuple[str, Any]) -> Measured | str | None:
+def _made(call: Caller, task: tuple[str, Any, bool]) -> Measured | str | None:
     """Return a study's facts, or the sentence why there are none; nothing of one of its parts."""
-    name, part = task
-    if part is None:
-        return _measured(call, name)
-    with suppress(Exception):  # raised in a process of its own; `measure` raises it again
-        call(make, name, part)
-    return None
-
-
-def _measured(call: Caller, name: str) -> Measured | str:
-    """Return a study's facts, or the sentence why there are none."""
+    name, part, full = task
     try:
-        return call(measure, name)
-    except Exception as error:  # raised in a process of its own: whatever it is, it costs this study alone
-        return f"{type(error).__name__}: {error}"
+        return call(measure, name, full) if part is None else call(make, name, part, full)
+    except Exception as error:  # raised in a process of its own: it costs this study alone, where `measure` raises it
+        return f"{type(error).__name__}: {error}" if part is None else None

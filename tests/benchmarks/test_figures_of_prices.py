@@ -199,10 +199,10 @@ def test_a_long_loop_is_timed_once_and_a_short_one_after_a_first_that_warms_up(m
 def test_the_least_of_the_turns_counts_and_long_runs_take_one():
     clocks = [iter((0.5, 0.3, 0.4, 0.1)), iter((2.0, 1.0, 0.5)), iter((0.6, 0.7, 0.2, 0.1))]
     runs = [lambda clock=clock: next(clock) for clock in clocks]
-    assert timing.least_times(runs, [0.5, 2.0, 0.6]) == [0.3, 2.0, 0.2]
+    assert timing.least_times(runs, [Sample(seconds, 0.8) for seconds in (0.5, 2.0, 0.6)]) == [0.3, 2.0, 0.2]
     clocks[:] = [iter((0.5, 0.6, 0.1)), iter((0.1,)), iter((0.4, 0.9, 0.1))]
     runs = [lambda clock=clock: next(clock) for clock in clocks]
-    assert timing.least_times(runs, [0.45, 2.0, 0.6], alone=True) == [0.45, 2.0, 0.4]
+    assert timing.least_times(runs, [Sample(seconds) for seconds in (0.45, 2.0, 0.6)]) == [0.45, 2.0, 0.4]
 
 
 def test_disturbed_runs_are_repeated_and_counted():
@@ -227,7 +227,7 @@ def test_times_of_an_idle_machine_replace_those_of_a_busy_one(monkeypatch):
         again = timing.stored_times(store, scene, run)
         assert again
         assert (again.times["loop_s"], again.notes) == (0.4, (BUSY_NOTE,))
-        answer = ([0.3, 0.7], timing.BUSY)
+        answer = ([0.3, 0.5, 0.7], timing.BUSY)
         assert timing.timed(store, call, scene, run).notes == ()  # only times of an idle machine count
         for quiet in (timing.stored_times(store, scene, run), timing.timed(store, None, scene, run)):  # type: ignore[arg-type]
             assert quiet

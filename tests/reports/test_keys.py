@@ -16,7 +16,7 @@ SCENE = scenes.make("andrews")
 
 def _keys() -> tuple[str, str]:
     stored.engine_keys.cache_clear()
-    return stored._question_key(Question(SCENE, "mbs_ref", None)), stored.truth_key(SCENE)
+    return stored._question_key(Question(SCENE, "mbs_ref", None), full=False), stored.truth_key(SCENE)
 
 
 @pytest.fixture(autouse=True)

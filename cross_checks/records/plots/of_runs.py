@@ -85,7 +85,7 @@ def _add(figure: Figure, engine: str, method: str, style: plot.Style, records: l
 
 def _hover(record: Record) -> str:
     assert record.error is not None
-    how = "timed alone" if is_timed(record) else "timed once, beside other runs"
+    how = "with a processor to itself" if is_timed(record) else "one run, beside others"
     return plot.lines(
         f"{record.engine} · {record.method}",
         setting(record.settings),

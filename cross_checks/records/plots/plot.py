@@ -70,17 +70,11 @@ def add_series(figure: Figure, engine: str, method: str, style: Style, x: Values
     """Add one method's line with markers, grouped under its engine in the legend."""
     mode = more.pop("mode", "lines+markers")
     figure.add_scatter(
-        x=x,
-        y=[None if value is None else max(abs(value), FLOOR) for value in y],
-        mode=mode,
-        name=html.escape(method),
-        meta={"engine": engine},
-        legendgroup=engine,
-        legendgrouptitle={"text": html.escape(engine)},
+        x=x, y=[None if value is None else max(abs(value), FLOOR) for value in y], mode=mode, name=html.escape(method),
+        meta={"engine": engine}, legendgroup=engine, legendgrouptitle={"text": html.escape(engine)},
         line={"color": style.colour, "dash": style.dash, "width": 2},
-        marker={"symbol": style.symbol, "size": 8, "color": style.colour},
-        **more,
-    )
+        marker={"symbol": style.symbol, "size": 8, "color": style.colour}, **more,
+    )  # fmt: skip
 
 
 def lines(*parts: str) -> str:

@@ -45,21 +45,10 @@ PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code o
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @STORE
 def command(
-    scene: str,
-    parameters: tuple[str, ...],
-    keep_rates: tuple[str, ...],
-    chosen: tuple[str, ...],
-    error: str,
-    compliance: float | None,
-    budget: str | None,
-    real_time: bool,
-    records: Path | None,
-    confirming: bool | None,
-    models: bool,
-    fresh: bool,
-    as_json: bool,
-    store: str | None,
-) -> None:
+    scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], chosen: tuple[str, ...], error: str,
+    compliance: float | None, budget: str | None, real_time: bool, records: Path | None, confirming: bool | None,
+    models: bool, fresh: bool, as_json: bool, store: str | None,
+) -> None:  # fmt: skip
     """Name the cheapest setting that reaches --error on SCENE.
 
     For each engine that --engine names, the error of its default settings is printed, too.

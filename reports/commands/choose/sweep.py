@@ -24,19 +24,10 @@ from reports.terminal.console import NothingSelected, echo_json, number, show_ta
 @SCHEDULER
 @STORE
 def command(
-    scene: str,
-    parameters: tuple[str, ...],
-    keep_rates: tuple[str, ...],
-    chosen: tuple[str, ...],
-    methods: tuple[str, ...],
-    as_json: bool,
-    output: str | None,
-    plot: str | None,
-    timeout: float | None,
-    memory: float | None,
-    scheduler: str | None,
-    store: str | None,
-) -> None:
+    scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], chosen: tuple[str, ...],
+    methods: tuple[str, ...], as_json: bool, output: str | None, plot: str | None, timeout: float | None,
+    memory: float | None, scheduler: str | None, store: str | None,
+) -> None:  # fmt: skip
     """Measure work against precision on SCENE. The settings that meet each decade of error are timed.
 
     Engines run in a process of their own: one that hangs, crashes or eats memory costs that one run.

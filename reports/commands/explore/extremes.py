@@ -22,14 +22,9 @@ from reports.terminal.console import Failed, NothingSelected, echo_json, interru
     "-o", "output", metavar="FILE.jsonl", help="Add the cells to a file; those that it holds are not run again."
 )
 def command(
-    full: bool,
-    only: str | None,
-    chosen: tuple[str, ...],
-    shard: str,
-    scheduler: str | None,
-    as_json: bool,
+    full: bool, only: str | None, chosen: tuple[str, ...], shard: str, scheduler: str | None, as_json: bool,
     output: str | None,
-) -> None:
+) -> None:  # fmt: skip
     """Drive scenes to the edge, and show where engines fail. They stop, degrade or are silently wrong.
 
     Every run has a process of its own; two run at a time. Exit code 1 where the reference solver is

@@ -23,6 +23,7 @@ TARGET = click.Choice([short(target) for target in TARGETS])
 @click.command(name="report", epilog="Example: mbs-ref report --quick")
 @click.option("--open", "open_it", is_flag=True, help="Open the page in a browser.")
 @click.option("--quick", is_flag=True, help="Few scenes, for a first look.")
+@click.option("--full", is_flag=True, help="Leave out no run for its cost.")
 @click.option("--render", "render_only", is_flag=True, help="Render the data of the last report; simulate nothing.")
 @click.option("--retime", is_flag=True, help="Time again what is ranked, even where the store holds times.")
 @click.option("--scene", "scenes", multiple=True, metavar="SCENE", help="Only this scene, as 'NAME key=value'; repeat.")
@@ -33,8 +34,8 @@ TARGET = click.Choice([short(target) for target in TARGETS])
 @SCHEDULER
 @click.option("-o", "folder", default="reports/out", show_default=True, type=inputs.FOLDER)
 def command(
-    open_it: bool, quick: bool, render_only: bool, retime: bool, scenes: tuple[str, ...], engines: tuple[str, ...],
-    targets: tuple[str, ...], form: str, text: bool, scheduler: str | None, folder: Path,
+    open_it: bool, quick: bool, full: bool, render_only: bool, retime: bool, scenes: tuple[str, ...],
+    engines: tuple[str, ...], targets: tuple[str, ...], form: str, text: bool, scheduler: str | None, folder: Path,
 ) -> None:  # fmt: skip
     """Run the comparison and write HTML pages that work offline. Their data lie beside them.
 
@@ -60,7 +61,8 @@ def command(
 
         names = inputs.engine_names(engines) if engines else ()
         with progress("report") as report, cluster(scheduler) as call, Store(default_path()) as store:
-            gathering = Gathering(store, quick, report, sorted(folder.glob(EXTREMES)), retime, call, scenes, names)
+            files = sorted(folder.glob(EXTREMES))
+            gathering = Gathering(store, quick, report, files, retime, call, scenes, names, full)
             page, incomplete = write_report(folder, gathering.stages(), form, errors)
     if text:
         print_report(last_report(folder))

@@ -32,19 +32,10 @@ from reports.terminal.console import Failed, Incomplete, compiling, echo_json, n
 @click.option("-o", "output", metavar="FILE", help="Write inputs and samples to a .npz, .csv or .parquet file.")
 @click.option("--plot", metavar="FILE.html", help="Draw how the motion spreads over time, as a page.")
 def command(
-    scene: str,
-    parameters: tuple[str, ...],
-    varied: tuple[str, ...],
-    count: int | None,
-    seed: int,
-    threads: int | None,
-    scheduler: str | None,
-    as_json: bool,
-    output: str | None,
-    plot: str | None,
-    keep_rates: tuple[str, ...],
+    scene: str, parameters: tuple[str, ...], varied: tuple[str, ...], count: int | None, seed: int, threads: int | None,
+    scheduler: str | None, as_json: bool, output: str | None, plot: str | None, keep_rates: tuple[str, ...],
     **options: Any,
-) -> None:
+) -> None:  # fmt: skip
     """Run SCENE many times, with uncertain or varied numbers.
 
     WHAT is a parameter of the scene, or a number of it by name: link_3.mass, ball.velocity.x, load.stiffness,

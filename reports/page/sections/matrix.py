@@ -13,22 +13,13 @@ from reports.facts.report_data import ReportData, Section
 def view(cell: Cell, targets: Collection[float] = TARGETS) -> dict[str, Any]:
     """Return what a cell shows: its verdict with code and tone, figures, targets, and the command that repeats it."""
     return {
-        "scene": cell.label,
-        "engine": cell.engine,
-        "method": cell.method,
-        "word": cell.verdict,
-        "code": cell.code,
-        "tone": cell.tone,
-        "meaning": MEANINGS[cell.verdict].sentence,
-        "reason": cell.reason or ABSENT,
-        "exemption": cell.exemption,
-        "error": of_scene(cell.error),
-        "setting": in_words(cell.setting) or ABSENT,
-        "compliance": metres(cell.compliance),
-        "order": order_of(cell.order, cell.documented_order),
+        "scene": cell.label, "engine": cell.engine, "method": cell.method, "word": cell.verdict, "code": cell.code,
+        "tone": cell.tone, "meaning": MEANINGS[cell.verdict].sentence, "reason": cell.reason or ABSENT,
+        "exemption": cell.exemption, "error": of_scene(cell.error), "setting": in_words(cell.setting) or ABSENT,
+        "compliance": metres(cell.compliance), "order": order_of(cell.order, cell.documented_order),
         "targets": [_target(result) for result in cell.targets if result.target in targets],
         "command": f"mbs-ref rerun {cell.name}",
-    }
+    }  # fmt: skip
 
 
 def _target(result: TargetResult) -> dict[str, str]:

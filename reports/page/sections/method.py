@@ -8,7 +8,7 @@ from cross_checks.judge import bounds, search
 from cross_checks.judge.convergence import calibration, model
 from cross_checks.judge.vocabulary import MEANINGS
 from cross_checks.prices import timing
-from cross_checks.prices.timing import BUSY
+from cross_checks.records.machine import BUSY
 from cross_checks.records.record import is_busy, is_timed
 from reports.facts.cheapest import INSIDE
 from reports.facts.report_data import ReportData, Section
@@ -20,18 +20,13 @@ CONSTANT = re.compile(r"^([A-Z_]+) = (.+?)  # (.+)$", re.MULTILINE)  # name, val
 def context(data: ReportData) -> dict[str, Any]:
     ranked = [record for record in data.records if is_timed(record)]
     return {
-        "meanings": MEANINGS,
-        "model": str(model.__doc__),
+        "meanings": MEANINGS, "model": str(model.__doc__),
         "constants": [(name.lower().replace("_", " "), *rest) for name, *rest in CONSTANT.findall(getsource(bounds))],
-        "calibration": calibration(),
-        "search": str(search.__doc__),
-        "rule": str(timing.__doc__),
-        "inside": {name: INSIDE[name] for name in data.engines if name in INSIDE},
-        "ranked": len(ranked),
-        "busy": sum(is_busy(record) for record in ranked),
-        "busy_share": f"{BUSY:.0%}",
-        "most_steps": bounds.MOST_STEPS,
-    }
+        "calibration": calibration(), "search": str(search.__doc__), "rule": str(timing.__doc__),
+        "inside": {name: INSIDE[name] for name in data.engines if name in INSIDE}, "ranked": len(ranked),
+        "busy": sum(is_busy(record) for record in ranked), "busy_share": f"{BUSY:.0%}", "most_steps": bounds.MOST_STEPS,
+        "longest": f"{bounds.LONGEST:g}",
+    }  # fmt: skip
 
 
 SECTION = Section("method", "How it is judged and timed", LEAD, context)

@@ -39,17 +39,11 @@ def _row(entry: Entry, factor: float | None) -> dict[str, Any]:
         named = f" ({entry.method})" if entry.method and entry.answer != "cannot" else ""
         return row | {"missed": text + named}
     return row | {
-        "missed": "",
-        "method": record.method,
-        "setting": setting(record.settings),
-        "error": short(record.error.value),
-        "metres": metres(record.error.metres),
-        "compliance": metres(record.measure("compliance_position")),
-        "time": duration(loop_time(record)),
-        "spread": spread(record),
-        "factor": _factor(entry, factor),
+        "missed": "", "method": record.method, "setting": setting(record.settings), "error": short(record.error.value),
+        "metres": metres(record.error.metres), "compliance": metres(record.measure("compliance_position")),
+        "time": duration(loop_time(record)), "spread": spread(record), "factor": _factor(entry, factor),
         "command": command(record),
-    }
+    }  # fmt: skip
 
 
 def _factor(entry: Entry, factor: float | None) -> str:
@@ -78,21 +72,11 @@ def spread(record) -> str:
 def pick_rows(data: ReportData) -> list[dict[str, Any]]:
     """Return what the pick box chooses from: every finished run with its cost and command."""
     return [
-        {
-            "scene": r.label,
-            "engine": r.engine,
-            "ours": r.engine == OURS,
-            "method": r.method,
-            "setting": setting(r.settings),
-            "error": known_error(r),
-            "floor": r.error.uncertainty if r.error else 0.0,
-            "compliance": r.measure("compliance_position"),
-            "ms": r.times["loop_s"] * 1e3,
-            "command": command(r),
-        }
-        for r in data.records
-        if usable(r)
-    ]
+        {"scene": r.label, "engine": r.engine, "ours": r.engine == OURS, "method": r.method,
+         "setting": setting(r.settings), "error": known_error(r), "floor": r.error.uncertainty if r.error else 0.0,
+         "compliance": r.measure("compliance_position"), "ms": r.times["loop_s"] * 1e3, "command": command(r)}
+        for r in data.records if usable(r)
+    ]  # fmt: skip
 
 
 def context(data: ReportData) -> dict[str, Any]:

@@ -25,7 +25,9 @@ function themed() {
 function forScreen(layout) {
   if (!narrow()) return layout;
   const below = { orientation: "h", y: -0.22, yanchor: "top", font: { size: 11 }, groupclick: "toggleitem" };
-  return { ...layout, legend: { ...layout.legend, ...below }, margin: { ...layout.margin, l: 52, r: 8 }, height: layout.height + 190 };
+  const title = { ...layout.xaxis?.title, font: { size: 11 } };  // one line of a phone
+  title.text = title.text?.replace(/^(.{20,44}?) (?=.{20})/, "$1<br>");
+  return { ...layout, xaxis: { ...layout.xaxis, title }, legend: { ...layout.legend, ...below }, margin: { ...layout.margin, l: 52, r: 8 }, height: layout.height + 190 };
 }
 
 let library = null;
@@ -48,7 +50,9 @@ async function draw(div) {
     const Plotly = await plotly();
     const { data, layout } = JSON.parse(div.nextElementSibling.textContent);
     const options = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["lasso2d", "select2d", "autoScale2d"], toImageButtonOptions: { format: "svg" } };
-    await Plotly.newPlot(div, data, forScreen(layout), options);
+    const fitted = forScreen(layout);
+    div.style.minHeight = `${fitted.height}px`; // a responsive plot fills its box, and would be cut off by a lower one
+    await Plotly.newPlot(div, data, fitted, options);
     Plotly.relayout(div, themed());
   } catch (error) { div.textContent = `This plot could not be drawn: ${error.message}.`; }
 }

@@ -10,6 +10,7 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge import ladder
+from cross_checks.judge.bounds import longest
 from cross_checks.judge.cell import cell_of
 from cross_checks.judge.one_run import judged_run
 from cross_checks.judge.runs import Runs
@@ -55,8 +56,8 @@ SHOWN = {  # on 48 bodies what takes seconds
 }
 
 
-def measure() -> Measured:
-    """Run everything; the vertebral android's truths are stored on disk."""
+def measure(full: bool = False) -> Measured:
+    """Run everything; the vertebral android's truths are stored on disk. `full` makes runs that take long, too."""
     measured = Measured()
     scenes_run = [scenes.make(name, impact=impact, **PAPER) for name, impact in product(NAMES, IMPACTS)]
     for scene in scenes_run:
@@ -64,7 +65,9 @@ def measure() -> Measured:
     for name in NAMES:
         add_stable(measured, scenes.make(name, **PAPER))
     with Store(default_path()) as store:
-        measured.tables["engines"] = tuple(row for scene in scenes_run for row in peers(Runs(store), scene))
+        measured.tables["engines"] = tuple(
+            row for scene in scenes_run for row in peers(Runs(store, longest=longest(full)), scene)
+        )
     return measured
 
 
@@ -215,12 +218,12 @@ def parts() -> list[tuple[str, str, str, str]]:
             for name, method in entrants(scenes.make(crash[0], impact=crash[1], **PAPER))]  # fmt: skip
 
 
-def make(part: tuple[str, str, str, str]) -> None:
+def make(part: tuple[str, str, str, str], full: bool = False) -> None:
     """Search once: the store keeps the runs, which `measure` reads."""
     name, impact, engine, chosen = part
     scene, method = scenes.make(name, impact=impact, **PAPER), engines.get(engine).method(chosen)
     with Store(default_path()) as store:
-        runs = Runs(store)
+        runs = Runs(store, longest=longest(full))
         search(runs, scene, engine, method, runs.truth(scene), PEER_TARGETS[method.kind])
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.metrics.metric import off_truth
-from cross_checks.prices.timing import least_times
+from cross_checks.prices.timing import Sample, least_times
 from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.crash.results import crash_results
 from mbs_ref.observables.attachment import Motion
@@ -121,7 +121,7 @@ def ladder(title: str, note: str, measured: str, models: Sequence[Model], text: 
     paths = [finished(scene, settings) for _, scene, settings in models]
     again = [lambda scene=scene, settings=settings: simulate(scene, settings).timing.loop_s
              for _, scene, settings in models]  # fmt: skip
-    best, rungs = least_times(again, [path.timing.loop_s for path in paths], alone=True), []
+    best, rungs = least_times(again, [Sample(path.timing.loop_s) for path in paths]), []
     for (name, scene, _), path, seconds in zip(models, paths, best, strict=True):
         shown, accuracy = text(scene, path, models[-1][1], paths[-1])
         rungs.append(Rung(name, seconds, int(path.rhs_calls), shown, accuracy))

@@ -1,7 +1,8 @@
 """Every pair: both at the same target errors, relative to the scene, and timed in interleaved runs.
 
-Each engine enters every method that it offers for a scene; its row is that of its cheapest. Places in the sky are
-compared with the ephemeris that Astropy contains, without any download.
+Each engine enters every method that it offers for a scene; its row is that of its cheapest. No run is made that cannot
+be that: none for a verdict alone, and none that would take longer than the cheapest so far at every target. Places in
+the sky are compared with the ephemeris that Astropy contains, without any download.
 """
 
 import importlib
@@ -17,19 +18,20 @@ from pydantic import TypeAdapter
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.cell import judged, refused, tasks
+from cross_checks.judge.bounds import longest
+from cross_checks.judge.cell import judged, tasks
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell
-from cross_checks.prices.timing import least_times
+from cross_checks.prices.timing import Sample, least_times, stored_times
 from cross_checks.records.numbers import duration, metres, setting, short
-from cross_checks.records.record import Record, loop_time
+from cross_checks.records.record import Record, is_busy, loop_time
 from cross_checks.records.store import Store, default_path
-from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, Settings, scenes
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.simulate import simulate
+from reports.facts import cheapest
 from reports.facts.cheapest import Entry, entries, near, reaching
 from reports.facts.curves import Curves, Measured, Row, Value
 from reports.facts.report_data import ReportData
@@ -148,10 +150,10 @@ class Result:
         }  # fmt: skip
 
 
-def measure() -> Measured:
-    """Search and time everything; the store holds the searched runs."""
+def measure(full: bool = False) -> Measured:
+    """Search and time everything; the store holds the searched runs. `full` makes runs that take long, too."""
     with Store(default_path()) as store:
-        rows = [pair(Runs(store), request) for request in PAIRS]
+        rows = [pair(Runs(store, longest=longest(full)), request) for request in PAIRS]
     return shown([(request.title, request.note, own) for request, own in zip(PAIRS, rows, strict=True)], sky_places())
 
 
@@ -208,13 +210,13 @@ def pair(runs: Runs, request: Request) -> tuple[Result, ...]:
 
 def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Result]:
     """Yield a row for each target and engine, the cheapest first, and one for each engine that cannot run the scene."""
-    truth = runs.truth(scene)
-    data = ReportData(tuple(_cell(runs, scene, *entrant, truth, request) for entrant in request.entrants()), ())
+    offered = [_cells(runs, scene, engine, request) for engine in (OURS, *request.rivals)]
+    data = ReportData(tuple(cell for cells in offered for cell in cells), ())
     label = data.scenes[0]
     able = {cell.engine for cell in data.cells if not cell.is_refused}
+    data = replace(data, records=_timed(runs.store, scene, data, request.targets))
     for target in request.targets:
-        timed = replace(data, records=_timed(scene, data, target))
-        listed = [entry for entry in entries(timed, label, target) if entry.engine in able]
+        listed = [entry for entry in entries(data, label, target) if entry.engine in able]
         ours = next((loop_time(entry.best) for entry in listed if entry.best and entry.engine == OURS), None)
         for entry in listed:
             ratio = None if ours is None or entry.best is None else loop_time(entry.best) / ours
@@ -224,37 +226,49 @@ def compared(runs: Runs, scene: Scene, request: Request) -> Iterator[Result]:
             yield Result(label, None, Entry(engine, "cannot", None, data.cells_of(label, engine)[0].reason))
 
 
-def _cell(
-    runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth, request: Request
-) -> Cell:
-    return judged(runs, scene, engine, method, truth, request.targets, WORK // len(scene.bodies))[0]
+def _cells(runs: Runs, scene: Scene, engine: str, request: Request) -> list[Cell]:
+    """Return the cell of each of an engine's methods, of the highest order first.
+
+    Once every target is reached, a run may take what the cheapest takes at the dearest one.
+    """
+    truth, best, cells = runs.truth(scene), dict.fromkeys(request.targets, np.inf), list[Cell]()
+    own = [method for name, method in request.entrants() if name == engine]
+    for method in sorted(own, key=lambda one: -((one and one.order) or 0)):
+        limited = replace(runs, longest=min(runs.longest, cheapest.NEAR * max(best.values())))
+        most = WORK // len(scene.bodies)
+        cells.append(judged(limited, scene, engine, method, truth, request.targets, most, settle=False)[0])
+        for result in cells[-1].targets:
+            if result.record is not None:
+                best[result.target] = min(best[result.target], loop_time(result.record))
+    return cells
 
 
-def _timed(scene: Scene, data: ReportData, target: float) -> tuple[Record, ...]:
-    """Return the runs that may be an engine's cheapest at a target, timed in randomly interleaved turns."""
-    near_best = [run for engine in data.engines for run in near(reaching(data, data.scenes[0], engine, target))]
-    times = least_times([partial(_loop, scene, run) for run in near_best], [loop_time(run) for run in near_best])
-    return tuple(replace(run, times=run.times | {"loop_s": time}) for run, time in zip(near_best, times, strict=True))
+def _timed(store: Store, scene: Scene, data: ReportData, targets: Sequence[float]) -> tuple[Record, ...]:
+    """Return the runs that may be an engine's cheapest at a target, each timed once in randomly interleaved turns.
+
+    A long run that had a processor to itself when it was searched is not repeated.
+    """
+    offers = [reaching(data, data.scenes[0], engine, target) for engine in data.engines for target in targets]
+    runs = list({(run.engine, str(run.settings)): run for offered in offers for run in near(offered)}.values())
+    held = [stored_times(store, scene, run) for run in runs]
+    first = [Sample(loop_time(run), float(own is not None and not is_busy(own)))
+             for run, own in zip(runs, held, strict=True)]  # fmt: skip
+    times = least_times([partial(_loop, scene, run) for run in runs], first)
+    return tuple(replace(run, times=run.times | {"loop_s": time}) for run, time in zip(runs, times, strict=True))
 
 
 def _loop(scene: Scene, run: Record) -> float:
     return engines.get(run.engine).run(scene, Settings(**run.settings), grid(scene)).timing.loop_s
 
 
-def parts() -> list[tuple[int, int, int]]:
-    """Return every search as a pair, a scene of it and an entrant, counted: their order does not matter."""
-    return [
-        (k, number, entrant)
-        for k, request in enumerate(PAIRS)
-        for number, scene in enumerate(request.built())
-        for entrant, who in enumerate(request.entrants()) if not refused(scene, *who)[1]
-    ]  # fmt: skip
+def parts() -> list[tuple[int, int, str]]:
+    """Return every search as a pair, a scene of it and an engine: their order does not matter."""
+    every = [(k, number, request) for k, request in enumerate(PAIRS) for number in range(len(request.scenes))]
+    return [(k, number, engine) for k, number, request in every for engine in (OURS, *request.rivals)]
 
 
-def make(part: tuple[int, int, int]) -> None:
+def make(part: tuple[int, int, str], full: bool = False) -> None:
     """Search once: the store keeps the runs, among which `measure` looks for the cheapest."""
     request = PAIRS[part[0]]
-    scene, entrant = request.built()[part[1]], request.entrants()[part[2]]
     with Store(default_path()) as store:
-        runs = Runs(store)
-        _cell(runs, scene, *entrant, runs.truth(scene), request)
+        _cells(Runs(store, longest=longest(full)), request.built()[part[1]], part[2], request)

@@ -26,7 +26,7 @@ FIRST_STEPS = 400  # of the first run with fixed steps
 class Searched(Search):
     """One synthetic method; errors are relative to the scene."""
 
-    why_no_truth, outputs, most_steps = "", OUTPUTS, MOST_STEPS
+    why_no_truth, outputs, most_steps, affordable = "", OUTPUTS, MOST_STEPS, math.inf
 
     def __init__(self, method: SyntheticMethod) -> None:
         super().__init__()
@@ -55,6 +55,9 @@ class Searched(Search):
 
     def gap(self, first: float, second: float) -> float:
         return size(self.states[first] - self.states[second])
+
+    def seconds(self, steps: float) -> None:
+        return None
 
     def facts(self) -> dict:
         amplified = math.log10(self.method.amplification)

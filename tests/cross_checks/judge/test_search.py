@@ -15,6 +15,7 @@ from cross_checks.judge.ladder import SAMPLES, TIGHTEST, settings_at
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import Tried, first_knob, search
 from cross_checks.judge.vocabulary import Verdict
+from cross_checks.records.numbers import duration
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from cross_checks.truths.truth import NoTruth, Truth
@@ -44,6 +45,8 @@ class MadeUp:
     status: str = "non-finite"  # of what blows
     count: object = None  # steps of a tolerance
     turn: object = lambda knob: np.pi / 4.0  # direction of the error
+    a_step: float = 0.0  # s of processor time
+    longest: float = np.inf
     asked: list = field(default_factory=list)
 
     def run(self, scene, engine, settings):
@@ -59,7 +62,8 @@ class MadeUp:
         way = np.array([np.cos(self.turn(knob)), np.sin(self.turn(knob))])
         place = np.ones((41, 1, 1)) * self.error(knob) * scales_of(scene).length * way
         still = np.zeros((41, 1))
-        return Run(Record(**plain, status="success"), Trajectory(TIMES, place, still, 0.0 * place, still))
+        times = {"loop_s": 2.0 * self.a_step * steps, "cpu_share": 0.5}  # on a machine that others use
+        return Run(Record(**plain, status="success", times=times), Trajectory(TIMES, place, still, 0.0 * place, still))
 
 
 @pytest.mark.parametrize("constant", [1e-3, 1.0, 50.0])
@@ -248,6 +252,19 @@ def test_what_costs_too_much_is_not_tried_and_says_so():
     assert 0.5 < omitted.steps / (SCENE.duration / 1e-6) < 3.0
     assert omitted.range[0] <= omitted.error <= omitted.range[1] <= 3e-6
     assert SCENE.duration / min(runs.asked) <= 1.01 * MOST_STEPS
+
+
+def test_a_target_alone_is_worth_no_run_that_takes_long():
+    runs = MadeUp(lambda h: 60.0 * h**2, a_step=1e-3, longest=3.0)
+    method = Method("trapezoidal", "fixed", 2, "made up")
+    tried, answers = search(runs, SCENE, "made", method, TRUTH)
+    assert [answer.answer for answer in answers] == ["reached", "not-tried", "not-tried"]
+    assert SCENE.duration / min(runs.asked) <= 4096  # the next power of two
+    assert answers[1].omitted.seconds == pytest.approx(1e-3 * answers[1].omitted.steps)
+    assert duration(answers[1].omitted.seconds) in answers[1].reason
+    assert tried.verdict().verdict is Verdict.CONVERGING
+    _, answers = search(replace(runs, longest=np.inf), SCENE, "made", method, TRUTH)
+    assert [answer.answer for answer in answers] == ["reached", "reached", "not-tried"]
 
 
 @pytest.mark.parametrize("most", [300, 3000])

@@ -49,7 +49,7 @@ def test_json_shows_the_code_beside_the_word_and_no_history():
         "loop_s": None, "omitted": None,
     }  # fmt: skip
     assert plain["targets"][1]["omitted"]["range"] == (2e-10, 9e-10)
-    assert str(OMITTED) == "about 3e+06 steps and show an error of about 4e-10 (68 %: 2e-10 to 9e-10)"
+    assert str(OMITTED) == "about 3e6 steps and show an error of about 4e-10 (68 %: 2e-10 to 9e-10)"
 
 
 @pytest.mark.parametrize("verdict", Verdict)

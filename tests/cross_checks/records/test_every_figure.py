@@ -163,11 +163,11 @@ def test_work_and_precision_by_the_hover_of_each_run():
             assert joints == f"joints within {numbers.short(run.measures['compliance_position'])} m"
             value, unit, rest = re.match(r"loop (\S+) (\S+) \((.*)", loop).groups()  # type: ignore[union-attr]
             assert float(value) * UNITS[unit] == pytest.approx(run.times["loop_s"], rel=5e-3)
-            assert rest == f"timed once, beside other runs), {run.steps} steps, {run.rhs_calls} right-hand sides"
+            assert rest == f"one run, beside others), {run.steps} steps, {run.rhs_calls} right-hand sides"
     with pytest.raises(ValueError, match="none with an error and a time"):
         figures.work_precision([replace(run, error=None) for run in runs])
     alone = replace(runs[0], times=runs[0].times | {"loop_runs": 3.0})
-    assert "(timed alone)" in of_runs._hover(alone)
+    assert "(with a processor to itself)" in of_runs._hover(alone)
 
 
 def test_zeros_and_gaps_of_a_series():

@@ -93,7 +93,7 @@ def test_text_of_the_data_is_no_markup(data):
 
 
 def test_the_command_writes_the_page_from_the_last_report_alone(data, tmp_path):
-    write_report(tmp_path / "out", (one for one in [data]))
+    write_report(tmp_path / "out", ((lambda: data) for _ in range(1)))
     words = ["board", "--from", str(tmp_path / "out"), "-o", str(tmp_path / "board.html")]
     assert CliRunner().invoke(main, words).exit_code == 0
     assert (tmp_path / "board.html").read_bytes() == board(data)

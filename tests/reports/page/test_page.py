@@ -61,7 +61,7 @@ def data() -> ReportData:
 
 @pytest.fixture(scope="module")
 def folder(data, tmp_path_factory):
-    return write_report(tmp_path_factory.mktemp("report") / "out", (one for one in [data]))[0].parent
+    return write_report(tmp_path_factory.mktemp("report") / "out", ((lambda: data) for _ in range(1)))[0].parent
 
 
 @pytest.fixture(scope="module")

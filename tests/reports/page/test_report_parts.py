@@ -49,13 +49,13 @@ def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
     assert found.keys() == STUDIES.keys()
 
 
-def part_made(name: str, part: str) -> None:
+def part_made(name: str, part: str, full: bool) -> None:
     (Path(os.environ["MADE"]) / part).touch()
     if part == "two":
         raise RuntimeError("a part that fails costs nothing by itself")
 
 
-def what_was_made(name: str) -> Measured:
+def what_was_made(name: str, full: bool) -> Measured:
     return Measured({file.name: 1 for file in sorted(Path(os.environ["MADE"]).iterdir())})
 
 
@@ -65,7 +65,7 @@ def test_the_page_says_why_a_section_is_missing():
     assert "a quick one does not" in render(ReportData((), (), quick=True))["space.html"].decode()
 
 
-def made_up(name: str) -> object:
+def made_up(name: str, full: bool) -> object:
     """Importable by name, as a child process needs it."""
     if name == "sky":
         os.abort()

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.one_run import evaluate
+from cross_checks.judge.runs import Runs
 from cross_checks.prices import timing as loop_times
 from cross_checks.prices.timing import is_enough, machine, stored_times, timed_all
 from cross_checks.records.record import Record, is_busy, is_timed
-from cross_checks.records.store import Store
+from cross_checks.records.store import Run, Store
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from reports.facts.cheapest import contenders
@@ -46,6 +49,15 @@ def test_times_are_measured_once_and_kept(record, monkeypatch):
         monkeypatch.setattr(loop_times, "time_loops", None)  # would not travel to another process
         again = timed_all(store, [record], lambda done, total, what: None)[id(record)]
         assert again.times == first.times
+
+
+@pytest.mark.parametrize(("loop", "share", "held"), [(0.5, 0.95, [0.5]), (0.5, 0.5, []), (0.1, 1.0, [])])
+def test_the_time_of_a_long_search_run_with_a_processor_to_itself_counts(record, loop, share, held):
+    settings = Settings(**record.settings)
+    made = Run(replace(record, times=record.times | {"loop_s": loop, "cpu_share": share}), None, "box")
+    with Store() as store:
+        Runs(store, call=lambda *given: made).run(SCENE, "mbs_ref", settings)
+        assert store.timings(loop_times._key(SCENE, record), "box") == held
 
 
 def test_a_busy_machines_time_is_marked_and_gives_way_to_a_quiet_one(record):

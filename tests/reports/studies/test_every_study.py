@@ -492,9 +492,10 @@ def test_a_study_that_fails_says_how_and_is_measured_again_where_engines_change(
     def fails(*given):
         raise ZeroDivisionError("why")
 
-    assert study._measured(fails, "a") == "ZeroDivisionError: why"
+    assert study._made(fails, ("a", None, False)) == "ZeroDivisionError: why"
     asked: list[Any] = []
-    monkeypatch.setattr(study, "every", lambda: {"space": None})
+    space = study.every()["space"]
+    monkeypatch.setattr(study, "every", lambda: {"space": space})
     monkeypatch.setattr(study, "digest_of", lambda facts: asked.append(facts) or "key")
     monkeypatch.setattr(study, "recall", lambda *given: Measured())
     for engines in (["1"], ["2"]):

@@ -10,7 +10,7 @@ import pytest
 from cross_checks import engines
 from cross_checks.judge.cell import judge_method, tasks
 from cross_checks.judge.runs import Runs
-from cross_checks.judge.vocabulary import OURS
+from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from reports.facts import cheapest
@@ -51,6 +51,23 @@ def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monke
     assert rows[1].entry.method == "dop853"  # of three methods one reaches it
 
 
+def test_no_run_is_made_that_cannot_be_the_cheapest(monkeypatch, offered):
+    limits: dict[str, float] = {}
+    loops = {"dop853": 0.3, "rk4": 0.2, "euler": 0.1}
+
+    def judged(runs, scene, engine, method, *given, settle):
+        limits[method.name] = runs.longest
+        run = Record(scene.name, {}, engine, method.name, {}, "success", times={"loop_s": loops[method.name]})
+        answers = [TargetResult(FEW, "reached", run), TargetResult(1e-11, "reached", run if method.order > 4 else None)]
+        return Cell(scene.name, {}, engine, method.name, Verdict.AGREES, "", targets=tuple(answers)), ()
+
+    monkeypatch.setattr(measure, "judged", judged)
+    request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW, 1e-11))
+    measure._cells(Runs(longest=5.0), request.built()[0], OURS, request)
+    near = cheapest.NEAR * 0.3
+    assert limits == {"dop853": 5.0, "rk4": near, "euler": near}  # rk4 was the cheapest at one alone
+
+
 def test_an_engine_that_cannot_run_the_scene_gives_its_reason(tmp_path: Path, offered):
     pytest.importorskip("exudyn")
     request = Request("Friction", "", (("incline", {}),), ("exudyn",), (FEW,))
@@ -64,9 +81,8 @@ def test_searches_made_side_by_side_leave_nothing_to_run(tmp_path: Path, monkeyp
     monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "runs.sqlite"))
     request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW,))
     monkeypatch.setattr(measure, "PAIRS", (request,))
-    assert measure.parts() == [(0, 0, 0), (0, 0, 1), (0, 0, 2)]
-    for part in reversed(measure.parts()):
-        measure.make(part)
+    assert measure.parts() == [(0, 0, OURS)]
+    measure.make((0, 0, OURS))
     with Store(tmp_path / "runs.sqlite") as store:
         runs = Runs(store)
         assert [row.entry.answer for row in pair(runs, request)] == ["reached"]
