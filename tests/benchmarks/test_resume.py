@@ -1,4 +1,4 @@
-"""A sweep or a report that is killed at any moment loses nothing, doubles nothing and shows the same when it goes on."""
+"""A sweep or a report that is killed at any moment loses nothing, doubles nothing and resumes to the same results."""
 
 from __future__ import annotations
 
