@@ -163,8 +163,6 @@ def test_exudyn_records_at_every_output_and_repeats_sparse_elimination_in_large_
     even, uneven = (Settings(step=0.01, t_end=0.1, samples=count) for count in (3, 4))  # 5, 5 and 3, 4, 3 steps
     assert "EVERY = 1 " in writers.write(scenes.make("pendulum"), "exudyn", uneven)
     for loops, repeats in ((1, False), (12, True)):
-        text = writers.write(
-            scenes.make("n_four_bar", loops=loops), "exudyn", Settings(step=0.01, t_end=0.1, samples=3)
-        )
+        text = writers.write(scenes.make("n_four_bar", loops=loops), "exudyn", even)
         assert "EVERY = 5 " in text
         assert ("dense elimination begins anew" in text) is repeats
