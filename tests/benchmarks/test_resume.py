@@ -44,8 +44,8 @@ def reported(place: Path) -> list[Any]:
 def begin(words: list[str], place: Path) -> subprocess.Popen[bytes]:
     place.mkdir(exist_ok=True)
     kept = os.environ | {"MBS_REF_STORE": str(place / "store.sqlite")}
-    quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    return subprocess.Popen([*COMMAND, *words, str(place / "out")], env=kept, **quiet)
+    return subprocess.Popen([*COMMAND, *words, str(place / "out")], env=kept,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
 
 
 @pytest.mark.slow
