@@ -12,8 +12,10 @@ import pytest
 from benchmarks import calibration, method_table
 from benchmarks.calibration import Trial, table
 from benchmarks.history import Entry, _strongest, append, from_benchmarks, from_records, new_levels, read, series
-from benchmarks.trees import right_hand_side, slowed
+from benchmarks.suites import bench_rhs, bench_timing
+from benchmarks.trees import regression, right_hand_side, slowed
 from benchmarks.trees.regression import CASES
+from cross_checks.isolation.parent import ONE_THREAD
 from cross_checks.prices.timing import Sample
 from cross_checks.records.record import Error, Record
 
@@ -127,3 +129,47 @@ def test_the_strongest_split_is_that_of_welchs_statistic():
     place, strength = _strongest(x)
     assert place == max(by_place, key=by_place.__getitem__)
     assert strength == pytest.approx(by_place[place], rel=1e-9)
+
+
+def test_residuals_of_any_sign_count():
+    class System:
+        def __init__(self, scene: Any) -> None:
+            self.mass_matrix, self.right_side = lambda: np.array([2.0, 2.0, 4.0]), lambda: np.array([0.25])
+
+        def set_mode_time(self, t: float) -> None: ...
+
+        def initial_state(self) -> np.ndarray:
+            return np.zeros(6)
+
+        def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+            return np.array([[6.0, 0.0, 0.0]])  # m/s^2 of a mass of 2 kg that does not move
+
+        def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
+            return np.array([0.0, 0.0, 0.0, 0.0, 0.5, 0.0])
+
+        multipliers, jacobian = (lambda self, t, y: np.zeros(1)), (lambda self, t, y: np.array([[0.0, 1.0, 0.0]]))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bench_rhs, "PlanarSystem", System)
+        assert bench_rhs.planar_residual(None) == 3.0  # type: ignore[arg-type]
+
+
+def test_a_sample_is_the_wall_time_and_the_share_of_the_processor(monkeypatch):
+    monkeypatch.setattr(bench_timing, "spin", lambda turns: None)
+    for clock, times in (("perf_counter", (1.0, 3.0)), ("process_time", (5.0, 5.5))):
+        monkeypatch.setattr(bench_timing.time, clock, iter(times).__next__)
+    assert bench_timing.timed(7)() == Sample(2.0, 0.25)
+
+
+def test_a_tree_is_timed_with_one_thread(monkeypatch):
+    given = {}
+
+    def begun(words: Any, **more: Any) -> Any:
+        given.update(more)
+        raise OSError("begun")
+
+    monkeypatch.setattr(regression.subprocess, "Popen", begun)
+    with pytest.raises(OSError, match="begun"):
+        regression.Tree(slowed.HERE)
+    assert given["env"].items() >= ONE_THREAD.items()
+    assert given["env"]["PYTHONPATH"] == str(given["cwd"]) == str(slowed.HERE)

@@ -56,3 +56,10 @@ def test_runs_of_one_file_alone_are_counted_and_the_worst_counts():
     assert overall(found) is Move.WORSE
     assert median_ratio(found) == pytest.approx(2.0)
     assert overall([]) is Move.NOT_MEASURED
+
+
+@pytest.mark.parametrize("setting", ["step", "rtol"])
+def test_runs_with_two_settings_have_two_names(setting):
+    runs = [replace(RECORD, settings={setting: value}, parameters={"links": 7}) for value in (1e-4, 1e-6)]
+    names = [change.run for change in changes(runs, runs)]
+    assert names == [f"pendulum links=7 swing rk4 {setting}={value}" for value in (1e-4, 1e-6)]

@@ -1,56 +1,77 @@
-"""A sweep that is killed at any moment loses no record and doubles none when it goes on."""
+"""A sweep or a report that is killed at any moment loses nothing, doubles nothing and resumes to the same results."""
 
 from __future__ import annotations
 
+import os
 import random
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from cross_checks.records.lines import key_of, read
+from reports.commands.publish.show import last_report
 
 KILLS = 20
-SWEEP = "from reports.cli import main; main()"
-WORDS = ["sweep", "pendulum", "--engine", "mbs_ref", "--method", "rk4", "--method", "euler", "--method", "dop853"]
+COMMAND = [sys.executable, "-c", "from reports.cli import main; main()"]
+SWEEP = ["sweep", "pendulum", "--engine", "mbs_ref", "--method", "rk4", "--method", "euler", "--method", "dop853", "-o"]
+REPORT = ["report", "--scene", "pendulum", "--engine", "mbs_ref", "-o"]
 
 
-def sweep(file: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen([sys.executable, "-c", SWEEP, *WORDS, "-o", str(file)],
-                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
-
-
-def keys(file: Path) -> list[str]:
-    records, problems = read(file)
-    assert all("no record" in problem for problem in problems)  # a torn line is named, skipped and made again
+def swept(place: Path) -> list[Any]:
+    """Return the keys of the records; a torn line is named, skipped and made again."""
+    records, problems = read(place / "out") if (place / "out").exists() else ([], [])
+    assert all("no record" in problem for problem in problems)
     return sorted(key_of(record) for record in records)
 
 
+def reported(place: Path) -> list[Any]:
+    """Return every cell with its runs: whatever does not depend on the clock."""
+    if not (place / "out" / "index.html").exists():
+        return []
+    data = last_report(place / "out")
+    assert len(set(map(key_of, data.records))) == len(data.records)
+    runs = [(key_of(r), r.status, r.error, r.steps, r.rhs_calls, r.measures) for r in data.records]
+    cells = [(c.label, c.engine, c.method, c.verdict, c.error, c.order, [t.answer for t in c.targets])
+             for c in data.cells]  # fmt: skip
+    return sorted(map(repr, runs + cells))
+
+
+def begin(words: list[str], place: Path) -> subprocess.Popen[bytes]:
+    place.mkdir(exist_ok=True)
+    kept = os.environ | {"MBS_REF_STORE": str(place / "store.sqlite")}
+    return subprocess.Popen([*COMMAND, *words, str(place / "out")], env=kept,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
+
+
 @pytest.mark.slow
-def test_killed_twenty_times(tmp_path, capsys):
-    assert sweep(tmp_path / "warm.jsonl").wait() == 0  # compiles
+@pytest.mark.parametrize(("words", "held"), [(SWEEP, swept), (REPORT, reported)], ids=["sweep", "report"])
+def test_killed_twenty_times(words: list[str], held: Callable[[Path], list[Any]], tmp_path, capsys):
+    assert begin(words, tmp_path / "warm").wait() == 0  # compiles
     began = time.monotonic()
-    assert sweep(tmp_path / "whole.jsonl").wait() == 0
-    took, expected = time.monotonic() - began, keys(tmp_path / "whole.jsonl")
-    moments, begun = random.Random(8), [tmp_path / "killed_0.jsonl"]
+    assert begin(words, tmp_path / "whole").wait() == 0
+    took, expected = time.monotonic() - began, held(tmp_path / "whole")
+    moments, places = random.Random(8), [tmp_path / "killed_0"]
     kills = partial = 0
     while kills < KILLS:
-        child = sweep(begun[-1])
+        child = begin(words, places[-1])
         time.sleep(moments.uniform(0.2, 1.0) * took)
         alive = child.poll() is None
         child.kill()
         child.wait()
         kills += alive
-        held = keys(begun[-1]) if begun[-1].exists() else []
-        assert len(held) == len(set(held))
-        partial += alive and 0 < len(held) < len(expected)
-        if len(held) == len(expected):  # another, to be killed again
-            begun.append(tmp_path / f"killed_{len(begun)}.jsonl")
-    for file in begun:
-        assert sweep(file).wait() == 0
-        assert keys(file) == expected
+        found = held(places[-1])
+        assert len(found) == len(set(found))
+        partial += alive and 0 < len(found) < len(expected)
+        if len(found) == len(expected):  # another, to be killed again
+            places.append(tmp_path / f"killed_{len(places)}")
+    for place in places:
+        assert begin(words, place).wait() == 0
+        assert held(place) == expected
     with capsys.disabled():
-        print(f"\n{kills} kills, {partial} of them with records written and records missing; {len(begun)} sweeps of "
-              f"{len(expected)} records: none lost, none doubled")  # fmt: skip
+        print(f"\n{kills} kills, {partial} of them with results written and results missing; {len(places)} runs of "
+              f"{len(expected)} results: none lost, none doubled")  # fmt: skip

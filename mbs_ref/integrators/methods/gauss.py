@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from mbs_ref.integrators.loop import leg
+from mbs_ref.integrators.loop.step import SLIVER
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
 from mbs_ref.kernels.algebra.dense import all_finite
 from mbs_ref.kernels.algebra.lanes import aligned, in_lanes
@@ -280,7 +281,7 @@ def _propose(run, target, step):
     t = run.t
     reach = target - t
     wanted = step if step > 0.0 else run.h
-    if wanted >= reach * (1.0 - 1e-9):
+    if wanted >= reach * (1.0 - SLIVER):
         return target, reach, True
     h = wanted if step > 0.0 else reach / np.ceil(reach / wanted)  # even steps, not a whole one and a sliver
     return t + h, (t + h) - t, False  # what time's own rounding leaves
@@ -288,8 +289,8 @@ def _propose(run, target, step):
 
 @jit
 def _attempt(model, work, g, t, h, y, low, last, enough):
-    """Solve the step's equations from the extrapolated step before, `last` (s); as `_iterate`."""
-    if last > 0.0:
+    """Solve the step's equations; as `_iterate`, from the step before of `last` (s) where that extrapolates so far."""
+    if h <= GROW * last:
         _extrapolate(g, h / last, work.lanes)
     else:
         _copy(work.lanes.acceleration, work.lanes.zero)

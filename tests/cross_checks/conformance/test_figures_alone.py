@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from cross_checks import engines
+from cross_checks.conformance import repeatability
+from cross_checks.conformance.apart import Called
+from cross_checks.conformance.broken_engines import _taken, self_test
 from cross_checks.conformance.examine import _order
 from cross_checks.conformance.figures import energy_drift
 from cross_checks.conformance.finding import Row
-from cross_checks.conformance.ladder import climb
+from cross_checks.conformance.ladder import _Rungs, climb
 from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.conformance.questions import Question
 from cross_checks.conformance.repeatability import WAYS, by_method, difference
@@ -19,7 +26,7 @@ from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import POSES, Trajectory
 
 RK4 = next(method for method in engines.get("mbs_ref").methods() if method.name == "rk4")
 
@@ -62,3 +69,38 @@ def test_runs_that_end_otherwise_differ_and_equal_ones_by_nothing():
     assert difference("it stopped", "it crashed") is None
     rows = [{"engine": "a", "method": "b", "stopped": "", "differs": dict.fromkeys(WAYS, x)} for x in (0.0, 0.0)]
     assert [way["largest"] for way in by_method(rows)[0]["ways"]] == [0.0] * len(WAYS)
+
+
+def test_adaptive_methods_show_no_order_and_an_unknown_distance_is_infinite():
+    scene, times = scenes.make("pendulum"), np.linspace(0.0, 1.0, 41)
+    truth = seek_truth(scene, times)
+    assert isinstance(truth, Truth)
+    settings = [Settings(method="rk4", step=step, estimate="off") for step in (0.02, 0.01, 0.005)]
+    question, runs = Question(scene, times, truth), tuple(Called(one, simulate(scene, one, times)) for one in settings)
+    fixed, adaptive = (_Rungs(method, question, runs) for method in (RK4, replace(RK4, kind="adaptive")))
+    assert fixed.row().order == pytest.approx(4.0, abs=0.3)
+    vars(adaptive)["shown"] = SimpleNamespace(observed_order=4.0)
+    assert adaptive.row().order is None
+    vars(adaptive)["errors"] = [3e-3, 1e-3, 2e-3]
+    assert adaptive.row().error == 1e-3
+    nothing = _taken(runs[0].path, slice(0))
+    assert _Rungs(RK4, question, (replace(runs[0], path=nothing),)).errors == [np.inf]
+
+
+def test_a_sample_that_is_taken_is_taken_of_every_array():
+    rng = np.random.default_rng(0)
+    path = Trajectory(np.arange(5.0), *(rng.normal(size=shape) for shape in ((5, 2, 2), (5, 2), (5, 2, 2), (5, 2))))
+    for part in POSES:
+        assert np.array_equal(getattr(_taken(path, [3, 0, 1]), part), getattr(path, part)[[3, 0, 1]])
+
+
+def test_a_failure_without_a_mistake_is_a_false_alarm():
+    first, *others = self_test(engines.get("mbs_ref"), lambda engine, name: SimpleNamespace(of=lambda word: ()))  # type: ignore[arg-type,return-value]
+    assert not first.applies
+    assert all(one.applies for one in others)
+
+
+def test_repeatability_lists_the_cases_of_every_engine(monkeypatch):
+    cases: list[Any] = [SimpleNamespace(engine=engine, name=k) for k, engine in enumerate("abacb")]
+    monkeypatch.setattr(repeatability, "_of_engine", lambda own: [{"case": case.name} for case in own])
+    assert [row["case"] for row in repeatability.measured(cases)] == [0, 2, 1, 4, 3]

@@ -8,12 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.extremes import boundary, cell, every, named
+from cross_checks.extremes import boundary, cell, every, named, run
 from cross_checks.extremes.cell import made_of
-from cross_checks.extremes.extreme import Case, Measured, grid
+from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid
 from cross_checks.extremes.fate import Fate, Point, judge
+from cross_checks.extremes.measures import unjudged
 from cross_checks.extremes.run import run_point
+from cross_checks.isolation.parent import Lost
 from cross_checks.truths.made_by.sky.particles import converge
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
@@ -297,3 +300,40 @@ def test_an_orbit_in_too_few_steps_says_how_far_it_is_off():
         error = float(np.linalg.norm(run.position[-1] - truth.position[-1], axis=1).max())
         assert run.estimate is not None
         assert 1.0 < run.estimate.poses[-1] * run.estimate.length / error < 10.0
+
+
+def test_after_a_failure_at_the_mild_end_the_far_end_is_not_the_next():
+    calls: list[float] = []
+    boundary.search(VALUES, lambda value: calls.append(value) or point_at(value, False), False)  # type: ignore[func-returns-value]
+    assert calls[0] == VALUES[0]
+    assert calls[1:2] != [VALUES[-1]]
+
+
+@pytest.mark.parametrize("extreme", ["heavy-on-light", "driven-lock"])
+def test_the_default_method_is_right_at_the_mild_end(extreme):
+    assert run_point(extreme, named(extreme).axis.values[0], "mbs_ref", "dop853").fate is Fate.SURVIVED
+
+
+def test_orbits_are_as_many_as_they_are_called():
+    case = named("orbit-count").case(30.0)
+    assert case.times[-1] == pytest.approx(60.0 * np.pi)
+    assert case.step == pytest.approx(2.0 * np.pi / 200.0)
+
+
+def test_a_run_that_does_not_come_back_is_a_stop_and_not_handled():
+    axis = Axis("kind", "", (0.0, 1.0), labels=("mild", "wild"))
+    extreme = Extreme("made", "family", "Made.", axis, lambda value: Case(SCENE, grid(1.0), unjudged))
+
+    class Call:
+        fresh, timeout = True, 0.0
+
+        def apart(self, *given: object) -> Point:
+            raise Lost("timeout", "it took too long")
+
+        __call__ = apart
+
+    engine = engines.get("mbs_ref")
+    found = run.cell_of(extreme, engine, engine.method("dop853"), False, Call())  # type: ignore[arg-type]
+    assert [(p.fate, p.handled, p.status, p.reason) for p in found.points] == [
+        (Fate.STOPPED, False, "timeout", "it took too long")] * 2  # fmt: skip
+    assert (found.fate, found.last) == (Fate.STOPPED, None)

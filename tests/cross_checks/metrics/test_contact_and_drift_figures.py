@@ -135,3 +135,23 @@ def test_a_depth_at_one_sample_alone_is_that_samples(seed):
     gap = rng.uniform(0.1, 1.0, 7)
     gap[2] = -0.3
     assert _deepest(np.sort(rng.uniform(0.0, 1.0, 7)), gap, rng.normal(size=7)) == 0.3
+
+
+def passing(places: np.ndarray, times: np.ndarray) -> dict[str, float]:
+    """Return the figures of ball a at `places` (n_t, 2) and ball b at (2 m, 0) at first, then in the origin."""
+    bodies = tuple(PlanarBody(name=name, mass=2.0, inertia=1.0, position=place)
+                   for name, place in (("a", (0.0, 0.0)), ("b", (2.0, 0.0))))  # fmt: skip
+    touch = CircleOnCircle(name="touch", body_a="a", center_a=(0.0, 0.0), radius_a=0.5, body_b="b",
+                           center_b=(2.0, 0.0), radius_b=0.25, law=LAW)  # fmt: skip
+    scene = Scene(name="two", bodies=bodies, contacts=(touch,), gravity=(0.0, 0.0), duration=1.0)
+    place = np.stack((places, np.zeros_like(places)), axis=1)
+    return contact_figures(scene, sliding(times, place, np.gradient(place, times, axis=0)))
+
+
+def test_balls_that_pass_through_each_other_have_no_restitution():
+    """They part on the other side, wherever their centres were at the start; an unknown place has no depth."""
+    times = np.linspace(0.0, 1.0, 12)
+    places = np.stack((-2.0 + 4.0 * times, 0.1 + 0.0 * times), axis=1)
+    assert list(passing(places, times)) == ["touch: penetration, m"]
+    places[5] = np.nan
+    assert passing(places, times) == {}

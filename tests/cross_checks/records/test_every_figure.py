@@ -346,3 +346,10 @@ def test_the_code_of_an_adapter_is_that_of_its_whole_folder(monkeypatch):
     assert {"cross_checks.engines.mujoco_", "cross_checks.engines.mujoco_.build"} < set(found)
     listed = naming.code_of.__wrapped__(naming.MEASURING)
     assert {"cross_checks.metrics.errors", "cross_checks.metrics.drifts"} < set(listed)
+
+
+@pytest.mark.parametrize("logs", [(True, False), (False, True)])
+def test_each_axis_of_a_figure_is_logarithmic_on_its_own(logs):
+    made = plot.new_figure("a", "b", *logs)
+    assert [made.layout[axis]["type"] == "log" for axis in ("xaxis", "yaxis")] == list(logs)
+    assert [made.layout[axis]["title"]["text"] for axis in ("xaxis", "yaxis")] == ["a", "b"]

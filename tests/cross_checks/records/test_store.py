@@ -12,6 +12,7 @@ import time
 import numpy as np
 import pytest
 
+from cross_checks.prices import timing
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
 from mbs_ref.trajectory import Trajectory
@@ -90,3 +91,34 @@ def test_a_writer_killed_twenty_times_loses_and_doubles_nothing(tmp_path):
     assert subprocess.run([sys.executable, "-c", WRITER, str(file)], stdout=subprocess.DEVNULL).returncode == 0
     with Store(file) as store:
         assert len(store) == 400
+
+
+def test_one_thread_at_a_time_reads_or_writes():
+    store = Store()
+    base, held = store._base, []
+
+    class Watched:
+        def __getattr__(self, name: str):
+            held.append(store._lock.locked())
+            return getattr(base, name)
+
+        def __enter__(self):
+            return base.__enter__()
+
+        def __exit__(self, *given: object):
+            return base.__exit__(*given)
+
+    store._base = Watched()  # type: ignore[assignment]
+    store.keep_timings("a", "here", [1.0])
+    assert store.timings("a", "here") == [1.0]
+    assert store.run("a") is None
+    assert len(held) >= 3
+    assert all(held)
+
+
+def test_two_processors_of_one_name_are_two_machines(monkeypatch):
+    names = set()
+    for made in ("fast", "slow"):
+        monkeypatch.setattr(timing, "processor", lambda made=made: made)
+        names.add(timing.machine.__wrapped__())
+    assert len(names) == 2

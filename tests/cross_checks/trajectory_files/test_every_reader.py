@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +14,12 @@ from cross_checks.trajectory_files import columns, formats
 from cross_checks.trajectory_files.columns import columns_of, read_columns
 from cross_checks.trajectory_files.formats import Columns, FileError
 from cross_checks.trajectory_files.judgement import MOST, Judgement, Part, _parts, _verdict, truth_rows
-from cross_checks.trajectory_files.motion import _column
+from cross_checks.trajectory_files.mistakes.frames import NONE, frames
+from cross_checks.trajectory_files.mistakes.terms import _factor
+from cross_checks.trajectory_files.motion import _column, read_motion
 from cross_checks.truths.truth import NoTruth, Truth
+from mbs_ref import scenes
+from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import POSES
 from tests.cross_checks.trajectory_files.test_figures_of_judgements import SCENE, irregular
 
@@ -180,3 +186,27 @@ def test_a_column_that_is_not_there_is_answered_by_twenty_that_are():
     listed = ", ".join(f"c{k}" for k in range(20))
     with pytest.raises(FileError, match=f"time: a.csv has no column 'zz'; it has: {listed}, \\.\\.\\.$"):
         _column(held, "zz", "time")
+
+
+def test_wanted_times_are_as_near_in_any_unit(tmp_path):
+    """Of a scene of 20 s, 1e-8 s is no other time and 4e-8 s is one."""
+    file, scene = tmp_path / "map.toml", SCENE.model_copy(update={"duration": 20.0})
+    place = 'position = {columns = ["x", "y"], unit = "m"}'
+    file.write_text(f'[time]\ncolumn = "t"\nunit = "ms"\n[bodies.{scene.body_names[0]}]\n{place}\n')
+    times = np.array([0.0, 1e3, 2e3 + 1e-5, 3e3 + 4e-5, 4e3])  # ms
+    found = read_motion({"t": times, "x": times, "y": times}, scene, file, np.array([1.0, 2.0, 3.0]))
+    assert found.columns.values["t"].tolist() == times[:3].tolist()
+
+
+def test_a_change_is_small_over_the_scene_and_a_factor_may_be_negative():
+    scene = scenes.make("torque_free_top").model_copy(update={"duration": 1e5})
+    case: Any = SimpleNamespace(scene=scene, planar=False, comparable_turns=False)
+    world, turning = frames(case)
+    assert not turning.is_none(np.array([0.0, 0.5 * NONE, 0.0]))  # rad/s: over 1e5 s it is large
+    assert turning.is_none(np.array([0.0, 0.9e-5 * NONE, 0.0]))
+    length = scales_of(scene).length
+    units = np.array([1.0, 1.0, 1.0, length, length, length])
+    small = NONE * np.array([0.5, -0.9, 0.5, 0.9, -0.5, 0.9])
+    assert world.is_none(small * units)
+    assert not world.is_none(1.5 * small * units)
+    assert {start[0] > 0.0 for start in _factor(lambda x: scene, "a term is").starts} == {True, False}

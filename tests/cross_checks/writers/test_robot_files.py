@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from cross_checks import writers
+from cross_checks.writers.as_urdf import _remarks
 from mbs_ref import scenes
 from mbs_ref.scene import Bushing, Force, Prismatic, Revolute, Scene, SpatialBody, TorsionSpring
 from mbs_ref.settings import Settings
@@ -107,3 +110,11 @@ def test_mjcf_has_all_digits_and_reads_back_as_the_mechanism(tmp_path):
     ours, theirs = solver.run(scene, RUN), solver.run(again, RUN)
     assert np.abs(ours.position - theirs.position[:, order]).max() < TURNED_AXES
     assert np.abs(ours.velocity[-1]).max() > 0.1
+
+
+def test_every_rate_of_a_joint_is_stated_where_one_is_not_zero():
+    links = [SimpleNamespace(joint=name, name=name, rates=np.array(rates))
+             for name, rates in (("still", [0.0, 0.0]), ("half", [0.0, 2.5]), ("one", [-1.5]))]  # fmt: skip
+    linkage: Any = SimpleNamespace(scene=scenes.make("heavy_top"), links=links)
+    remarks = [line for line in _remarks(linkage, floating=False) if "at t = 0" in line]
+    assert remarks == ["at t = 0 the rate of joint half is 0.0, 2.5", "at t = 0 the rate of joint one is -1.5"]

@@ -156,3 +156,13 @@ def test_what_a_script_cannot_hold_is_named(name, scene, named):
 def test_an_unknown_form_says_what_is_allowed():
     with pytest.raises(ValueError, match=r"form = 'abaqus' is unknown; allowed: .*urdf"):
         writers.write(scenes.make("pendulum"), "abaqus")
+
+
+def test_exudyn_records_at_every_output_and_repeats_sparse_elimination_in_large_loops_alone():
+    engine("exudyn")
+    even, uneven = (Settings(step=0.01, t_end=0.1, samples=count) for count in (3, 4))  # 5, 5 and 3, 4, 3 steps
+    assert "EVERY = 1 " in writers.write(scenes.make("pendulum"), "exudyn", uneven)
+    for loops, repeats in ((1, False), (12, True)):
+        text = writers.write(scenes.make("n_four_bar", loops=loops), "exudyn", even)
+        assert "EVERY = 5 " in text
+        assert ("dense elimination begins anew" in text) is repeats

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cross_checks.truths.of import sky
 from mbs_ref import ephemeris, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators.stages.gauss_coefficients import gauss
@@ -399,3 +400,13 @@ def test_a_pair_whose_numbers_have_no_cubes_is_named(fields, word):
     with pytest.raises(ValueError, match="'center' and 'planet'") as error:
         simulate(scene.model_copy(update={"bodies": (center, planet.model_copy(update=fields))}))
     assert word in str(error.value)
+
+
+@pytest.mark.parametrize("setting", [{"step": 0.02}, {"rtol": 1e-13}], ids=["fixed", "adaptive"])
+def test_a_gauss_step_after_a_very_short_one_is_as_good(setting):
+    """The stages of 1e-12 s say nothing of those of a step that is 1e10 times as long."""
+    scene = scenes.make("kepler", eccentricity=0.2, orbits=1.0)
+    times = np.array([0.0, 0.3, 0.3 + 1e-12, 2.3])
+    run = simulate(scene, Settings(method="gauss", estimate="off", **setting), times)
+    assert run.ok, run.message
+    assert np.abs(run.position - sky.kepler(scene, times).position).max() < 1e-12

@@ -33,6 +33,7 @@ from reports.page.sections import extremes, matrix, method, overview, prices
 from tests.reports.page.test_shown_figures import irregular
 
 LINKS, ENGINES, METHODS = (2, 3, 5, 7), (OURS, "exudyn", "mujoco", "absent"), ("one", "two", "six")
+WORST_FIRST = (Fate.SILENTLY_WRONG, Fate.DEGRADED, Fate.STOPPED, Fate.SURVIVED)
 WRONG = {Verdict.WRONG_LIMIT, Verdict.LOST, Verdict.DIVERGED}
 
 
@@ -118,6 +119,17 @@ def test_extremes(monkeypatch, seed):
         assert entry["counts"] == Counter([str(own.fate)])
         listed = [row for row in shown["silent"] if (row["engine"], row["method"]) == (own.engine, own.method)]
         assert [row["reason"] for row in listed] == [p.reason for p in caught[:1]]
+    (entry,) = shown["table"]
+    listed = {(engine, line["name"]): (fate, line["figure"], line["reason"])
+              for fate, own in entry["fates"].items() for engine, lines in own.items() for line in lines}  # fmt: skip
+    for cell in cells:
+        worst = min((p.fate for p in cell.points), key=WORST_FIRST.index)
+        most = reach[cell.engine, cell.method]
+        figure = f"to {numbers.short(axis.values[most - 1])} N/m" if most else "nowhere right"
+        why = [p.reason for p in cell.points if p.fate is worst and p.odds < 0.5]
+        expected = (worst, "" if worst is Fate.SURVIVED else figure, *(why or [""])[:1])
+        assert listed.pop((cell.engine, cell.method)) == expected
+    assert not listed
     for k, (cell, row) in enumerate(zip(ordered, one["chart"]["rows"], strict=True)):
         xs = [extremes.LEFT + extremes.WIDTH * i / 4 for i in range(5)]
         assert [mark["x"] for mark in row["marks"]] == xs

@@ -28,6 +28,8 @@ from reports.studies.crashes import measure as crashes
 from reports.studies.models import measure as models
 from reports.studies.models.choice import Ladder, Rung, choose
 from reports.studies.pairs import measure as pairs
+from reports.studies.papers import lessons
+from reports.studies.sky import frames
 from reports.studies.sky import measure as sky
 from reports.studies.space import measure as space
 from reports.studies.trust import measure as trust
@@ -501,3 +503,64 @@ def test_a_study_that_fails_says_how_and_is_measured_again_where_engines_change(
     for engines in (["1"], ["2"]):
         study.measure_all(None, {}, engines, lambda *given: None)  # type: ignore[arg-type]
     assert [facts[:3] for facts in asked] == [["study", "space", ["1"]], ["study", "space", ["2"]]]
+
+
+def test_paths_of_two_methods_are_compared_at_their_largest_distance(monkeypatch, android):
+    one, other = motion(android), motion(android)
+    one.position[3] += 10.0
+    monkeypatch.setattr(androids, "truth_for", lambda scene, times: None)
+    monkeypatch.setattr(androids, "off_truth", lambda scene, path: None)
+    monkeypatch.setattr(androids.ladder, "grid", lambda scene: TIMES)
+    monkeypatch.setattr(androids, "constraint_residual", lambda scene, path: np.array([[0.1, -0.3], [0.2, 0.0]]))
+    row = androids.add_convergence(Measured(), android, dict(zip(androids.UNLIKE, (one, other), strict=True)))
+    for name, body in androids.WATCHED.items():
+        apart = (one.position - other.position)[1:, android.body_index(body)]
+        assert row[name] == pytest.approx(max(math.hypot(*gap) for gap in apart))
+    assert [row[method] for method in androids.UNLIKE] == [0.3, 0.3]
+
+
+def test_a_matrix_has_the_headings_of_its_columns():
+    block = {"corner": "what", "matrix": {"RK4": "rk4", "Euler": "euler"}, "rows": {"error": "of @", "time": "for @"}}
+    (shown,) = document._matrix(Measured(), block, {})
+    assert shown["head"] == ["what", "RK4", "Euler"]
+    assert shown["rows"] == [["error", "of rk4", "of euler"], ["time", "for rk4", "for euler"]]
+
+
+def test_the_series_of_lsodar_shows_how_far_the_test_lets_it_go(monkeypatch, android):
+    ends = iter([2, 3, 5, 4, 6] * 2)
+    paths = {}
+
+    def tested(scene: Any, settings: Any) -> Trajectory:
+        paths[settings.rtol] = motion(android, next(ends), status=Status.COMPLIANCE)
+        return paths[settings.rtol]
+
+    monkeypatch.setattr(lessons, "simulate", tested)
+    monkeypatch.setattr(lessons, "with_test", lambda scene, settings, tested: (motion(android), None, 7e-4))
+    measured = lessons.lsodar_series()
+    reached = [path.times[-1] for path in paths.values()]
+    assert [measured.figures[f"lsodar.{rtol:g}.until"] for rtol in lessons.TOLERANCES] == reached
+    (line,) = measured.curves.values()
+    assert line.lines["until"] == pytest.approx(reached, rel=1e-5)
+    assert {measured.figures[f"lsodar.{rtol:g}.test"] for rtol in lessons.TOLERANCES} == {"fails"}
+
+
+def test_the_energy_error_of_long_steps_is_the_largest(monkeypatch):
+    monkeypatch.setattr(space, "_rk4", lambda *given, **more: SimpleNamespace(ok=True))
+    monkeypatch.setattr(space, "_turned_away", lambda scene, path: 0.1)
+    monkeypatch.setattr(space.observables, "kinetic_energy", lambda scene, path: np.array([2.0, 2.2, 1.5, 2.1]))
+    assert space._long_steps()["space.energy_error"] == 0.25
+
+
+def test_clocks_and_light_time_of_frames(monkeypatch):
+    """UT1 = TDB - (TDB - UTC) + (UT1 - UTC); light time needs iterations, and is part of aberration."""
+    path = SimpleNamespace(times=np.array([0.0, 43200.0]), position=np.zeros((2, 2, 3)))
+    astropy: Any = SimpleNamespace(clocks=lambda jd: (63.0, 0.5), in_frame=None, apparent=None)
+    monkeypatch.setattr(frames, "simulate", lambda scene, settings: path)
+    monkeypatch.setattr(frames, "turned", lambda places, ut1, level, moved: ut1)
+    monkeypatch.setattr(frames, "seen", lambda package, source, body, jd, steps, moving: (steps > 0, moving))
+    monkeypatch.setattr(frames, "_row", lambda name, unit, ours, theirs: (name, ours))
+    rows = dict(frames._rows(astropy))
+    days = (rows["ground track of a satellite, ITRS: and UT1 - UTC"]() - frames.START) * frames.DAY
+    assert days == pytest.approx([-62.5, 43200.0 - 62.5], abs=1e-4)
+    mars = [rows[f"Mars from the Earth: {name}"]() for name in ("geometric", "light time", "and aberration")]
+    assert mars == [(False, False), (True, False), (True, True)]
