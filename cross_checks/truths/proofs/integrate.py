@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Refused, exact, precision
-from cross_checks.truths.proofs.checker.proof import Proof, beside
+from cross_checks.truths.proofs.checker.balls import Refused, beside, exact, precision
+from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
@@ -45,7 +45,7 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fract
 
         def gaps(s: arb) -> list[tuple[arb, arb]]:
             bodies = proof.model.bodies(beside(p, np.zeros(n), s))
-            return [proof.contacts.gap(part, bodies)[:2] for part in proof.contacts.parts]
+            return [proof.impacts.gap(part, bodies)[:2] for part in proof.impacts.parts]
 
         for k in range(1, SAMPLES + 1):
             closed = [j for j, (gap, _) in enumerate(gaps(exact(Fraction(k, SAMPLES)))) if gap < 0]

@@ -141,7 +141,7 @@ def _check(file: Path, as_json: bool) -> None:
              "unique": "not in singular poses of its loops, where others may branch off"
              if proof.model.is_exhibited else "yes",
              "seconds": time.process_time() - began,
-             "impacts": [f"{name} at {t.str(25)} s" for name, t in proof.impacts]}  # fmt: skip
+             "impacts": [f"{name} at {t.str(25)} s" for name, t in proof.impacts.times]}  # fmt: skip
     _show(facts, made, log["times"], proof.enclosures, as_json)
 
 

@@ -109,7 +109,7 @@ def test_errors_after_impacts_are_within_the_estimate(name, method):
 
 
 def test_impacts_have_proven_times():
-    impacts = proof_of("disc_between_walls").proof.impacts
+    impacts = proof_of("disc_between_walls").proof.impacts.times
     gap = Fraction(1) - Fraction(1, 2) - Fraction(0.1)  # m, at 5 m/s
     assert [name for name, _ in impacts] == ["right"]
     with precision(400):
@@ -261,7 +261,7 @@ def test_a_doctored_log_is_refused(what):
 def test_a_doctored_clock_is_refused(clock):
     log = copy.deepcopy(log_of("driven_pendulum"))
     log["system"]["clock"] = clock
-    with pytest.raises(Refused, match="time"):
+    with pytest.raises(Refused, match="time|does not move|do not move"):
         check(log)
 
 
@@ -270,7 +270,7 @@ def _rates(log: dict[str, Any]) -> list[arb]:
     with precision(1000):
         formulas = Formulas(log["system"])
         y = [arb(k * k + 3) / 7 for k in range(formulas.n)]
-        return formulas.run(formulas.f, y, formulas.root(y))
+        return formulas.run(formulas.f, [*y, *formulas.root(y)])
 
 
 @pytest.mark.parametrize("name", ["double_pendulum", "slider_crank", "spherical_pendulum", "torque_free_top"])

@@ -1,13 +1,23 @@
-"""Bounds of polynomial matrices on a step, in floats: flows, their defects and inverses."""
-
-from math import comb
+"""Bounds of polynomial matrices on a step, in floats: flows, their defects and inverses. Time is 0 to 1."""
 
 import numpy as np
 
 from cross_checks.truths.proofs.checker.balls import GAMMA, Refused, up
 
-ORDER = 20  # terms of V, W and the Jacobian: their defect is about 6^-ORDER
-DEEPEST = 6  # halvings of a step for an inverse
+ORDER = 20  # terms of V, W, the Jacobian and inverses: their defect is about 6^-ORDER
+
+
+def size_of(matrix: np.ndarray) -> np.ndarray:
+    """Return a bound of |matrix(t)| on the step."""
+    return up(np.abs(matrix).sum(0))
+
+
+def product(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the coefficients of a b, and a bound of their rounding."""
+    whole = np.zeros((len(a) + len(b) - 1, a.shape[1], b.shape[2]))
+    for j, own in enumerate(a):
+        whole[j : j + len(b)] += own @ b
+    return whole, up(GAMMA * up(size_of(a) @ size_of(b)))
 
 
 def variations(jacobian: np.ndarray, n: int) -> np.ndarray:
@@ -22,49 +32,34 @@ def variations(jacobian: np.ndarray, n: int) -> np.ndarray:
     return flow
 
 
-def defects_of(jacobian: np.ndarray, error: np.ndarray, flow: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return bounds of |V| and |W|, and of the defects of their equations, on the step."""
-    whole = np.zeros((2 * ORDER, *flow.shape[1:]))
-    for j in range(ORDER):
-        whole[j : j + ORDER] += jacobian[j] @ flow
+def defects_of(jacobian: np.ndarray, error: np.ndarray, flow: np.ndarray, n: int) -> np.ndarray:
+    """Return bounds of the defects of the equations of V and W on the step."""
+    (whole, rounding), size = product(jacobian, flow), size_of(flow)
     whole[: ORDER - 1, :n] -= np.arange(1, ORDER)[:, None, None] * flow[1:, :n]
-    size = up(np.abs(flow).sum(0))
-    rounding = up(GAMMA * up(np.abs(jacobian).sum(0) @ size) + error @ size)
-    rounding[:n] = up(rounding[:n] + GAMMA * ORDER * size[:n])
-    return size, up(np.abs(whole).sum(0) + rounding)
+    rounding[:n] += GAMMA * ORDER * size[:n]
+    return up(size_of(whole) + up(rounding + error @ size))
 
 
-def gap_of(inverse: np.ndarray, matrix: np.ndarray) -> float:
-    """Return a bound of the row sums of |1 - inverse matrix|; Refused unless it is below 1."""
-    gap = up(np.abs(np.eye(len(matrix)) - inverse @ matrix) + GAMMA * up(np.abs(inverse) @ np.abs(matrix)))
+def inverse_of(matrix: np.ndarray, error: float | np.ndarray = 0.0) -> tuple[np.ndarray, float]:
+    """Return K near 1 / matrix(t), to ORDER terms, and c: |x| <= |K y| + c max|K y| where (matrix + error) x = y.
+
+    1 - K matrix has row sums below 1 / 2 on the step, or Refused is raised; c bounds the rest of its Neumann series.
+    """
+    own = np.zeros((min(len(matrix), ORDER), *matrix.shape[1:]))
+    own[0] = np.linalg.inv(matrix[0])
+    for k in range(1, len(own)):
+        own[k] = -own[0] @ sum(matrix[j] @ own[k - j] for j in range(1, k + 1))
+    rest, rounding = product(own, matrix)
+    rest[0] -= np.eye(matrix.shape[1])
+    gap = up(size_of(rest) + up(rounding + size_of(own) @ (error + np.zeros_like(rounding))))
     most = float(up(gap.sum(1)).max(initial=0.0))
-    if not most < 1.0:
-        raise Refused("a matrix is singular to rounding")
-    return most
-
-
-def inverse_bound(
-    matrix: np.ndarray, error: np.ndarray, low: float = 0.0, high: float = 1.0, depth: int = 0
-) -> np.ndarray:
-    """Return a bound of |matrix(t)^-1| for low <= t <= high, the matrix a series with an error."""
-    size = matrix.shape[1]
-    if not size:
-        return np.zeros((0, 0))
-    middle, half, count = (low + high) / 2, (high - low) / 2, len(matrix)
-    shift = np.array(
-        [[comb(k, j) * middle ** (k - j) * half**j if k >= j else 0.0 for k in range(count)] for j in range(count)]
-    )
-    moved = np.tensordot(shift, matrix, 1)
-    blur = up(error + GAMMA * up(np.abs(matrix).sum(0)))
-    inverse = np.linalg.inv(moved[0])
-    rest = up(np.abs(inverse @ moved[1:]).sum(0) + GAMMA * up(np.abs(inverse) @ np.abs(moved).sum(0)))
-    rest = up(rest + up(np.abs(inverse) @ blur) + np.abs(np.eye(size) - inverse @ moved[0]))
-    most = float(up(rest.sum(1)).max())
-    if most < 0.5:
-        first = up(rest @ np.abs(inverse))
-        return up(np.abs(inverse) + first + most / (1.0 - most) * first.max(0))
-    if depth > DEEPEST:
+    if not most < 0.5:
         raise Refused("a matrix is singular within the step")
-    return np.maximum(
-        inverse_bound(matrix, error, low, middle, depth + 1), inverse_bound(matrix, error, middle, high, depth + 1)
-    )
+    return own, float(up(most / (1.0 - most)))
+
+
+def inverse_bound(matrix: np.ndarray, error: float | np.ndarray = 0.0) -> np.ndarray:
+    """Return a bound of |1 / matrix(t)| on the step."""
+    own, rest = inverse_of(matrix, error)
+    size = size_of(own)
+    return up(size + rest * size.max(0, initial=0.0))

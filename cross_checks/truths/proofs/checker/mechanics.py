@@ -10,7 +10,7 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Refused, exact
+from cross_checks.truths.proofs.checker.balls import Number, Refused, exact, terms
 from cross_checks.truths.proofs.checker.formulas import solve
 from cross_checks.truths.proofs.coverage import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.family import Varied
@@ -45,6 +45,9 @@ class Mechanics:
     def vector(self, values: Sequence[float]) -> list[arb]:
         return ([self.ball(x) for x in values] + [arb(0)] * 3)[:3]
 
+    def angle(self, name: str) -> arb:
+        return self.ball(0.0 if name == GROUND else self.scene.bodies[self.index[name]].angle)
+
     def offset(self, body: int, point: Sequence[float]) -> list[arb]:
         return minus(self.vector(point), self.vector(self.scene.bodies[body].position if body >= 0 else ()))
 
@@ -67,9 +70,10 @@ class Mechanics:
         place, turn, _ = jets[body]
         return [x + y for x, y in zip(place, apply(turn, self.offset(body, point)), strict=True)]
 
-    def gap(self, jets: list[Any], part: Any, ends: tuple[Any, Any]) -> list[Number]:
+    def gap(self, jets: list[Any], part: Any) -> list[Number]:
         """Return the vector between the points of both bodies that a joint or a spring connects."""
-        a, b = (self.mark(jets, self.index[name], point) for name, point in zip(part.ends, ends, strict=True))
+        points = (part.point_a, part.point_b) if hasattr(part, "point_a") else (part.point, part.point)
+        a, b = (self.mark(jets, self.index[name], point) for name, point in zip(part.ends, points, strict=True))
         return minus(b, a)
 
     def signal(self, signal: Any, t: Number) -> Number:
@@ -98,10 +102,9 @@ class Mechanics:
         """Return the rows of a joint, each constant where it holds."""
         if joint.type in DRIVES:
             return [self.driven(jets, joint)]
+        gap = self.gap(jets, joint)
         if joint.type == "distance":
-            gap = self.gap(jets, joint, (joint.point_a, joint.point_b))
             return [dot(gap, gap)]
-        gap = self.gap(jets, joint, (joint.point, joint.point))
         turn_a, turn_b = (jets[self.index[name]][1] for name in joint.ends)
         same = [dot(_column(turn_a, i), _column(turn_b, j)) for i, j in ((0, 1), (1, 2), (2, 0))]
         if joint.type == "weld":
@@ -120,31 +123,34 @@ class Mechanics:
         """Yield the stretch of every spring with its stiffness, damping and bodies."""
         for load in self.scene.loads:
             if load.type == "torsion_spring":
-                a, b = ends = [self.index[name] for name in load.ends]
-                at = [self.number(self.scene.bodies[k].angle) if k >= 0 else Fraction(0) for k in ends]
-                rest = Fraction(0) if load.rest_angle is None else self.number(load.rest_angle) - at[1] + at[0]
-                yield jets[b][2] - jets[a][2] - exact(rest), self.ball(load.stiffness), self.ball(load.damping), ends
+                (a, first), (b, second) = ((jets[self.index[name]][2], self.angle(name)) for name in load.ends)
+                stretch = b - a - (0 if load.rest_angle is None else self.ball(load.rest_angle) - second + first)
             elif load.type == "spring_damper":
-                points = load.point_a, load.point_b
-                gap, first = self.gap(jets, load, points), minus(*(self.vector(point) for point in points))
+                gap, first = self.gap(jets, load), minus(self.vector(load.point_a), self.vector(load.point_b))
                 rest = dot(first, first).sqrt() if load.rest_length is None else self.ball(load.rest_length)
-                ends = [self.index[name] for name in load.ends]
-                yield dot(gap, gap).sqrt() - rest, self.ball(load.stiffness), self.ball(load.damping), ends
+                stretch = dot(gap, gap).sqrt() - rest
+            else:
+                continue
+            ends = [self.index[name] for name in load.ends]
+            yield stretch, self.ball(load.stiffness), self.ball(load.damping), ends
 
-    def potential(self, jets: list[Any], body: int) -> Number:
-        """Return the potential energy that moving one body changes."""
-        mass = self.ball(self.scene.bodies[body].mass)
-        total = -dot(self.vector(self.scene.gravity), jets[body][0]) * mass
+    def mass(self, body: int, attracts: bool) -> arb:
+        """Return a body's mass; of one that attracts, gm instead if requested."""
+        return self.ball(self.gm[body] if attracts and self.gm else self.scene.bodies[body].mass)
+
+    def potential(self, jets: list[Any], moved: int | None = None) -> Number:
+        """Return the potential energy that moving one body changes; without one, all with gm as masses."""
+        total, gravity = arb(0), self.vector(self.scene.gravity)
+        for k in range(len(self.scene.bodies)) if moved is None else (moved,):
+            total -= dot(gravity, jets[k][0]) * self.mass(k, moved is None)
+            for j, gm in enumerate(self.gm[: k if moved is None else None]):
+                total -= self.mass(k, moved is None) * self.ball(gm) * self.well(jets, k, j) if j != k else 0
         for stretch, stiffness, _, bodies in self.stretches(jets):
-            if body in bodies:
-                total += stretch * stretch * stiffness / 2
+            total += stretch * stretch * stiffness / 2 if moved is None or moved in bodies else 0
         for load in self.scene.loads:
-            if load.type == "force" and self.index[load.body] == body:
-                pull = dot(self.vector(load.vector), self.mark(jets, body, load.point))
+            if load.type == "force" and self.index[load.body] == moved:
+                pull = dot(self.vector(load.vector), self.mark(jets, moved, load.point))
                 total -= pull * self.signal(load.factor, self.now)
-        for k, gm in enumerate(self.gm):
-            if k != body:
-                total -= mass * self.ball(gm) * self.well(jets, body, k)
         return total
 
     def well(self, jets: list[Any], a: int, b: int) -> Number:
@@ -221,16 +227,11 @@ class Mechanics:
         return not any(losses) and kinds <= {*ENERGETIC} and ("newton" not in kinds or not any(scene.gravity))
 
     def energy(self, states: list[Any], rates: list[list[arb]]) -> arb:
-        """Return kinetic and potential energy without dampers; gm counts as mass among attracting bodies."""
-        jets, total, gravity = self.jets(states, [[arb(0)] * 6] * len(rates)), arb(0), self.vector(self.scene.gravity)
+        """Return kinetic and potential energy; gm counts as mass among attracting bodies."""
+        total = terms(self.potential(self.jets(states, [[arb(0)] * 6] * len(rates))), 1)[0]
         for k, (part, own) in enumerate(zip(self.scene.bodies, rates, strict=True)):
-            mass = self.ball(self.gm[k] if self.gm else part.mass)
-            total += mass * (dot(own, own) / 2 - dot(gravity, states[k][0]))
+            total += self.mass(k, True) * dot(own, own) / 2
             total += dot(own[3:], apply(self._inertia(part, states[k][1]), own[3:])) / 2
-            for j, gm in enumerate(self.gm[:k]):
-                total -= mass * self.ball(gm) * self.well(jets, k, j)[0]
-        for stretch, stiffness, *_ in self.stretches(jets):
-            total += (stretch * stretch)[0] * stiffness / 2
         return total
 
 
