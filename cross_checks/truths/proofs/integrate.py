@@ -69,13 +69,20 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fract
 
 @dataclass(frozen=True)
 class Proven:
-    """A motion's proof, or how far it reaches."""
+    """A motion's proof, or how far it reaches. The log has the processor time and why it ends early, if it does."""
 
     log: dict[str, Any]
     proof: Proof
-    seconds: float  # of processor time
-    reached: float  # s
-    reason: str  # why it ends before the last output time; empty where it does not
+
+    @property
+    def reason(self) -> str:
+        """Why the proof ends before the last output time; empty where it does not."""
+        return self.log["reason"]
+
+    @property
+    def reached(self) -> float:
+        """The time that the steps reach, s."""
+        return self.proof.reached
 
     @property
     def radius(self) -> float:
@@ -173,8 +180,9 @@ def _attempt(
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
         exponent = max(-40, round(math.log2(float(h) / share)))
         report(float(proof.t * units.time), proof.radius)
-    log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)]}
-    return Proven(log, proof, time.process_time() - began, float(proof.t * units.time), reason)
+    log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)],
+                    "seconds": time.process_time() - began, "reason": reason}  # fmt: skip
+    return Proven(log, proof)
 
 
 def round_to(value: Any, bits: int) -> int:
