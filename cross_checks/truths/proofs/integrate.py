@@ -3,10 +3,9 @@
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
@@ -67,27 +66,11 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fract
         return h * end, Fraction(2 * MARGIN * spread / rate) / end
 
 
-@dataclass(frozen=True)
-class Proven:
-    """A motion's proof, or how far it reaches. The log has the processor time and why it ends early, if it does."""
+class Proven(NamedTuple):
+    """A motion's proof, or how far it reaches; the log has its seconds and the reason why it ends before the end."""
 
     log: dict[str, Any]
     proof: Proof
-
-    @property
-    def reason(self) -> str:
-        """Why the proof ends before the last output time; empty where it does not."""
-        return self.log["reason"]
-
-    @property
-    def reached(self) -> float:
-        """The time that the steps reach, s."""
-        return self.proof.reached
-
-    @property
-    def radius(self) -> float:
-        """The largest radius at the output times, m, rad, m/s, rad/s."""
-        return self.proof.radius
 
 
 def prove(
@@ -105,7 +88,7 @@ def prove(
         factor = 1.5**attempt * max(1.0, -math.log10(aim) / DIGITS_PROVEN)
         left = limit - (time.process_time() - began)
         last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report, ends)
-        if ends or last.radius <= aim or (last.reason and "limit" in last.reason):
+        if ends or last.proof.radius <= aim or "limit" in last.log["reason"]:
             break
     assert last is not None
     return last
@@ -125,7 +108,7 @@ def prove_family(
         for a, b in pairwise(edges):
             left, middle = began + limit - time.process_time(), make(0.5 * (a + b))
             proofs.append(prove(middle, times, math.inf, inputs, left, report, (make(a), make(b))))
-        if time.process_time() - began > limit or not any(one.reason for one in proofs):
+        if time.process_time() - began > limit or not any(one.log["reason"] for one in proofs):
             break
     return proofs
 

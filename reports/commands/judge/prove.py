@@ -82,12 +82,12 @@ def command(
     files = [f"{output}.{k}" if k else str(output) for k in range(len(proofs) if output else 0)]
     sizes = [logs.write(one.log, Path(file)) for one, file in zip(proofs, files, strict=False)]
     enclosures = [_hull(at) for at in zip(*(one.proof.enclosures for one in proofs), strict=False)]
-    least, widest = min(proofs, key=lambda one: one.reached), max(one.radius for one in proofs)
+    least, widest = min(proofs, key=lambda one: one.proof.reached), max(one.proof.radius for one in proofs)
     facts = {"parts": len(proofs), "steps": sum(len(one.log["steps"]) for one in proofs), "log_bytes": sum(sizes),
              "seconds": sum(one.log["seconds"] for one in proofs)}  # fmt: skip
     _show(facts, least.proof, reading, times, enclosures, as_json)
-    if least.reason:
-        raise Failed(f"not proven beyond t = {least.reached:g} s, radius {least.radius:.1e}: {least.reason}")
+    if reason := least.log["reason"]:
+        raise Failed(f"not proven beyond t = {least.proof.reached:g} s, radius {least.proof.radius:.1e}: {reason}")
     if vary is None and widest > radius:
         raise Failed(f"proven to radius {widest:.1e}, above the requested {radius:.1e}")
 
