@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_series, ctx, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
 
+EQUAL = 2.0**-600  # how nearly numbers of 1000 bits must agree
 GAMMA = 1e-12  # of |A| |B|: 9000 roundings of 2^-53
 
 Number = Any  # arb, acb or arb_series

@@ -6,16 +6,17 @@ space with bodies that turn about z: closures on which no coordinate acts are le
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import zip_longest
 from typing import Any
 
-from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
+from flint import arb, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Refused, exact, terms
-from cross_checks.truths.proofs.checker.formulas import solve
+from cross_checks.truths.proofs.checker.balls import EQUAL, Number, Refused, above, exact, terms
 from cross_checks.truths.proofs.coverage import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.family import Varied
 from mbs_ref.scene import GROUND
 
+STILL = [arb(0)] * 6  # rates of a body at rest
 Jet = tuple[list[Number], list[list[Number]], Number]  # place, turn since t = 0 and angle about z of a body in motion
 
 
@@ -51,20 +52,21 @@ class Mechanics:
     def offset(self, body: int, point: Sequence[float]) -> list[arb]:
         return minus(self.vector(point), self.vector(self.scene.bodies[body].position if body >= 0 else ()))
 
-    def jet(self, state: Any, rate: Sequence[arb]) -> Jet:
-        """Return a body in motion without acceleration, to t^2."""
+    def jet(self, state: Any, rate: Sequence[arb], bend: Sequence[arb] = STILL) -> Jet:
+        """Return a body in motion, to t^2."""
         place, turn, angle = state
-        swing = _skew(rate[3:])
+        swing, twist = _skew(rate[3:]), _skew(bend[3:])
         square = _matmul(swing, swing)
-        whole = [[arb_series([arb(i == j), swing[i][j], square[i][j] / 2]) for j in range(3)] for i in range(3)]
-        return ([arb_series([x, v]) for x, v in zip(place, rate, strict=False)], _matmul(whole, turn),
-                arb_series([angle, rate[5]]))  # fmt: skip
+        whole = [[arb_series([arb(i == j), swing[i][j], (square[i][j] + twist[i][j]) / 2]) for j in range(3)]
+                 for i in range(3)]  # fmt: skip
+        path = [arb_series([x, v, a / 2]) for x, v, a in zip(place, rate, bend, strict=False)]
+        return path, _matmul(whole, turn), arb_series([angle, rate[5], bend[5] / 2])
 
-    def jets(self, states: list[Any], rates: list[Any], pace: int = 1) -> list[Any]:
-        """Return all bodies in motion without acceleration; the last are time, at a pace, and ground."""
+    def jets(self, states: list[Any], rates: Sequence[Any] = (), bends: Sequence[Any] = ()) -> list[Any]:
+        """Return all bodies in motion, or at rest without time; the last are time and ground."""
         rest = ([arb(0)] * 3, rotation([arb(1), arb(0), arb(0), arb(0)]), arb(0))
-        moving = [self.jet(state, rate) for state, rate in zip(states, rates, strict=True)]
-        return [*moving, arb_series([self.now, pace]), self.jet(rest, [arb(0)] * 6)]
+        moving = [self.jet(*own) for own in zip_longest(states, rates, bends, fillvalue=STILL)]
+        return [*moving, arb_series([self.now, int(bool(rates))]), self.jet(rest, STILL)]
 
     def mark(self, jets: list[Any], body: int, point: Sequence[float]) -> list[Number]:
         place, turn, _ = jets[body]
@@ -167,37 +169,26 @@ class Mechanics:
                     total -= self.ball(harmonic) * ratio**n * legendre[n] / distance
         return total
 
-    def accelerations(self, states: list[Any], rates: list[list[arb]]) -> list[list[arb]]:
-        """Return the accelerations of all bodies by multipliers, six numbers each."""
-        motion, still = (self.jets(states, own) for own in (rates, [[arb(0)] * 6] * len(rates)))
-        still[-2] = arb_series([self.now])  # a virtual motion takes no time
-        columns, forces, slopes, bends = self.columns, [], {}, {}
-        for joint in self.scene.joints:
-            bends |= {(joint.name, k): 2 * row[2] for k, row in enumerate(self.closure(motion, joint))}
-        for column, (body, c) in enumerate(columns):
+    def missing(self, states: list[Any], rates: list[list[arb]], bends: list[list[arb]]) -> list[arb]:
+        """Return what is 0 in a motion: all closures' second derivatives, and forces that no multipliers bear."""
+        motion, still, slopes, needs = self.jets(states, rates, bends), self.jets(states), {}, []
+        inertial = [self._inertial(*own) for own in zip(self.scene.bodies, states, rates, bends, strict=True)]
+        for column, (body, c) in enumerate(self.columns):
             virtual = list(still)
             virtual[body] = self.jet(states[body], [arb(i == c) for i in range(6)])
-            forces.append(self._driven(motion, virtual, body, c) - self.potential(virtual, body)[1])
+            driven = self._driven(motion, virtual, body, c)
+            needs.append(inertial[body][c] - driven + self.potential(virtual, body)[1])
             for joint in (joint for joint in self.scene.joints if body in map(self.index.get, joint.ends)):
                 for k, row in enumerate(self.closure(virtual, joint)):
-                    if not row[1].is_zero():
-                        slopes.setdefault((joint.name, k), {})[column] = row[1]
-        size = len(columns) + len(slopes)
-        matrix, right = arb_mat(size, size), arb_mat(size, 1, [*forces, *(-bends[key] for key in slopes)])
-        for place, own in enumerate(slopes.values(), start=len(columns)):
-            for column, slope in own.items():
-                matrix[place, column] = matrix[column, place] = slope
-        for row, (body, c) in enumerate(columns):
-            part, w = self.scene.bodies[body], rates[body][3:]
-            inertia = self._inertia(part, states[body][1])
-            for column, (other, d) in enumerate(columns):
-                if other == body and (c == d or min(c, d) > 2):
-                    matrix[row, column] = self.ball(part.mass) if c < 3 else inertia[c - 3][d - 3]
-            right[row, 0] -= apply(_skew(w), apply(inertia, w))[c - 3] if c > 2 else 0
-        result, solved = [[arb(0)] * 6 for _ in rates], solve(matrix, right)
-        for column, (body, c) in enumerate(columns):
-            result[body][c] = solved[column, 0]
-        return result
+                    slopes.setdefault((joint.name, k), [arb(0)] * len(self.columns))[column] = row[1]
+        bent = [terms(row, 3)[2] for joint in self.scene.joints for row in self.closure(motion, joint)]
+        return [*_beyond(list(slopes.values()), needs), *bent]
+
+    def _inertial(self, part: Any, state: Any, rate: list[arb], bend: list[arb]) -> list[arb]:
+        """Return the force and the moment of a body's acceleration."""
+        inertia, w = self._inertia(part, state[1]), rate[3:]
+        turning = zip(apply(inertia, bend[3:]), apply(_skew(w), apply(inertia, w)), strict=True)
+        return [*(self.ball(part.mass) * a for a in bend[:3]), *(x + y for x, y in turning)]
 
     def _driven(self, motion: list[Any], virtual: list[Any], body: int, c: int) -> arb:
         """Return the power of torques and dampers along one unit rate of a body."""
@@ -228,11 +219,24 @@ class Mechanics:
 
     def energy(self, states: list[Any], rates: list[list[arb]]) -> arb:
         """Return kinetic and potential energy; gm counts as mass among attracting bodies."""
-        total = terms(self.potential(self.jets(states, [[arb(0)] * 6] * len(rates))), 1)[0]
+        total = terms(self.potential(self.jets(states)), 1)[0]
         for k, (part, own) in enumerate(zip(self.scene.bodies, rates, strict=True)):
             total += self.mass(k, True) * dot(own, own) / 2
             total += dot(own[3:], apply(self._inertia(part, states[k][1]), own[3:])) / 2
         return total
+
+
+def _beyond(rows: list[list[arb]], vector: list[arb]) -> list[arb]:
+    """Return what remains of a vector beyond the span of rows, by elimination; redundant rows leave nothing."""
+    pivots: list[tuple[int, list[arb]]] = []
+    for row in [*rows, vector]:
+        for column, other in pivots:
+            factor = row[column]
+            row = row if factor.is_zero() else [x - factor * y for x, y in zip(row, other, strict=True)]
+        largest = max(range(len(row)), key=lambda k: above(row[k]))
+        if above(row[largest]) > EQUAL:
+            pivots.append((largest, [x / row[largest] for x in row]))
+    return row
 
 
 def _skew(w: Sequence[Number]) -> list[list[Number]]:

@@ -8,14 +8,14 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
+from cross_checks.truths.proofs.checker.balls import EQUAL, Number, Refused, above, exact, precision, terms
 from cross_checks.truths.proofs.checker.formulas import Formulas, solve
 from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
 from cross_checks.truths.proofs.coverage import DRIVES
 from cross_checks.truths.proofs.family import Varied, family
 from mbs_ref import Scene
 
-POINTS, POINT_BITS, EQUAL = 3, 1000, 2.0**-600  # random points, bits of numbers, how nearly they must agree
+POINTS, POINT_BITS = 3, 1000  # random points, bits of numbers
 STATE = 14  # numbers of a body's state
 ONE, ZERO = ("c", 1, 1), ("c", 0, 1)  # lines
 START_GAP = 1e-7  # of a rate, 1: how far a scene's dependent rates may be from its closures
@@ -137,17 +137,18 @@ class Model:
         with precision(POINT_BITS, 3):
             outputs = self.bodies([arb_series([x, rate / time]) for x, rate in zip(y, f, strict=True)])
             moving, (states, rates) = self.states(outputs), self.states(self.bodies(y))
-            expected = self.mechanics.accelerations(states, rates)
-            for k, (body, own) in enumerate(zip(self.scene.bodies, outputs, strict=True)):
-                place, turn, angle = moving[0][k]
-                right_place, right_turn, right_angle = self.mechanics.jet(states[k], rates[k])
+            bends = [[terms(x, 2)[1] for x in own] for own in moving[1]]
+            missing = self.mechanics.missing(states, rates, bends)
+            rows = zip(self.scene.bodies, outputs, moving[0], states, rates, strict=True)
+            for body, own, (place, turn, angle), state, rate in rows:
+                right_place, right_turn, right_angle = self.mechanics.jet(state, rate)
                 pairs = [*zip([*place, *chain(*turn)], [*right_place, *chain(*right_turn)], strict=True)]
-                pairs += [(moving[1][k][c], arb_series([0, expected[k][c]])) for c in self.mechanics.free[k]]
+                pairs += [(sum(x * x for x in own[4:8]), arb(0))]
                 pairs += [(angle, right_angle)] if body.type == "planar" else []
-                pairs.append((sum(x * x for x in own[4:8]), arb(0)))
-                for x, right in ((terms(a, 2)[1], terms(b, 2)[1]) for a, b in pairs):
-                    if not above(x - right) <= EQUAL * (1.0 + above(right)):
-                        raise Refused(f"the formulas do not move {body.name} as the scene does")
+                missing += [terms(a, 2)[1] - terms(b, 2)[1] for a, b in pairs]
+            most = max(above(x) for own in (*rates, *bends) for x in own)
+            if not all(above(x) <= EQUAL * (1.0 + most) for x in missing):
+                raise Refused("the formulas do not move the bodies as the scene does")
 
 
 def _rates(body: Any) -> list[float]:
