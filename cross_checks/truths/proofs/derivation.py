@@ -38,7 +38,7 @@ class Derivation:
     units: Units
     tape: Tape = field(default_factory=Tape)
     parallel: bool = False  # whether bodies that start with one spin keep one angle; those at rest do not turn
-    shared: dict[Fraction, tuple[Formula, Formula, Formula]] = field(default_factory=dict)  # by spin: that angle
+    shared: dict[tuple[Fraction, ...], Formula] = field(default_factory=dict)  # by spin: that angle
     frames: dict[str, Frame] = field(default_factory=dict)
     wrench: dict[str, tuple[Vector, Vector]] = field(default_factory=dict)  # missing force, moment about the origin
     residuals: list[Formula] = field(default_factory=list)

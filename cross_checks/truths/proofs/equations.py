@@ -9,6 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -90,7 +91,9 @@ def _tree(work: Derivation) -> list[Any]:
 
 def _is_closed(work: Derivation, loops: list[Any]) -> bool:
     """Return whether the joints of loops hold at any angles, so that the motion of the tree is one of the scene."""
-    if not all(joint.type == "revolute" for joint in (*loops, *work.scene.joints)) or work.scene.dimension == 3:
+    joints = [*loops, *(joint for *_, joint in work.order)]
+    kinds = {(getattr(joint, "type", None), getattr(joint, "axis", None)) for joint in joints}
+    if [kind for kind, _ in kinds] != ["revolute"]:
         return False
     rows = [x.place for joint in loops for x in minus(*work.marks(joint))]
     y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
@@ -122,12 +125,17 @@ def _spinning(work: Derivation, name: str) -> Frame:
     _, spin = work.rate(name)
     if body.type == "point_mass":
         return base
+    if work.parallel and not any(spin):
+        return base
+    if work.parallel and tuple(spin) not in work.shared:
+        work.shared[tuple(spin)] = unknowns.motion(Fraction(0), max(spin, key=abs))
     if body.type == "planar":
-        if not work.parallel:
-            return _planar_spin(work, unknowns.motion(Fraction(0), spin[2]))
-        if spin[2] and spin[2] not in work.shared:
-            work.shared[spin[2]] = unknowns.motion(Fraction(0), spin[2])
-        return _planar_spin(work, work.shared[spin[2]]) if spin[2] else base
+        angle = work.shared[tuple(spin)] if work.parallel else unknowns.motion(Fraction(0), spin[2])
+        zero = tape.number(0)
+        return replace(base, turn=plane_turn(tape, angle), spin=(zero, zero, angle.rate), angle=angle, e=())
+    if work.parallel:
+        x, y, z = (tape.number(int(rate != 0)) for rate in spin)
+        return _turning(base, (x, y, z), work.shared[tuple(spin)])
     e = tuple(unknowns.state(Fraction(k == 0)) for k in range(4))
     w = tuple(unknowns.state(x) for x in spin)
     for one, change in zip(e, product((tape.number(0), *w), e), strict=True):
@@ -137,11 +145,12 @@ def _spinning(work: Derivation, name: str) -> Frame:
     return replace(base, turn=space_turn(e), spin=w, angle=None, e=e)
 
 
-def _planar_spin(work: Derivation, angle: Formula) -> Frame:
-    zero = work.tape.number(0)
-    return replace(
-        work.frames[GROUND], turn=plane_turn(work.tape, angle), spin=(zero, zero, angle.rate), angle=angle, e=()
-    )
+def _turning(base: Frame, axis: Vector, angle: Formula) -> Frame:
+    """Return a turn about an axis of `base`."""
+    s, c = (angle * Fraction(1, 2)).sin_cos()
+    e = product(base.e, (c, *times(axis, s)))
+    spin = plus(base.spin, times(base.along(axis), angle.rate))
+    return replace(base, turn=space_turn(e), spin=spin, angle=None, e=e)
 
 
 def _hung(work: Derivation, parent: str, name: str, point: Any, own: Frame) -> Frame:
@@ -154,16 +163,13 @@ def _spherical(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
 
 
 def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
-    if joint.axis is None:
+    if joint.axis is None or work.parallel:
         return _spherical(work, parent, name, joint)
     base = work.frames[parent]
     axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
     speed = dot(constants(axis), minus(work.rate(name)[1], work.rate(parent)[1]))
-    angle = work.unknowns.motion(Fraction(0), speed)
-    s, c = (angle * Fraction(1, 2)).sin_cos()
-    e = product(base.e, (c, *times(axis, s)))
-    spin = plus(base.spin, times(base.along(axis), angle.rate))
-    return _hung(work, parent, name, joint.point, replace(base, turn=space_turn(e), spin=spin, angle=None, e=e))
+    own = _turning(base, axis, work.unknowns.motion(Fraction(0), speed))
+    return _hung(work, parent, name, joint.point, own)
 
 
 def _prismatic(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
@@ -226,19 +232,27 @@ def _close(work: Derivation, joint: Any) -> None:
         pull = times(gap, work.unknowns.dependent())
         work.close(dot(gap, gap) * Fraction(1, 2))
     else:
-        count = work.scene.dimension
-        pull = tuple(work.unknowns.dependent() if k < count else work.tape.number(0) for k in range(3))
-        for row in gap[:count]:
+        moved = [_is_moved(work, row) for row in gap]
+        pull = tuple(work.unknowns.dependent() if k else work.tape.number(0) for k in moved)
+        for row in compress(gap, moved):
             work.close(row)
     work.apply(joint.body_b, b, pull)  # type: ignore[arg-type]
     work.apply(joint.body_a, a, times(pull, -1))  # type: ignore[arg-type]
     for first, second in _square(joint, work.scene.dimension):
         one = work.frames[joint.body_a].along(work.vector(first))
         other = work.frames[joint.body_b].along(work.vector(second))
+        if not _is_moved(work, dot(one, other)):
+            continue
         couple, still = times(cross(one, other), work.unknowns.dependent()), work.frames[GROUND].place
         work.apply(joint.body_a, still, still, couple)
         work.apply(joint.body_b, still, still, times(couple, -1))
         work.close(dot(one, other))
+
+
+def _is_moved(work: Derivation, row: Formula) -> bool:
+    """Return whether any motion of the tree changes a closure; without one, it needs no multiplier."""
+    y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
+    return abs(work.tape.values([row.rate.place], y)[0]) > IDENTICAL
 
 
 def _drive(work: Derivation, joint: Any) -> None:
@@ -285,7 +299,7 @@ def _balance(work: Derivation) -> None:
         if not work.shared:
             work.residuals += rows
         for k, spin in enumerate(work.shared):
-            turns = int(work.rate(name)[1][2] == spin) - int(work.rate(parent)[1][2] == spin)
+            turns = int(tuple(work.rate(name)[1]) == spin) - int(tuple(work.rate(parent)[1]) == spin)
             powers[k] = powers[k] + rows[0] * (mass * turns)
         if parent != GROUND:
             work.wrench[parent] = plus(work.wrench[parent][0], force), plus(work.wrench[parent][1], moment)

@@ -46,6 +46,7 @@ COVERED = {
     "driven_pendulum": {},
     "car_axis": {},
     "n_four_bar": {},
+    "spatial_n_four_bar": {"loops": 1},
     "disc_between_walls": {"law": "rigid"},
     "colliding_spheres": {},
 }
@@ -130,8 +131,8 @@ def test_a_grazing_contact_is_not_decided():
 
 
 def test_only_an_exhibited_motion_is_not_unique():
-    names = ("n_four_bar", "slider_crank", "double_pendulum")
-    assert [check(log_of(name)).model.is_exhibited for name in names] == [True, False, False]
+    names = ("n_four_bar", "spatial_n_four_bar", "slider_crank", "double_pendulum")
+    assert [check(log_of(name)).model.is_exhibited for name in names] == [True, True, False, False]
 
 
 def _changed(scene: Any, kind: str, part: int, **fields: Any) -> Any:

@@ -106,4 +106,4 @@ def solve(matrix: arb_mat, right: arb_mat) -> arb_mat:
     try:
         return matrix.solve(right)
     except ZeroDivisionError as error:
-        raise Refused("a matrix is singular") from error
+        raise Refused("accelerations or multipliers are not unique: a matrix is singular") from error
