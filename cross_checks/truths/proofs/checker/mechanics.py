@@ -151,7 +151,7 @@ class Mechanics:
             total += stretch * stretch * stiffness / 2 if moved is None or moved in bodies else 0
         for load in self.scene.loads:
             if load.type == "force" and self.index[load.body] == moved:
-                pull = dot(self.vector(load.vector), self.mark(jets, moved, load.point))
+                pull = dot(self.vector(load.vector), self.mark(jets, self.index[load.body], load.point))
                 total -= pull * self.signal(load.factor, self.now)
         return total
 
