@@ -32,7 +32,7 @@ def examine(
 
     Return the figures, and the proof as a truth; None where it does not reach the end, or where the motion is not
     unique. `limit` is the prover's processor time (s). `distance` (m) and `turned` (rad) are of the truth from the
-    proof; where it is inside, both uncertainties and the rounding of angles allow them. `folder` keeps the logs of
+    proof; where it is inside, both uncertainties and the rounding of both angles allow them. `folder` keeps the logs of
     complete proofs by the digest of the scene's physics: a log that is kept is checked again instead.
     """
     row: dict[str, Any] = {"scene": scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters))}
@@ -66,7 +66,8 @@ def examine(
     if isinstance(truth, NoTruth):
         return row | {"truth": "none"}, unique
     (apart, turned, *_), allowed = farthest(scene, proof, truth), truth.uncertainty + proof.uncertainty
-    outside = apart > allowed or turned > allowed + EPS * np.abs(proof.orientation).max()  # NaN of particles
+    rounding = 2.0 * EPS * np.abs(proof.orientation).max()  # rad, of both; `allowed` has that of both places
+    outside = apart > allowed or turned > allowed + rounding  # NaN of particles
     word = "outside" if outside else "inside"
     return row | {"truth": word, "distance": apart, "turned": turned, "uncertainty": allowed}, unique
 
