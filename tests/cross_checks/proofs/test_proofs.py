@@ -23,6 +23,7 @@ from cross_checks.truths.proofs.certified import as_truth, examine, kept
 from cross_checks.truths.proofs.checker.balls import Refused, precision
 from cross_checks.truths.proofs.checker.formulas import Formulas
 from cross_checks.truths.proofs.checker.mechanics import Mechanics
+from cross_checks.truths.proofs.checker.model import root
 from cross_checks.truths.proofs.checker.proof import Proof, check
 from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove, prove_family, round_to
@@ -272,7 +273,7 @@ def _rates(log: dict[str, Any]) -> list[arb]:
     with precision(1000):
         formulas = Formulas(log["system"])
         y = [arb(k * k + 3) / 7 for k in range(formulas.n)]
-        return formulas.run(formulas.f, [*y, *formulas.root(y)])
+        return formulas.run(formulas.f, [*y, *root(formulas, y)])
 
 
 @pytest.mark.parametrize("name", ["double_pendulum", "slider_crank", "spherical_pendulum", "torque_free_top"])

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_series, ctx, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
 
-EQUAL = 2.0**-600  # how nearly numbers of 1000 bits must agree
 GAMMA = 1e-12  # of |A| |B|: 9000 roundings of 2^-53
 
 Number = Any  # arb, acb or arb_series
@@ -50,11 +49,6 @@ def terms(value: Number, count: int) -> list[arb]:
     """Return the first coefficients of a series or a constant."""
     own = value.coeffs() if isinstance(value, arb_series) else [value]
     return [*own, *[arb(0)] * (count - len(own))][:count]
-
-
-def between(low: Fraction, high: Fraction) -> arb:
-    """Return the ball that has low and high at its ends."""
-    return exact((low + high) / 2) + exact((high - low) / 2) * arb(0, 1)
 
 
 def beside(p: Polynomials, e: np.ndarray, s: arb) -> list[arb]:

@@ -5,14 +5,11 @@ from fractions import Fraction
 from operator import add, mul, sub
 from typing import Any
 
-from flint import arb, arb_mat  # pyright: ignore[reportMissingImports]  # an optional extra
+from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact
+from cross_checks.truths.proofs.checker.balls import Number, Refused, exact
 
 BINARY = {"*": mul, "+": add, "-": sub}
-ITERATIONS = 60  # of Newton's method for z, from 1
-NEGLIGIBLE = 2.0**-800  # of a change of z, where it ends
-WIDE = 2.0**40  # of z after an impact
 ONE = arb(1)
 
 
@@ -76,34 +73,3 @@ class Formulas:
                     needed |= {*operands} if operation in BINARY else {*operands[: operation in ("sin", "cos")]}
             self._plans[roots] = sorted(needed)
         return self._plans[roots]
-
-    def newton(self, y: Sequence[Number], z: Sequence[Number], wide: Sequence[Number]) -> list[arb]:
-        """Return the change of z by Newton's method, with the slopes of g on balls that may be wider than z."""
-        right, rows = self.run(self.g, [*y, *z]), self.slopes(self.g, [*y, *wide])
-        slopes = arb_mat([[row.get(self.n + k, arb(0)) for k in range(self.m)] for row in rows])
-        return solve(slopes, arb_mat(self.m, 1, [-x for x in right])).entries()
-
-    def enclose(self, y: list[arb]) -> list[arb]:
-        """Return balls of the one z below WIDE with g(y, z) = 0, for every y in balls (interval Newton)."""
-        z = self.newton(y, [arb(0)] * self.m, [arb(0, WIDE)] * self.m) if self.m else []
-        if not all(above(x) < WIDE for x in z):
-            raise Refused("after an impact, the accelerations are not enclosed")
-        return z
-
-    def root(self, y: list[arb]) -> list[arb]:
-        """Return z with g(y, z) = 0 by Newton's method from 1."""
-        z = [arb(1)] * self.m
-        for _ in range(ITERATIONS if self.m else 0):
-            change = self.newton(y, z, z)
-            z = [(x + d).mid() for x, d in zip(z, change, strict=True)]
-            if max(map(above, change)) < NEGLIGIBLE:
-                break
-        return z
-
-
-def solve(matrix: arb_mat, right: arb_mat) -> arb_mat:
-    """Return the solution of a linear system; Refused where it may be singular."""
-    try:
-        return matrix.solve(right)
-    except ZeroDivisionError as error:
-        raise Refused("accelerations or multipliers are not unique: a matrix is singular") from error

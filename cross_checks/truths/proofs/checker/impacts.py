@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Polynomials, Refused, beside, between, exact
+from cross_checks.truths.proofs.checker.balls import Number, Polynomials, Refused, above, beside, exact
 from cross_checks.truths.proofs.checker.mechanics import dot, minus
-from cross_checks.truths.proofs.checker.model import Model
+from cross_checks.truths.proofs.checker.model import Model, newton
 from cross_checks.truths.proofs.coverage import PAIRS
 
+WIDE = 2.0**40  # of z after an impact
 FINEST = 12  # halvings of a step where a gap may close
 
 
@@ -105,6 +106,18 @@ class Impacts:
             for k, share in inverse.items()
         ]
 
+    def enclose(self, y: list[arb]) -> list[arb]:
+        """Return balls of the one z below WIDE with g(y, z) = 0, for every y in balls (interval Newton)."""
+        m = self.model.formulas.m
+        z = newton(self.model.formulas, y, [arb(0)] * m, [arb(0, WIDE)] * m) if m else []
+        if not all(above(x) < WIDE for x in z):
+            raise Refused("after an impact, the accelerations are not enclosed")
+        return z
+
     def _rates(self, y: list[arb]) -> list[arb]:
-        formulas = self.model.formulas
-        return formulas.run(formulas.f, [*y, *formulas.enclose(y)])
+        return self.model.formulas.run(self.model.formulas.f, [*y, *self.enclose(y)])
+
+
+def between(low: Fraction, high: Fraction) -> arb:
+    """Return the ball that has low and high at its ends."""
+    return exact((low + high) / 2) + exact((high - low) / 2) * arb(0, 1)

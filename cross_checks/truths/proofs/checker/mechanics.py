@@ -11,11 +11,12 @@ from typing import Any
 
 from flint import arb, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import EQUAL, Number, Refused, above, exact, terms
+from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, terms
 from cross_checks.truths.proofs.coverage import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.family import Varied
 from mbs_ref.scene import GROUND
 
+EQUAL = 2.0**-600  # how nearly numbers of 1000 bits must agree
 STILL = [arb(0)] * 6  # rates of a body at rest
 Jet = tuple[list[Number], list[list[Number]], Number]  # place, turn since t = 0 and angle about z of a body in motion
 

@@ -8,14 +8,15 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import EQUAL, Number, Refused, above, exact, precision, terms
-from cross_checks.truths.proofs.checker.formulas import Formulas, solve
-from cross_checks.truths.proofs.checker.mechanics import Mechanics, rotation
+from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
+from cross_checks.truths.proofs.checker.formulas import Formulas
+from cross_checks.truths.proofs.checker.mechanics import EQUAL, Mechanics, rotation
 from cross_checks.truths.proofs.coverage import DRIVES
 from cross_checks.truths.proofs.family import Varied, family
 from mbs_ref import Scene
 
 POINTS, POINT_BITS = 3, 1000  # random points, bits of numbers
+ITERATIONS, NEGLIGIBLE = 60, 2.0**-800  # of Newton's method for z, from 1; of a change of z, where it ends
 STATE = 14  # numbers of a body's state
 ONE, ZERO = ("c", 1, 1), ("c", 0, 1)  # lines
 START_GAP = 1e-7  # of a rate, 1: how far a scene's dependent rates may be from its closures
@@ -41,7 +42,7 @@ class Model:
             if "ends" in header:
                 self._vary_start(starts)
             self._compare(self.start)
-            self.z_start = self.formulas.root(self.start)
+            self.z_start = root(self.formulas, self.start)
             if self.free is not None:
                 self.start[self.free] = arb(0, 1)
 
@@ -113,6 +114,13 @@ class Model:
                 if above(x - right) > (EQUAL if k < 8 else START_GAP * (1.0 + above(right))):
                     raise Refused(f"{body.name} does not start as the scene has it")
 
+    def compare_energies(self, enclosures: list[list[list[arb]]], bits: int) -> None:
+        """Refuse enclosures of a scene that conserves energy, but on which it is not constant."""
+        with precision(bits):
+            energies = [self.mechanics.energy(*self.states(bodies)) for bodies in enclosures]
+        if self.mechanics.conserves and not all(energy.overlaps(energies[0]) for energy in energies):
+            raise Refused("the energy is not constant")
+
     def _compare(self, start: list[arb]) -> None:
         """Compare the accelerations of the log's formulas with those of `Mechanics`, at the start and elsewhere."""
         dice, lines = random.Random(repr(self.formulas.lines)), self.formulas.lines
@@ -133,7 +141,7 @@ class Model:
 
     def _compare_at(self, y: list[arb]) -> None:
         time = exact(self.units[1])
-        f = self.formulas.run(self.formulas.f, [*y, *self.formulas.root(y)])
+        f = self.formulas.run(self.formulas.f, [*y, *root(self.formulas, y)])
         with precision(POINT_BITS, 3):
             outputs = self.bodies([arb_series([x, rate / time]) for x, rate in zip(y, f, strict=True)])
             moving, (states, rates) = self.states(outputs), self.states(self.bodies(y))
@@ -154,3 +162,29 @@ class Model:
 def _rates(body: Any) -> list[float]:
     spin = getattr(body, "angular_velocity", 0.0)
     return [*(*body.velocity, 0.0)[:3], *(spin if isinstance(spin, tuple) else (0.0, 0.0, spin))]
+
+
+def newton(formulas: Formulas, y: Sequence[Number], z: Sequence[Number], wide: Sequence[Number]) -> list[arb]:
+    """Return the change of z by Newton's method, with the slopes of g on balls that may be wider than z."""
+    right, rows = formulas.run(formulas.g, [*y, *z]), formulas.slopes(formulas.g, [*y, *wide])
+    slopes = arb_mat([[row.get(formulas.n + k, arb(0)) for k in range(formulas.m)] for row in rows])
+    return solve(slopes, arb_mat(formulas.m, 1, [-x for x in right])).entries()
+
+
+def root(formulas: Formulas, y: list[arb]) -> list[arb]:
+    """Return z with g(y, z) = 0 by Newton's method from 1."""
+    z = [arb(1)] * formulas.m
+    for _ in range(ITERATIONS if z else 0):
+        change = newton(formulas, y, z, z)
+        z = [(x + d).mid() for x, d in zip(z, change, strict=True)]
+        if max(map(above, change)) < NEGLIGIBLE:
+            break
+    return z
+
+
+def solve(matrix: arb_mat, right: arb_mat) -> arb_mat:
+    """Return the solution of a linear system; Refused where it may be singular."""
+    try:
+        return matrix.solve(right)
+    except ZeroDivisionError as error:
+        raise Refused("accelerations or multipliers are not unique: a matrix is singular") from error

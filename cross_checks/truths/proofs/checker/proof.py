@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
+from cross_checks.truths.proofs.checker import bounds
 from cross_checks.truths.proofs.checker.balls import GAMMA, Polynomials, Refused, above, beside, exact, precision, up
-from cross_checks.truths.proofs.checker.bounds import ORDER, defects_of, inverse_bound, inverse_of, size_of, variations
+from cross_checks.truths.proofs.checker.bounds import ORDER, inverse_bound, size_of
 from cross_checks.truths.proofs.checker.impacts import Impacts
 from cross_checks.truths.proofs.checker.model import Model
-from cross_checks.truths.proofs.checker.step import Step
 
 CONDITION = 1e6  # of the basis, above which it becomes orthogonal
 ITERATIONS = 12  # for a box that maps into itself
@@ -43,9 +43,9 @@ class Proof:
 
         In the last part of the step, the window, an impact happens unless it is 0.
         """
-        lengths = {len(row) for row in rows} if len(rows) == self.n + self.formulas.m else set()
+        lengths = {len(row) for row in rows if len(rows) == self.n + self.formulas.m}
         fits = h > 0 and len(lengths) == 1 and min(lengths) > ORDER
-        if not fits or not 0 <= window < 1 or (window and not self.impacts.parts):
+        if not (fits and 0 <= window < 1 and (self.impacts.parts or not window)):
             raise Refused("a step has no length, or no polynomial for every coordinate")
         try:
             with np.errstate(all="ignore"), precision(self.bits + 64):  # what is not finite is refused
@@ -54,13 +54,13 @@ class Proof:
             raise Refused(f"a bound is infinite: {error}") from error
 
     def _step(self, h: Fraction, p: Polynomials, window: Fraction) -> None:
-        n, own = self.n, Step(self.formulas, h, p)
+        n, own = self.n, bounds.Step(self.formulas, h, p)
         basis, x0 = self._new_basis([row[0] for row in p[:n]])
         w = up(self.z_box + [above(row[0] - z) for row, z in zip(p[n:], self.z, strict=True)])
         defect, disc = own.defects()
         jacobian, error = own.jacobian(disc)
-        flow = variations(jacobian, n)
-        flow_size, r = size_of(flow), defects_of(jacobian, error, flow, n)
+        flow = bounds.variations(jacobian, n)
+        flow_size, r = size_of(flow), bounds.defects_of(jacobian, error, flow, n)
         inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
         back = up(inverse_bound(basis[None]) @ inverse_bound(flow[:, :n]))
         f_z = up(size_of(jacobian[:, :n, n:]) + error[:n, n:])
@@ -87,7 +87,7 @@ class Proof:
             self._record(s, p[:n], flow[:, :n], basis, new_box)
         if window:
             end = self.impacts.after(p[:n], e[:n], self.t, h, window)
-            self._begin(end, self.formulas.enclose(end))
+            self._begin(end, self.impacts.enclose(end))
         else:
             self.moved = flow[:, :n].sum(0) @ basis
             self.moved_error = up(GAMMA * up(flow_size[:n] @ np.abs(basis)))
@@ -102,7 +102,7 @@ class Proof:
         if not np.linalg.cond(basis) < CONDITION:
             order = np.argsort(-np.linalg.norm(self.moved, axis=0) * self.box)
             basis = np.linalg.qr(self.moved[:, order])[0]
-        (inverse,), rest = inverse_of(basis[None])
+        (inverse,), rest = bounds.inverse_of(basis[None])
         size = up(np.abs(inverse @ self.moved) + GAMMA * up(np.abs(inverse) @ np.abs(self.moved)))
         box = up(up(size @ self.box) + up(np.abs(inverse) @ up(shift + up(self.moved_error @ self.box))))
         return basis, up(box + rest * box.max())
@@ -137,8 +137,5 @@ def check(log: dict[str, Any]) -> Proof:
         raise Refused(f"the steps end at {proof.reached:g} s, before the last output time")
     if not proof.radius <= claimed:
         raise Refused(f"the radius is {proof.radius:.2g}, above the stated {claimed:.2g}")
-    with precision(proof.bits + 64):
-        energies = [proof.model.mechanics.energy(*proof.model.states(bodies)) for bodies in proof.enclosures]
-    if proof.model.mechanics.conserves and not all(energy.overlaps(energies[0]) for energy in energies):
-        raise Refused("the energy is not constant")
+    proof.model.compare_energies(proof.enclosures, proof.bits + 64)
     return proof
