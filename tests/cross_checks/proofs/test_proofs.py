@@ -19,7 +19,7 @@ from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
 from cross_checks.truths import seek_truth, stored_poses
 from cross_checks.truths.proofs import log as logs
-from cross_checks.truths.proofs.certified import as_truth, examine, kept
+from cross_checks.truths.proofs.certified import as_truth, examine, kept, varied
 from cross_checks.truths.proofs.checker.balls import Refused, precision
 from cross_checks.truths.proofs.checker.formulas import Formulas
 from cross_checks.truths.proofs.checker.mechanics import Mechanics
@@ -117,6 +117,14 @@ def test_impacts_have_proven_times():
     assert [name for name, _ in impacts] == ["right"]
     with precision(400):
         assert impacts[0][1].contains(arb(fmpq(*(gap / 5).as_integer_ratio())))
+
+
+def test_impacts_of_several_bodies_are_proven():
+    """Other bodies rest or move slowly while two collide: an enclosure that hardly grows contains its image."""
+    scene = varied(scenes.make("newtons_cradle", law="rigid"), 11)
+    proof = prove(scene, [0.0, scene.duration]).proof
+    assert (len(proof.impacts.times), proof.reached >= scene.duration) == (4, True)
+    assert proof.radius < 1e-20
 
 
 def test_a_grazing_contact_is_not_decided():

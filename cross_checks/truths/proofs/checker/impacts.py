@@ -83,8 +83,8 @@ class Impacts:
                     y[column] = v / exact(length / unit)
                 elif not v.is_zero():
                     raise Refused("a velocity is no coordinate")
-        lasting = between(Fraction(0), window * h)
-        wide = [x + 2 * lasting * rate for x, rate in zip(y, self._rates(y), strict=True)]
+        lasting, wider = between(Fraction(0), window * h), between(-window * h, 2 * window * h)
+        wide = [x + wider * rate for x, rate in zip(y, self._rates(y), strict=True)]
         end = [x + lasting * rate for x, rate in zip(y, self._rates(wide), strict=True)]
         if not all(a.contains(b) for a, b in zip(wide, end, strict=True)):
             raise Refused("the motion after an impact is not enclosed")
