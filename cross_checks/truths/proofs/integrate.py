@@ -87,10 +87,12 @@ def prove(
     for attempt in range(FINEST):
         factor = 1.5**attempt * max(1.0, -math.log10(aim) / DIGITS_PROVEN)
         left = limit - (time.process_time() - began)
-        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report, ends)
+        bound = aim if attempt < FINEST - 1 else math.inf
+        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), bound, left, report, ends)
         if ends or last.proof.radius <= aim or "limit" in last.log["reason"]:
             break
     assert last is not None
+    last.log["seconds"] = time.process_time() - began
     return last
 
 
@@ -114,9 +116,10 @@ def prove_family(
 
 
 def _attempt(
-    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, limit: float, report: Any,
-    ends: tuple[Scene, Scene] | None,
+    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, bound: float, limit: float,
+    report: Any, ends: tuple[Scene, Scene] | None,
 ) -> Proven:  # fmt: skip
+    """Return a proof with polynomials of a degree in a number of digits; it ends where the radius exceeds a bound."""
     began, bits = time.process_time(), int(digits * math.log2(10.0))
     units = _units(scene)
     header = _header(scene, times, inputs, bits, units, ends)
@@ -163,8 +166,10 @@ def _attempt(
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
         exponent = max(-40, round(math.log2(float(h) / share)))
         report(float(proof.t * units.time), proof.radius)
+        if proof.radius > bound:
+            reason = f"the radius exceeds {bound:.1g}"
     log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)],
-                    "seconds": time.process_time() - began, "reason": reason}  # fmt: skip
+                    "reason": reason}  # fmt: skip
     return Proven(log, proof)
 
 
