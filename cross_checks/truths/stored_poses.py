@@ -24,10 +24,10 @@ def physics_of(scene: Scene) -> str:
     return hashlib.sha256(json.dumps([dumped[part] for part in PHYSICS], sort_keys=True).encode()).hexdigest()
 
 
-def file_of(scene: Scene, folder: Path = FOLDER) -> Path:
+def file_of(scene: Scene, folder: Path = FOLDER, suffix: str = ".npz") -> Path:
     """Return the file for these very physics: a changed scene has another name."""
-    known = next(folder.glob(f"*-{physics_of(scene)[:12]}.npz"), None)
-    return known or folder / f"{scene.name}-{physics_of(scene)[:12]}.npz"
+    known = next(folder.glob(f"*-{physics_of(scene)[:12]}{suffix}"), None)
+    return known or folder / f"{scene.name}-{physics_of(scene)[:12]}{suffix}"
 
 
 def load(scene: Scene, times: np.ndarray, folder: Path = FOLDER) -> Truth | None:

@@ -5,11 +5,13 @@ import hashlib
 import json
 import random
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cross_checks.truths import EPS, seek_truth
+from cross_checks.truths import EPS, seek_truth, stored_poses
+from cross_checks.truths.proofs import log as logs
 from cross_checks.truths.proofs.checker.balls import Refused
 from cross_checks.truths.proofs.checker.proof import check
 from cross_checks.truths.proofs.derivation import NotCovered
@@ -19,29 +21,44 @@ from mbs_ref import Scene, scenes
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene.euler_parameters import product
 
+SUFFIX = ".log.gz"
 Enclosures = list[list[list[Any]]]  # at every time and of every body: balls of place, turn, velocity and spin
 
 
-def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[dict[str, Any], Truth | None]:
+def examine(
+    scene: Scene, times: np.ndarray, aim: float, limit: float, folder: Path
+) -> tuple[dict[str, Any], Truth | None]:
     """Prove a scene at `times` (s), check the log as a file holds it, and compare the truth computed afresh.
 
     Return the figures, and the proof as a truth; None where it does not reach the end, or where the motion is not
     unique. `limit` is the prover's processor time (s). `distance` (m) and `turned` (rad) are of the truth from the
-    proof; where it is inside, both uncertainties and the rounding of angles allow them.
+    proof; where it is inside, both uncertainties and the rounding of both angles allow them. `folder` keeps the logs of
+    complete proofs by the digest of the scene's physics: a log that is kept is checked again instead.
     """
     row: dict[str, Any] = {"scene": scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters))}
+    file = stored_poses.file_of(scene, folder, SUFFIX)
     try:
-        proven = prove(scene, times.tolist(), aim, limit=limit)
-        data, began = json.dumps(proven.log, separators=(",", ":")).encode(), time.process_time()
+        log = logs.read(file) if file.is_file() else {}
+        if (log.get("times"), log.get("inputs")) != (times.tolist(), "binary64") or log["radius"] > aim:
+            log = prove(scene, times.tolist(), aim, limit=limit).log
+            if not log["reason"]:
+                folder.mkdir(parents=True, exist_ok=True)
+                logs.write(log, file)
+        began, data = time.process_time(), json.dumps(log).encode()
         checked = check(json.loads(data))
-    except (NotCovered, Refused) as error:
+    except NotCovered as error:
         return row | {"truth": "not proven", "reason": str(error)}, None
+    except Refused as error:
+        known = f"{file} is refused, remove it to prove the scene again: " if file.is_file() else ""
+        return row | {"truth": "refused" if known else "not proven", "reason": f"{known}{error}"}, None
+    if stored_poses.physics_of(checked.model.scene) != stored_poses.physics_of(scene):
+        return row | {"truth": "refused", "reason": f"{file} proves another scene"}, None
     row |= {
-        "t_end": float(times[-1]), "reached": min(proven.reached, float(times[-1])), "radius": checked.radius,
-        "steps": len(proven.log["steps"]), "prover_s": proven.seconds, "checker_s": time.process_time() - began,
-        "log_bytes": len(gzip.compress(data, mtime=0)), "reason": proven.reason,
+        "t_end": float(times[-1]), "reached": min(checked.reached, float(times[-1])), "radius": checked.radius,
+        "steps": len(log["steps"]), "prover_s": log["seconds"], "checker_s": time.process_time() - began,
+        "log_bytes": file.stat().st_size if file.is_file() else len(gzip.compress(data)), "reason": log["reason"],
     }  # fmt: skip
-    if proven.reason:
+    if log["reason"]:
         return row | {"truth": "not proven"}, None
     truth = seek_truth(scene, times, afresh=True)
     proof = as_truth(scene, checked.enclosures, hashlib.sha256(data).hexdigest())
@@ -49,7 +66,8 @@ def examine(scene: Scene, times: np.ndarray, aim: float, limit: float) -> tuple[
     if isinstance(truth, NoTruth):
         return row | {"truth": "none"}, unique
     (apart, turned, *_), allowed = farthest(scene, proof, truth), truth.uncertainty + proof.uncertainty
-    outside = apart > allowed or turned > allowed + EPS * np.abs(proof.orientation).max()  # NaN of particles
+    rounding = 2.0 * EPS * np.abs(proof.orientation).max()  # rad, of both; `allowed` has that of both places
+    outside = apart > allowed or turned > allowed + rounding  # NaN of particles
     word = "outside" if outside else "inside"
     return row | {"truth": word, "distance": apart, "turned": turned, "uncertainty": allowed}, unique
 
@@ -88,3 +106,8 @@ def varied(scene: Scene, seed: int) -> Scene:
         except ValueError:
             continue
     return scene
+
+
+def kept(folder: Path) -> list[Scene]:
+    """Return the scenes whose logs a folder keeps."""
+    return [Scene.model_validate(logs.read(file)["scene"]) for file in sorted(folder.glob(f"*{SUFFIX}"))]

@@ -1,6 +1,5 @@
 """A scene on its way to formulas: its numbers as rationals, in units of the proof, and what its bodies still need."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -39,7 +38,7 @@ class Derivation:
     units: Units
     tape: Tape = field(default_factory=Tape)
     parallel: bool = False  # whether bodies that start with one spin keep one angle; those at rest do not turn
-    shared: dict[Fraction, tuple[Formula, Formula, Formula]] = field(default_factory=dict)  # by spin: that angle
+    shared: dict[tuple[Fraction, ...], Formula] = field(default_factory=dict)  # by spin: that angle
     frames: dict[str, Frame] = field(default_factory=dict)
     wrench: dict[str, tuple[Vector, Vector]] = field(default_factory=dict)  # missing force, moment about the origin
     residuals: list[Formula] = field(default_factory=list)
@@ -69,36 +68,40 @@ class Derivation:
             return s * (s * c + self.tape.number(b)) + self.tape.number(a)
         return self.tape.number(self.exact(value) / unit)
 
-    def signal(self, signal: Any, order: int = 0) -> Formula:
-        """Return a derivative of a signal by the unit of time."""
+    def signal(self, signal: Any) -> Formula:
+        """Return the value of a signal."""
         if signal.type == "constant":
-            return self.number(0.0 if order else signal.value)
+            return self.number(signal.value)
         if self.clock is None:
             self.clock = len(self.unknowns.starts)
             self.unknowns.follow(self.unknowns.state(Fraction(0)), self.tape.number(1))
-        t = self.tape.line("y", self.clock)
+        t = self.tape.line("y", self.clock) * self.units.time
         if signal.type == "harmonic":
-            pace = self.exact(signal.omega) * self.units.time
-            wave = (t * pace + self.number(signal.phase)).sin_cos()[order % 2]
-            return wave * (self.exact(signal.amplitude) * pace**order * (-1) ** (order // 2)) + self.number(
-                0.0 if order else signal.offset
-            )
+            wave = (t * self.exact(signal.omega) + self.number(signal.phase)).sin_cos()[0]
+            return wave * self.exact(signal.amplitude) + self.number(signal.offset)
         total = self.tape.number(0)
-        for k in reversed(range(order, len(signal.coefficients))):
-            total = total * t + self.number(signal.coefficients[k]) * (self.units.time**k * math.perm(k, order))
+        for c in reversed(signal.coefficients):
+            total = total * t + self.number(c)
         return total
-
-    def displacement(self, drive: Any, order: int, unit: Fraction | int = 1) -> Formula:
-        """Return a derivative of what a drive prescribes; at t = 0 where the drive prescribes a higher one."""
-        level = LEVELS.index(drive.level)
-        if order < level:
-            return self.tape.number(0)
-        return self.signal(drive.motion, order - level) * (self.units.time**level / unit)
 
     def offset(self, body: str, point: Any) -> Vector:
         """Return where a point is from a body's centre at t = 0."""
         centre = (0.0, 0.0, 0.0) if body == GROUND else self.bodies[body].position
         return minus(self.vector(point, self.units.length), self.vector(centre, self.units.length))
+
+    def mark(self, body: str, point: Any) -> Vector:
+        """Return the point that a body carries, and that was at `point` at t = 0."""
+        return self.frames[body].carried(self.offset(body, point))
+
+    def marks(self, part: Any) -> list[Vector]:
+        """Return the points of two bodies that a joint or a load connects."""
+        points = (part.point_a, part.point_b) if hasattr(part, "point_a") else (part.point, part.point)
+        return [self.mark(body, point) for body, point in zip((part.body_a, part.body_b), points, strict=True)]
+
+    def close(self, value: Formula) -> None:
+        """Add a closure, which stays as it is: its rate at the start, its acceleration always."""
+        self.closing.append(value.rate)
+        self.residuals.append(value.rate.rate)
 
     def rate(self, body: str) -> tuple[list[Fraction], list[Fraction]]:
         """Return a body's velocity and spin at t = 0, three numbers each."""

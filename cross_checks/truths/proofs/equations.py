@@ -9,17 +9,18 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import compress
 from typing import Any
 
 import numpy as np
 
 from cross_checks.truths.proofs import kinematics
 from cross_checks.truths.proofs.coverage import DRIVES, complaints
-from cross_checks.truths.proofs.derivation import Derivation, Exact, NotCovered, Units
+from cross_checks.truths.proofs.derivation import LEVELS, Derivation, Exact, NotCovered, Units
 from cross_checks.truths.proofs.family import Varied
-from cross_checks.truths.proofs.kinematics import Frame, hung, plane_turn, product, slid, space_turn, turned
-from cross_checks.truths.proofs.loads import LAWS, Marks
-from cross_checks.truths.proofs.tape import Formula, Vector, constants, cross, dot, minus, plus, times
+from cross_checks.truths.proofs.kinematics import Frame, plane_turn, product, space_turn, turned
+from cross_checks.truths.proofs.loads import LAWS
+from cross_checks.truths.proofs.tape import Formula, Vector, constants, cross, dot, minus, plus, rate, times
 from mbs_ref.scene import GROUND
 
 IDENTICAL = 1e-12  # of a closure in units of the scene's length that holds at any angle; the checker decides
@@ -90,9 +91,11 @@ def _tree(work: Derivation) -> list[Any]:
 
 def _is_closed(work: Derivation, loops: list[Any]) -> bool:
     """Return whether the joints of loops hold at any angles, so that the motion of the tree is one of the scene."""
-    if not all(joint.type == "revolute" for joint in (*loops, *work.scene.joints)) or work.scene.dimension == 3:
+    joints = [*loops, *(joint for *_, joint in work.order)]
+    kinds = {(getattr(joint, "type", None), getattr(joint, "axis", None)) for joint in joints}
+    if [kind for kind, _ in kinds] != ["revolute"]:
         return False
-    rows = [x.place for joint in loops for x in minus(*(mark[0] for mark in vars(Marks.of(work, joint)).values()))]
+    rows = [x.place for joint in loops for x in minus(*work.marks(joint))]
     y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
     return float(np.abs(work.tape.values(rows, y)).max()) < IDENTICAL
 
@@ -107,14 +110,13 @@ def _add(work: Derivation, parent: str, name: str, joint: Any) -> None:
 def _free(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     body, unknowns = work.bodies[name], work.unknowns
     speed, _ = work.rate(name)
-    varied = [isinstance(x, Varied) for x in body.position]
-    start = [0 if v else work.exact(x) / work.units.length for x, v in zip(body.position, varied, strict=True)]
-    moves = [unknowns.motion(Fraction(q), u) for q, u in zip(start, speed, strict=False)]
-    for k in (k for k, is_varied in enumerate(varied) if is_varied):  # the coordinate is the place beyond its start
-        moves[k] = (moves[k][0] + work.number(body.position[k], work.units.length), *moves[k][1:])
-    zero = work.tape.number(0)
-    place, velocity, rate = (tuple([m[k] for m in moves] + [zero] * (3 - len(moves))) for k in range(3))
-    return _spinning(work, name).at(place, velocity, rate)  # type: ignore[arg-type]
+    place: list[Formula] = []
+    for x, u in zip(body.position, speed, strict=False):
+        if isinstance(x, Varied):  # the coordinate is the place beyond its start
+            place.append(unknowns.motion(Fraction(0), u) + work.number(x, work.units.length))
+        else:
+            place.append(unknowns.motion(work.exact(x) / work.units.length, u))
+    return replace(_spinning(work, name), place=(*place, *[work.tape.number(0)] * (3 - len(place))))  # type: ignore[arg-type]
 
 
 def _spinning(work: Derivation, name: str) -> Frame:
@@ -123,61 +125,64 @@ def _spinning(work: Derivation, name: str) -> Frame:
     _, spin = work.rate(name)
     if body.type == "point_mass":
         return base
+    if work.parallel and not any(spin):
+        return base
+    if work.parallel and tuple(spin) not in work.shared:
+        work.shared[tuple(spin)] = unknowns.motion(Fraction(0), max(spin, key=abs))
     if body.type == "planar":
-        if not work.parallel:
-            return _planar_spin(work, unknowns.motion(Fraction(0), spin[2]))
-        if spin[2] and spin[2] not in work.shared:
-            work.shared[spin[2]] = unknowns.motion(Fraction(0), spin[2])
-        return _planar_spin(work, work.shared[spin[2]]) if spin[2] else base
+        angle = work.shared[tuple(spin)] if work.parallel else unknowns.motion(Fraction(0), spin[2])
+        zero = tape.number(0)
+        return replace(base, turn=plane_turn(tape, angle), spin=(zero, zero, angle.rate), angle=angle, e=())
+    if work.parallel:
+        x, y, z = (tape.number(int(rate != 0)) for rate in spin)
+        return _turning(base, (x, y, z), work.shared[tuple(spin)])
     e = tuple(unknowns.state(Fraction(k == 0)) for k in range(4))
     w = tuple(unknowns.state(x) for x in spin)
-    rate = tuple(unknowns.dependent() for _ in range(3))
     for one, change in zip(e, product((tape.number(0), *w), e), strict=True):
         unknowns.follow(one, change * Fraction(1, 2))
-    for one, change in zip(w, rate, strict=True):
-        unknowns.follow(one, change)
-    return replace(base, turn=space_turn(e), spin=w, spin_rate=rate, angle=None, e=e)
+    for one in w:
+        unknowns.follow(one, unknowns.dependent())
+    return replace(base, turn=space_turn(e), spin=w, angle=None, e=e)
 
 
-def _planar_spin(work: Derivation, motion: tuple[Formula, Formula, Formula]) -> Frame:
-    angle, *rates = motion
-    zero, turn = work.tape.number(0), plane_turn(work.tape, angle)
-    spin, spin_rate = ((zero, zero, x) for x in rates)
-    return replace(work.frames[GROUND], turn=turn, spin=spin, spin_rate=spin_rate, angle=angle, e=())
+def _turning(base: Frame, axis: Vector, angle: Formula) -> Frame:
+    """Return a turn about an axis of `base`."""
+    s, c = (angle * Fraction(1, 2)).sin_cos()
+    e = product(base.e, (c, *times(axis, s)))
+    spin = plus(base.spin, times(base.along(axis), angle.rate))
+    return replace(base, turn=space_turn(e), spin=spin, angle=None, e=e)
+
+
+def _hung(work: Derivation, parent: str, name: str, point: Any, own: Frame) -> Frame:
+    """Return the frame of a body that turns as `own` about a point of its parent."""
+    return replace(own, place=minus(work.mark(parent, point), own.along(work.offset(name, point))))
 
 
 def _spherical(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
-    carrier = work.frames[parent].carried(work.offset(parent, joint.point))
-    return hung(carrier, work.offset(name, joint.point), _spinning(work, name))
+    return _hung(work, parent, name, joint.point, _spinning(work, name))
 
 
 def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
-    if joint.axis is None:
+    if joint.axis is None or work.parallel:
         return _spherical(work, parent, name, joint)
     base = work.frames[parent]
     axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
     speed = dot(constants(axis), minus(work.rate(name)[1], work.rate(parent)[1]))
-    angle, rate, acceleration = work.unknowns.motion(Fraction(0), speed)
-    s, c = (angle * Fraction(1, 2)).sin_cos()
-    e = product(base.e, (c, *times(axis, s)))
-    along = turned(base.turn, axis)
-    spin_rate = plus(base.spin_rate, times(along, acceleration), times(cross(base.spin, along), rate))
-    spin = plus(base.spin, times(along, rate))
-    own = replace(base, turn=space_turn(e), spin=spin, spin_rate=spin_rate, angle=None, e=e)
-    return hung(base.carried(work.offset(parent, joint.point)), work.offset(name, joint.point), own)
+    own = _turning(base, axis, work.unknowns.motion(Fraction(0), speed))
+    return _hung(work, parent, name, joint.point, own)
 
 
 def _prismatic(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
-    offset, axis = work.offset(parent, work.bodies[name].position), work.vector(joint.axis)
+    start, axis = work.bodies[name].position, work.vector(joint.axis)
     direction, (va, wa), (vb, _) = constants(axis), work.rate(parent), work.rate(name)
-    along = dot(direction, minus(minus(vb, va), cross(wa, constants(offset))))
-    motion = work.unknowns.motion(Fraction(0), along / dot(direction, direction))
-    return slid(work.frames[parent], offset, axis, motion)
+    along = dot(direction, minus(minus(vb, va), cross(wa, constants(work.offset(parent, start)))))
+    slide = work.unknowns.motion(Fraction(0), along / dot(direction, direction))
+    base = work.frames[parent]
+    return replace(base, place=plus(work.mark(parent, start), times(base.along(axis), slide)))
 
 
 def _weld(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
-    base = work.frames[parent]
-    return base.at(*base.carried(work.offset(parent, work.bodies[name].position)))
+    return replace(work.frames[parent], place=work.mark(parent, work.bodies[name].position))
 
 
 _ADD: dict[str, Callable[[Derivation, str, str, Any], Frame]] = {
@@ -189,19 +194,19 @@ def _inertial(work: Derivation, body: Any) -> tuple[Vector, Vector]:
     """Return what a body's acceleration needs beyond its weight: force, and moment about the origin."""
     units, frame, tape = work.units, work.frames[body.name], work.tape
     weight = work.vector(work.scene.gravity, units.length / units.time**2)
-    force = times(minus(frame.acceleration, weight), work.number(body.mass, units.mass))
+    force = times(minus(rate(rate(frame.place)), weight), work.number(body.mass, units.mass))
     unit = units.mass * units.length**2
     if body.type == "point_mass":
         moment = work.frames[GROUND].place
     elif body.type == "planar":
-        moment = (tape.number(0), tape.number(0), frame.spin_rate[2] * work.number(body.inertia, unit))
+        moment = (tape.number(0), tape.number(0), frame.spin[2].rate * work.number(body.inertia, unit))
     else:
         inertia = _inertia_at_start(work, body, unit)
 
         def momentum(w: Vector) -> Vector:
             return turned(frame.turn, turned(inertia, turned(kinematics.transposed(frame.turn), w)))
 
-        moment = plus(momentum(frame.spin_rate), cross(frame.spin, momentum(frame.spin)))
+        moment = plus(momentum(rate(frame.spin)), cross(frame.spin, momentum(frame.spin)))
     return force, plus(moment, cross(frame.place, force))
 
 
@@ -219,42 +224,56 @@ def _inertia_at_start(work: Derivation, body: Any, unit: Fraction) -> Any:
 def _close(work: Derivation, joint: Any) -> None:
     """Add the multipliers of a loop's joint and the second derivatives of its closure."""
     if joint.type in DRIVES:
-        work.residuals.append(_drive(work, joint))
+        _drive(work, joint)
         return
-    marks = Marks.of(work, joint)
-    gap, speed, bend = map(minus, marks.b, marks.a)
+    a, b = work.marks(joint)
+    gap = minus(b, a)
     if joint.type == "distance":
         pull = times(gap, work.unknowns.dependent())
-        work.residuals.append(dot(gap, bend) + dot(speed, speed))
-        work.closing.append(dot(gap, speed))
+        work.close(dot(gap, gap) * Fraction(1, 2))
     else:
-        count = work.scene.dimension
-        pull = tuple(work.unknowns.dependent() if k < count else work.tape.number(0) for k in range(3))
-        work.residuals += bend[:count]
-        work.closing += speed[:count]
-    work.apply(joint.body_b, marks.b[0], pull)  # type: ignore[arg-type]
-    work.apply(joint.body_a, marks.a[0], times(pull, -1))  # type: ignore[arg-type]
+        moved = [_is_moved(work, row) for row in gap]
+        pull = tuple(work.unknowns.dependent() if k else work.tape.number(0) for k in moved)
+        for row in compress(gap, moved):
+            work.close(row)
+    work.apply(joint.body_b, b, pull)  # type: ignore[arg-type]
+    work.apply(joint.body_a, a, times(pull, -1))  # type: ignore[arg-type]
     for first, second in _square(joint, work.scene.dimension):
-        work.residuals.append(_keep_square(work, joint, work.vector(first), work.vector(second)))
+        one = work.frames[joint.body_a].along(work.vector(first))
+        other = work.frames[joint.body_b].along(work.vector(second))
+        if not _is_moved(work, dot(one, other)):
+            continue
+        couple, still = times(cross(one, other), work.unknowns.dependent()), work.frames[GROUND].place
+        work.apply(joint.body_a, still, still, couple)
+        work.apply(joint.body_b, still, still, times(couple, -1))
+        work.close(dot(one, other))
 
 
-def _drive(work: Derivation, joint: Any) -> Formula:
-    """Apply a drive's multiplier, and return the second derivative of what it prescribes."""
-    frame, still = work.frames[joint.body], work.frames[GROUND].place
-    unit, push = work.units.length, work.unknowns.dependent()
+def _is_moved(work: Derivation, row: Formula) -> bool:
+    """Return whether any motion of the tree changes a closure; without one, it needs no multiplier."""
+    y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
+    return abs(work.tape.values([row.rate.place], y)[0]) > IDENTICAL
+
+
+def _drive(work: Derivation, joint: Any) -> None:
+    """Apply a drive's multiplier, and add the derivatives of what it prescribes; at t = 0, lower ones are 0."""
+    frame, zero = work.frames[joint.body], work.tape.number(0)
+    unit, push, still = work.units.length, work.unknowns.dependent(), work.frames[GROUND].place
     if joint.type == "coordinate_drive" and joint.coordinate == "angle":
-        work.apply(joint.body, still, still, (still[0], still[0], push))
-        rate, bend, size, unit = frame.spin[2], frame.spin_rate[2], work.tape.number(1), 1
+        work.apply(joint.body, still, still, (zero, zero, push))
+        speed, size, unit = frame.spin[2], work.tape.number(1), 1
     else:
         chosen = joint.type == "coordinate_drive"
         axis = work.vector([float(c == joint.coordinate) for c in "xyz"] if chosen else joint.direction)
-        mark = work.bodies[joint.body].position if chosen else joint.point
-        place, velocity, acceleration = frame.carried(work.offset(joint.body, mark))
+        place = work.mark(joint.body, work.bodies[joint.body].position if chosen else joint.point)
         work.apply(joint.body, place, times(axis, push))
         size = work.tape.line("root", *(dot(axis, axis).constant or Fraction(1)).as_integer_ratio())
-        rate, bend = dot(axis, velocity), dot(axis, acceleration)
-    work.closing.append(rate - size * work.displacement(joint, 1, unit))
-    return bend - size * work.displacement(joint, 2, unit)
+        speed = dot(axis, rate(place))
+    level = LEVELS.index(joint.level)
+    wanted = size * work.signal(joint.motion) * (work.units.time**level / unit)
+    own, first = ((wanted.rate, wanted.rate.rate), (wanted, wanted.rate), (zero, wanted))[level]
+    work.closing.append(speed - own)
+    work.residuals.append(speed.rate - first)
 
 
 def _square(joint: Any, dimension: int) -> list[tuple[Any, Any]]:
@@ -270,21 +289,6 @@ def _square(joint: Any, dimension: int) -> list[tuple[Any, Any]]:
     return [(direction, joint.axis) for direction in across]
 
 
-def _keep_square(work: Derivation, joint: Any, first: Vector, second: Vector) -> Formula:
-    """Apply a multiplier's couple, and return the second derivative of the product of two directions."""
-    a, b = work.frames[joint.body_a], work.frames[joint.body_b]
-    one, other = turned(a.turn, first), turned(b.turn, second)
-    one_rate, other_rate = cross(a.spin, one), cross(b.spin, other)
-    couple = times(cross(one, other), work.unknowns.dependent())
-    still = work.frames[GROUND].place
-    work.apply(joint.body_a, still, still, couple)
-    work.apply(joint.body_b, still, still, times(couple, -1))
-    work.closing.append(dot(one_rate, other) + dot(one, other_rate))
-    bends = ((a, one, one_rate), (b, other, other_rate))
-    one_bend, other_bend = (plus(cross(own.spin_rate, x), cross(own.spin, rate)) for own, x, rate in bends)
-    return dot(one_bend, other) + dot(one_rate, other_rate) * 2 + dot(one, other_bend)
-
-
 def _balance(work: Derivation) -> None:
     """Add the power balance of every joint, from the leaves inward, or of every shared angle."""
     powers = [work.tape.number(0) for _ in work.shared]
@@ -295,7 +299,7 @@ def _balance(work: Derivation) -> None:
         if not work.shared:
             work.residuals += rows
         for k, spin in enumerate(work.shared):
-            turns = int(work.rate(name)[1][2] == spin) - int(work.rate(parent)[1][2] == spin)
+            turns = int(tuple(work.rate(name)[1]) == spin) - int(tuple(work.rate(parent)[1]) == spin)
             powers[k] = powers[k] + rows[0] * (mass * turns)
         if parent != GROUND:
             work.wrench[parent] = plus(work.wrench[parent][0], force), plus(work.wrench[parent][1], moment)
@@ -312,8 +316,7 @@ def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, m
         return []
     if joint.type == "prismatic":
         return [dot(turned(base.turn, work.vector(joint.axis)), force)]
-    place = base.carried(work.offset(parent, joint.point))[0]
-    about = minus(moment, cross(place, force))
+    about = minus(moment, cross(work.mark(parent, joint.point), force))
     if getattr(joint, "axis", None) is None:
         return list(about[turning:])
     axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
@@ -342,4 +345,4 @@ def _output(work: Derivation, body: Any) -> list[Formula]:
     if body.type == "planar":
         s, c = (angle * Fraction(1, 2)).sin_cos()
         e = (c, *ground.place[:2], s)
-    return [*frame.place, angle, *e, *frame.velocity, *turning.spin]
+    return [*frame.place, angle, *e, *rate(frame.place), *turning.spin]

@@ -3,16 +3,15 @@
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Refused, exact, precision
-from cross_checks.truths.proofs.checker.proof import Proof, beside
+from cross_checks.truths.proofs.checker.balls import Refused, beside, exact, precision
+from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
@@ -45,7 +44,7 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fract
 
         def gaps(s: arb) -> list[tuple[arb, arb]]:
             bodies = proof.model.bodies(beside(p, np.zeros(n), s))
-            return [proof.contacts.gap(part, bodies)[:2] for part in proof.contacts.parts]
+            return [proof.impacts.gap(part, bodies)[:2] for part in proof.impacts.parts]
 
         for k in range(1, SAMPLES + 1):
             closed = [j for j, (gap, _) in enumerate(gaps(exact(Fraction(k, SAMPLES)))) if gap < 0]
@@ -67,20 +66,11 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fract
         return h * end, Fraction(2 * MARGIN * spread / rate) / end
 
 
-@dataclass(frozen=True)
-class Proven:
-    """A motion's proof, or how far it reaches."""
+class Proven(NamedTuple):
+    """A motion's proof, or how far it reaches; the log has its seconds and the reason why it ends before the end."""
 
     log: dict[str, Any]
     proof: Proof
-    seconds: float  # of processor time
-    reached: float  # s
-    reason: str  # why it ends before the last output time; empty where it does not
-
-    @property
-    def radius(self) -> float:
-        """The largest radius at the output times, m, rad, m/s, rad/s."""
-        return self.proof.radius
 
 
 def prove(
@@ -97,10 +87,12 @@ def prove(
     for attempt in range(FINEST):
         factor = 1.5**attempt * max(1.0, -math.log10(aim) / DIGITS_PROVEN)
         left = limit - (time.process_time() - began)
-        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), left, report, ends)
-        if ends or last.radius <= aim or (last.reason and "limit" in last.reason):
+        bound = aim if attempt < FINEST - 1 else math.inf
+        last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), bound, left, report, ends)
+        if ends or last.proof.radius <= aim or "limit" in last.log["reason"]:
             break
     assert last is not None
+    last.log["seconds"] = time.process_time() - began
     return last
 
 
@@ -118,15 +110,16 @@ def prove_family(
         for a, b in pairwise(edges):
             left, middle = began + limit - time.process_time(), make(0.5 * (a + b))
             proofs.append(prove(middle, times, math.inf, inputs, left, report, (make(a), make(b))))
-        if time.process_time() - began > limit or not any(one.reason for one in proofs):
+        if time.process_time() - began > limit or not any(one.log["reason"] for one in proofs):
             break
     return proofs
 
 
 def _attempt(
-    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, limit: float, report: Any,
-    ends: tuple[Scene, Scene] | None,
+    scene: Scene, times: Sequence[float], inputs: str, degree: int, digits: int, bound: float, limit: float,
+    report: Any, ends: tuple[Scene, Scene] | None,
 ) -> Proven:  # fmt: skip
+    """Return a proof with polynomials of a degree in a number of digits; it ends where the radius exceeds a bound."""
     began, bits = time.process_time(), int(digits * math.log2(10.0))
     units = _units(scene)
     header = _header(scene, times, inputs, bits, units, ends)
@@ -173,8 +166,11 @@ def _attempt(
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
         exponent = max(-40, round(math.log2(float(h) / share)))
         report(float(proof.t * units.time), proof.radius)
-    log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)]}
-    return Proven(log, proof, time.process_time() - began, float(proof.t * units.time), reason)
+        if proof.radius > bound:
+            reason = f"the radius exceeds {bound:.1g}"
+    log = header | {"steps": steps, "radius": proof.radius, "times": list(times)[: len(proof.enclosures)],
+                    "reason": reason}  # fmt: skip
+    return Proven(log, proof)
 
 
 def round_to(value: Any, bits: int) -> int:

@@ -1,11 +1,11 @@
-"""Places, velocities and accelerations of bodies along a tree of joints, written on a tape."""
+"""Places, turns and spins of bodies along a tree of joints, written on a tape that differentiates them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 
-from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, dot, minus, plus, times
+from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, dot, plus
 
 Matrix = tuple[Vector, Vector, Vector]
 
@@ -15,59 +15,59 @@ class Frame:
     """A body in motion. `turn` has its rotation since t = 0, `angle` that angle in the plane, `e` its parameters."""
 
     place: Vector
-    velocity: Vector
-    acceleration: Vector
     turn: Matrix
     spin: Vector
-    spin_rate: Vector
     angle: Formula | None = None
     e: tuple[Formula, ...] = ()
 
-    def at(self, place: Vector, velocity: Vector, acceleration: Vector) -> Frame:
-        """Return a frame with this turn and spin, elsewhere."""
-        return replace(self, place=place, velocity=velocity, acceleration=acceleration)
+    def along(self, direction: Vector) -> Vector:
+        """Return the direction that the body carries, and that it had at t = 0. Its rate is spin x direction."""
+        now = turned(self.turn, direction)
+        for x, rate in zip(now, cross(self.spin, now), strict=True):
+            if x.constant is None:
+                x.tape.rates.setdefault(x.place, rate)
+        return now
 
-    def carried(self, offset: Vector) -> tuple[Vector, Vector, Vector]:
-        """Return place, velocity and acceleration of the point that was at an offset from the centre at t = 0."""
-        arm = turned(self.turn, offset)
-        moved = cross(self.spin, arm)
-        return (
-            plus(self.place, arm),
-            plus(self.velocity, moved),
-            plus(self.acceleration, cross(self.spin_rate, arm), cross(self.spin, moved)),
-        )
+    def carried(self, offset: Vector) -> Vector:
+        """Return the point that the body carries, and that was at an offset from its centre at t = 0."""
+        return plus(self.place, self.along(offset))
 
 
 @dataclass
 class Unknowns:
-    """The coordinates y with their rates of change and start values, and the number of z."""
+    """The coordinates y with their start values, and the number of z; the tape has the rates of y."""
 
     tape: Tape
     starts: list[Fraction | None] = field(default_factory=list)  # Fraction, or None where closures decide
-    rates: list[Formula] = field(default_factory=list)
     z_count: int = 0
 
     def state(self, start: Fraction) -> Formula:
         """Return a new coordinate; `follow` states its rate."""
         self.starts.append(start)
-        self.rates.append(self.tape.number(0))
-        return self.tape.line("y", len(self.starts) - 1)
+        coordinate = self.tape.line("y", len(self.starts) - 1)
+        self.follow(coordinate, self.tape.number(0))
+        return coordinate
 
     def follow(self, coordinate: Formula, rate: Formula) -> None:
         """State y' of a coordinate."""
-        self.rates[self.tape.lines[coordinate.place][1]] = rate
+        self.tape.rates[coordinate.place] = rate
+
+    @property
+    def rates(self) -> list[Formula]:
+        """The rates of all coordinates."""
+        return [self.tape.line("y", k).rate for k in range(len(self.starts))]
 
     def dependent(self) -> Formula:
         """Return a new z."""
         self.z_count += 1
         return self.tape.line("z", self.z_count - 1)
 
-    def motion(self, start: Fraction, rate: Fraction) -> tuple[Formula, Formula, Formula]:
-        """Return a coordinate, its rate and its acceleration."""
-        q, u, a = self.state(start), self.state(rate), self.dependent()
+    def motion(self, start: Fraction, rate: Fraction) -> Formula:
+        """Return a coordinate whose acceleration is a new z."""
+        q, u = self.state(start), self.state(rate)
         self.follow(q, u)
-        self.follow(u, a)
-        return q, u, a
+        self.follow(u, self.dependent())
+        return q
 
 
 def turned(matrix: Matrix, vector: Vector) -> Vector:
@@ -115,22 +115,4 @@ def ground(tape: Tape) -> Frame:
     zero, one = tape.number(0), tape.number(1)
     still = (zero, zero, zero)
     unit = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
-    return Frame(still, still, still, unit, still, still, zero, (one, zero, zero, zero))
-
-
-def hung(joint: tuple[Vector, Vector, Vector], offset: Vector, own: Frame) -> Frame:
-    """Return the frame of a body whose point at `offset` moves as `joint`; `own` states its turn and spin."""
-    arm = turned(own.turn, offset)
-    moved = cross(own.spin, arm)
-    bend = plus(cross(own.spin_rate, arm), cross(own.spin, moved))
-    moves = (minus(mark, shift) for mark, shift in zip(joint, (arm, moved, bend), strict=True))
-    return own.at(*moves)
-
-
-def slid(base: Frame, offset: Vector, axis: Vector, motion: tuple[Formula, Formula, Formula]) -> Frame:
-    """Return the frame of a body that slides along an axis of `base`, from an offset."""
-    s, u, a = motion
-    place, velocity, acceleration = base.carried(plus(offset, times(axis, s)))
-    along = turned(base.turn, axis)
-    bend = plus(times(along, a), times(cross(base.spin, along), u * 2))
-    return base.at(place, plus(velocity, times(along, u)), plus(acceleration, bend))
+    return Frame(still, unit, still, zero, (one, zero, zero, zero))

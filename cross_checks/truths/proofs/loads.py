@@ -3,31 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
 from cross_checks.truths.proofs.derivation import Derivation
-from cross_checks.truths.proofs.tape import Formula, Vector, dot, minus, plus, times
+from cross_checks.truths.proofs.tape import Formula, Vector, dot, minus, plus, rate, times
 from mbs_ref.scene import GROUND
-
-Point = tuple[Vector, Vector, Vector]  # place, velocity, acceleration
-
-
-@dataclass(frozen=True)
-class Marks:
-    """The points of two bodies that a joint or a load connects."""
-
-    a: Point
-    b: Point
-
-    @classmethod
-    def of(cls, work: Derivation, part: Any) -> Marks:
-        """Return the marks of a part with point_a and point_b, or with one point."""
-        points = (part.point_a, part.point_b) if hasattr(part, "point_a") else (part.point, part.point)
-        ends = zip((part.body_a, part.body_b), points, strict=True)
-        return cls(*(work.frames[body].carried(work.offset(body, point)) for body, point in ends))
 
 
 def _inverse_length(work: Derivation, gap: Vector) -> Formula:
@@ -38,21 +20,21 @@ def _inverse_length(work: Derivation, gap: Vector) -> Formula:
 
 
 def _spring(work: Derivation, load: Any) -> None:
-    units, marks = work.units, Marks.of(work, load)
-    gap, speed = minus(marks.b[0], marks.a[0]), minus(marks.b[1], marks.a[1])
+    units, (a, b) = work.units, work.marks(load)
+    gap = minus(b, a)
     inverse = _inverse_length(work, gap)
     if load.rest_length is None:
-        squared = sum((work.exact(b) - work.exact(a)) ** 2 for a, b in zip(load.point_a, load.point_b, strict=True))
+        squared = sum((work.exact(y) - work.exact(x)) ** 2 for x, y in zip(load.point_a, load.point_b, strict=True))
         rest = work.tape.line("root", *Fraction(squared / units.length**2).as_integer_ratio())
     else:
         rest = work.number(load.rest_length, units.length)
     stiffness = work.number(load.stiffness, units.mass / units.time**2)
     tension = stiffness * (dot(gap, gap) * inverse - rest)
     if load.damping:
-        tension = tension + work.number(load.damping, units.mass / units.time) * dot(gap, speed) * inverse
+        tension = tension + work.number(load.damping, units.mass / units.time) * dot(gap, rate(gap)) * inverse
     pull = times(gap, tension * inverse)
-    work.apply(load.body_b, marks.b[0], times(pull, -1))
-    work.apply(load.body_a, marks.a[0], pull)
+    work.apply(load.body_b, b, times(pull, -1))
+    work.apply(load.body_a, a, pull)
 
 
 def _torsion(work: Derivation, load: Any) -> None:
@@ -78,7 +60,7 @@ def _torque(work: Derivation, load: Any) -> None:
 
 def _force(work: Derivation, load: Any) -> None:
     units = work.units
-    place = work.frames[load.body].carried(work.offset(load.body, load.point))[0]
+    place = work.mark(load.body, load.point)
     vector = work.vector(load.vector, units.mass * units.length / units.time**2)
     work.apply(load.body, place, times(vector, work.signal(load.factor)))
 

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
+
+from cross_checks.truths.proofs.checker.formulas import Formulas
 
 Line = tuple[str, int, int]  # operation and operands: c, root numerator denominator; y, z, sin, cos i; + - * i j
 
 
 @dataclass
 class Tape:
-    """The lines of a formula; equal lines occur once."""
+    """The lines of a formula; equal lines occur once. `rates` has derivatives by time, of coordinates at least."""
 
     lines: list[Line] = field(default_factory=list)
     places: dict[Line, int] = field(default_factory=dict)
+    rates: dict[int, Formula] = field(default_factory=dict)
 
     def line(self, operation: str, first: int, second: int = 0) -> Formula:
         """Return the formula of a line, appended unless it exists."""
@@ -34,16 +37,9 @@ class Tape:
 
     def values(self, places: Sequence[int], y: Any) -> np.ndarray:
         """Return the values of lines in floats, where z is 0."""
-        value: list[float] = []
-        run: dict[str, Callable[[int, int], float]] = {
-            "c": lambda a, b: a / b, "root": lambda a, b: math.sqrt(a / b), "y": lambda a, b: y[a],
-            "z": lambda a, b: 0.0, "sin": lambda a, b: math.sin(value[a]), "cos": lambda a, b: math.cos(value[a]),
-            "+": lambda a, b: value[a] + value[b], "-": lambda a, b: value[a] - value[b],
-            "*": lambda a, b: value[a] * value[b],
-        }  # fmt: skip
-        for operation, a, b in self.lines:
-            value.append(run[operation](a, b))
-        return np.array([value[place] for place in places])
+        count = sum(operation == "z" for operation, *_ in self.lines)
+        formulas = Formulas({"lines": self.lines, "f": y, "g": range(count), "outputs": [], "z": count})
+        return np.array([float(x) for x in formulas.run(places, [*map(arb, y), *[arb(0)] * count])])
 
 
 @dataclass(frozen=True)
@@ -58,6 +54,20 @@ class Formula:
         """Return the value of a rational constant; None of another line."""
         operation, first, second = self.tape.lines[self.place]
         return Fraction(first, second) if operation == "c" else None
+
+    @property
+    def rate(self) -> Formula:
+        """Return the derivative by time: a known one, or by the rules for sums, products, sines and cosines."""
+        tape, (operation, first, second) = self.tape, self.tape.lines[self.place]
+        if self.place not in tape.rates:
+            a, b = Formula(tape, first), Formula(tape, second)
+            rules: dict[str, Callable[[], Formula]] = {
+                "+": lambda: a.rate + b.rate, "-": lambda: a.rate - b.rate, "*": lambda: a.rate * b + a * b.rate,
+                "sin": lambda: a.sin_cos()[1] * a.rate, "cos": lambda: -(a.sin_cos()[0] * a.rate),
+                "c": lambda: tape.number(0), "root": lambda: tape.number(0),
+            }  # fmt: skip
+            tape.rates[self.place] = rules[operation]()
+        return tape.rates[self.place]
 
     def __add__(self, other: Formula) -> Formula:
         a, b = self.constant, other.constant
@@ -93,6 +103,11 @@ class Formula:
 
 
 Vector = tuple[Formula, Formula, Formula]
+
+
+def rate(a: Sequence[Formula]) -> Vector:
+    """Return the derivative by time."""
+    return a[0].rate, a[1].rate, a[2].rate
 
 
 def plus(*terms: Vector) -> Vector:

@@ -3,6 +3,7 @@
 import click
 
 from cross_checks.judge import ladder
+from cross_checks.records.store import default_path
 from cross_checks.truths import certificate, stored_poses
 from mbs_ref import Scene
 from mbs_ref.scene.scales import scales_of
@@ -20,30 +21,39 @@ COLUMNS = (*NUMBERS, "distance", "turned", "uncertainty")
 @inputs.PARAMETERS
 @inputs.SHARD
 @click.option("--seed", type=int, metavar="N", help="Parameters off by at most a tenth, at random.")
+@click.option("--again", is_flag=True, help="Check the kept logs again, of all scenes and parameters, instead.")
 @bound("--radius", 1e-18, RADIUS)
 @bound("--limit", 60.0, LIMIT)
 @click.option("--write", is_flag=True, help="Store the enclosures of certified scenes: their truths are then proven.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: a list of proofs.")
 def command(
     scene: str | None, parameters: tuple[str, ...], shard: str, seed: int | None, radius: float, limit: float,
-    write: bool, as_json: bool,
+    again: bool, write: bool, as_json: bool,
 ) -> None:  # fmt: skip
     """Prove scenes and compare their truths. Without SCENE, all that proofs cover.
 
     The radius is for scenes up to 1 m; of larger ones it is multiplied by their length in m.
-    Exit code 1 where a truth is outside its enclosure by more than its uncertainty.
+    Logs of complete proofs are kept beside the store of runs, in the folder `proofs`; a scene whose log is kept is not
+    proven again: its log is checked. Exit code 1 where a truth is outside its enclosure by more than its uncertainty,
+    or where a kept log is refused.
     """
     need_flint()
-    from cross_checks.truths.proofs.certified import examine, varied
+    from cross_checks.truths.proofs.certified import examine, kept, varied
+    from cross_checks.truths.proofs.checker.balls import Refused
 
-    chosen = inputs.shard(_covered() if scene is None else [inputs.scene(scene, parameters)], shard)
+    folder = default_path().parent / "proofs"
+    try:
+        found = kept(folder) if again else _covered() if scene is None else [inputs.scene(scene, parameters)]
+    except Refused as error:
+        raise Failed(str(error)) from error
+    chosen = inputs.shard(found, shard)
     rows = []
     with progress("prove") as report:
         for done, made in enumerate(chosen):
             report(done, len(chosen), made.name)
             built = made if seed is None else varied(made, seed)
             aim = radius * max(1.0, scales_of(built).length)
-            row, truth = examine(built, ladder.grid(built), aim, limit)
+            row, truth = examine(built, ladder.grid(built), aim, limit, folder)
             rows.append(row)
             if write and truth is not None and certificate.stored(built) is not None:
                 stored_poses.save(built, ladder.grid(built), truth)
@@ -55,8 +65,8 @@ def command(
             [row["scene"], row["truth"], *(number(row.get(key)) for key in COLUMNS), row["reason"]] for row in rows
         )
         show_table("", head, cells)
-    if outside := [row["scene"] for row in rows if row["truth"] == "outside"]:
-        raise Failed(f"truths outside their enclosures: {', '.join(outside)}")
+    if failed := [f"{row['scene']} ({row['truth']})" for row in rows if row["truth"] in ("outside", "refused")]:
+        raise Failed(f"truths outside their enclosures, or refused logs: {', '.join(failed)}")
 
 
 def _covered() -> list[Scene]:

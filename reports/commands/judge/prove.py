@@ -82,14 +82,12 @@ def command(
     files = [f"{output}.{k}" if k else str(output) for k in range(len(proofs) if output else 0)]
     sizes = [logs.write(one.log, Path(file)) for one, file in zip(proofs, files, strict=False)]
     enclosures = [_hull(at) for at in zip(*(one.proof.enclosures for one in proofs), strict=False)]
-    least = min(proofs, key=lambda one: one.reached)
-    widest = max(float(x.rad()) for at in enclosures for own in at for x in own)
-    facts = {"scene": made.name, "inputs": reading, "radius": widest, "reached": min(least.reached, end),
-             "parts": len(proofs), "steps": sum(len(one.log["steps"]) for one in proofs),
-             "seconds": sum(one.seconds for one in proofs), "log_bytes": sum(sizes) if output else None}  # fmt: skip
-    _show(facts, made, times, enclosures, as_json)
-    if least.reason:
-        raise Failed(f"not proven beyond t = {least.reached:g} s, radius {least.radius:.1e}: {least.reason}")
+    least, widest = min(proofs, key=lambda one: one.proof.reached), max(one.proof.radius for one in proofs)
+    facts = {"parts": len(proofs), "steps": sum(len(one.log["steps"]) for one in proofs), "log_bytes": sum(sizes),
+             "seconds": sum(one.log["seconds"] for one in proofs)}  # fmt: skip
+    _show(facts, least.proof, reading, times, enclosures, as_json)
+    if reason := least.log["reason"]:
+        raise Failed(f"not proven beyond t = {least.proof.reached:g} s, radius {least.proof.radius:.1e}: {reason}")
     if vary is None and widest > radius:
         raise Failed(f"proven to radius {widest:.1e}, above the requested {radius:.1e}")
 
@@ -127,7 +125,6 @@ def _check(file: Path, as_json: bool) -> None:
     from cross_checks.truths.proofs import log as logs
     from cross_checks.truths.proofs.checker.balls import Refused
     from cross_checks.truths.proofs.checker.proof import check
-    from mbs_ref import Scene
 
     began = time.process_time()
     try:
@@ -135,18 +132,20 @@ def _check(file: Path, as_json: bool) -> None:
         proof = check(log)
     except Refused as error:
         raise Failed(f"{file} is refused: {error}") from error
-    made = Scene.model_validate(log["scene"])
-    facts = {"scene": made.name, "inputs": log["inputs"], "radius": proof.radius, "reached": proof.reached,
-             "steps": len(log["steps"]), "energy": "constant" if proof.model.mechanics.conserves else "not compared",
-             "unique": "not in singular poses of its loops, where others may branch off"
-             if proof.model.is_exhibited else "yes",
-             "seconds": time.process_time() - began,
-             "impacts": [f"{name} at {t.str(25)} s" for name, t in proof.impacts]}  # fmt: skip
-    _show(facts, made, log["times"], proof.enclosures, as_json)
+    facts = {"steps": len(log["steps"]), "energy": "constant" if proof.model.mechanics.conserves else "not compared",
+             "seconds": time.process_time() - began}  # fmt: skip
+    _show(facts, proof, log["inputs"], log["times"], proof.enclosures, as_json)
 
 
-def _show(facts: dict[str, Any], scene: Any, times: list[float], enclosures: list[Any], as_json: bool) -> None:
+def _show(
+    facts: dict[str, Any], proof: Any, reading: str, times: list[float], enclosures: list[Any], as_json: bool
+) -> None:
     """Print the facts, and the enclosures: all as JSON, those at the last time for a person."""
+    scene, radii = proof.model.scene, (float(x.rad()) for at in enclosures for own in at for x in own)
+    unique = "not in singular poses of its loops, where others may branch off" if proof.model.is_exhibited else "yes"
+    facts = {"scene": scene.name, "inputs": reading, "radius": max(radii, default=0.0),
+             "reached": min(proof.reached, times[-1]), "unique": unique, **facts,
+             "impacts": [f"{name} at {t.str(25)} s" for name, t in proof.impacts.times]}  # fmt: skip
     if as_json:
         rows = [dict(zip(scene.body_names, _digits(scene, at, 40), strict=True)) for at in enclosures]
         echo_json(facts | {"times": times[: len(rows)], "bodies": rows})

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from flint import arb, arb_series, ctx, fmpq  # pyright: ignore[reportMissingImp
 GAMMA = 1e-12  # of |A| |B|: 9000 roundings of 2^-53
 
 Number = Any  # arb, acb or arb_series
+Polynomials = list[list[arb]]
 
 
 class Refused(ValueError):
@@ -47,3 +49,9 @@ def terms(value: Number, count: int) -> list[arb]:
     """Return the first coefficients of a series or a constant."""
     own = value.coeffs() if isinstance(value, arb_series) else [value]
     return [*own, *[arb(0)] * (count - len(own))][:count]
+
+
+def beside(p: Polynomials, e: np.ndarray, s: arb) -> list[arb]:
+    """Return balls of radius e about polynomials at a time, or on an interval."""
+    values = [reduce(lambda value, c: value * s + c, reversed(row), arb(0)) for row in p]
+    return [value + arb(0, float(wide)) for value, wide in zip(values, e, strict=True)]

@@ -1,13 +1,85 @@
-"""Bounds of polynomial matrices on a step, in floats: flows, their defects and inverses."""
+"""Bounds on a step, whose length is the unit of time: of formulas about its polynomials, of flows and inverses."""
 
-from math import comb
+from fractions import Fraction
 
 import numpy as np
+from flint import acb, arb, arb_series, ctx  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import GAMMA, Refused, up
+from cross_checks.truths.proofs.checker.balls import GAMMA, Polynomials, Refused, above, exact, precision, terms, up
+from cross_checks.truths.proofs.checker.formulas import Formulas
 
-ORDER = 20  # terms of V, W and the Jacobian: their defect is about 6^-ORDER
-DEEPEST = 6  # halvings of a step for an inverse
+ORDER = 20  # terms of V, W, the Jacobian and inverses: their defect is about 6^-ORDER
+LONGER = 3  # halves of the polynomial's terms: so many of its defect are computed, and the others bounded
+DISCS = (1.5, 2.0, 3.0, 4.0, 5.0, 6.5)  # radii of discs in steps; the best one counts
+
+
+class Step:
+    """Polynomials of y and z for a time h; rows of f are multiplied by h. Series end in Cauchy's estimate on a disc."""
+
+    def __init__(self, formulas: Formulas, h: Fraction, p: Polynomials) -> None:
+        self.formulas, self.h, self.p, self.roots = formulas, h, p, [*formulas.f, *formulas.g]
+        self.size = np.array([[above(c) for c in row] for row in p])
+        self.factor = np.where(np.arange(len(p)) < formulas.n, float(h), 1.0)
+
+    def _discs(self, radius: float) -> list[acb]:
+        """Return discs that hold the polynomials for |t| <= radius."""
+        reach = up(self.size[:, 1:] @ (radius ** np.arange(1.0, self.size.shape[1])))
+        return [acb(arb(row[0].mid(), d) + 0, arb(0, d)) for row, d in zip(self.p, reach, strict=True)]
+
+    def defects(self) -> tuple[np.ndarray, float]:
+        """Return bounds of |p' - h f(p)| and |g(p)|, and the radius of the best disc."""
+        count, sums, tails = LONGER * len(self.p[0]) // 2, [], []
+        with precision(ctx.prec, count):
+            values = self.formulas.run(self.roots, [arb_series(row, count) for row in self.p])
+            for k, value in enumerate(values):
+                if k < self.formulas.n:
+                    rates = [c * j for j, c in enumerate(self.p[k])][1:]
+                    value = exact(self.h) * value - arb_series(rates, count)
+                sums.append(sum(map(above, terms(value, count))))
+        for radius in DISCS:
+            with precision(64):
+                most = np.array([above(value) for value in self.formulas.run(self.roots, self._discs(radius))])
+            tails.append((up(most * self.factor * radius ** -float(count) / (1 - 1 / radius)), radius))
+        tail, radius = min(tails, key=lambda one: np.nan_to_num(one[0], nan=np.inf).max())
+        return up(up(sums) + tail), radius
+
+    def jacobian(self, radius: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the series of the Jacobian by y and z to ORDER terms, and bounds of its error."""
+        size = len(self.p)
+        jacobian, error = np.zeros((ORDER, size, size)), np.zeros((size, size))
+        with precision(64, ORDER):
+            bounds = self.formulas.slopes(self.roots, self._discs(radius))
+            series = self.formulas.slopes(self.roots, [arb_series(row[:ORDER], ORDER) for row in self.p])
+        for i, (row, most) in enumerate(zip(series, bounds, strict=True)):
+            for j, slope in row.items():
+                own = terms(slope, ORDER)
+                jacobian[:, i, j] = [float(c.mid()) for c in own]
+                tail = above(most[j]) * radius ** -float(ORDER) / (1.0 - 1.0 / radius)
+                error[i, j] = sum(float(c.rad()) for c in own) + tail
+        error = up(error + GAMMA * np.abs(jacobian).sum(0))
+        return jacobian * self.factor[:, None], up(error * self.factor[:, None])
+
+    def second_order(self, e: np.ndarray) -> np.ndarray:
+        """Return bounds of the second-order terms for deviations |e|."""
+        reach = up(self.size[:, 1:].sum(1) + e)
+        with precision(64, 3):
+            rows = zip(self.p, reach, e, strict=True)
+            boxes = [arb_series([arb(row[0].mid(), d), arb(0, float(s))], 3) for row, d, s in rows]
+            values = self.formulas.run(self.roots, boxes)
+            return up(self.factor * [above(terms(value, 3)[2]) for value in values])
+
+
+def size_of(matrix: np.ndarray) -> np.ndarray:
+    """Return a bound of |matrix(t)| on the step."""
+    return up(np.abs(matrix).sum(0))
+
+
+def product(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the coefficients of a b, and a bound of their rounding."""
+    whole = np.zeros((len(a) + len(b) - 1, a.shape[1], b.shape[2]))
+    for j, own in enumerate(a):
+        whole[j : j + len(b)] += own @ b
+    return whole, up(GAMMA * up(size_of(a) @ size_of(b)))
 
 
 def variations(jacobian: np.ndarray, n: int) -> np.ndarray:
@@ -22,49 +94,34 @@ def variations(jacobian: np.ndarray, n: int) -> np.ndarray:
     return flow
 
 
-def defects_of(jacobian: np.ndarray, error: np.ndarray, flow: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return bounds of |V| and |W|, and of the defects of their equations, on the step."""
-    whole = np.zeros((2 * ORDER, *flow.shape[1:]))
-    for j in range(ORDER):
-        whole[j : j + ORDER] += jacobian[j] @ flow
+def defects_of(jacobian: np.ndarray, error: np.ndarray, flow: np.ndarray, n: int) -> np.ndarray:
+    """Return bounds of the defects of the equations of V and W on the step."""
+    (whole, rounding), size = product(jacobian, flow), size_of(flow)
     whole[: ORDER - 1, :n] -= np.arange(1, ORDER)[:, None, None] * flow[1:, :n]
-    size = up(np.abs(flow).sum(0))
-    rounding = up(GAMMA * up(np.abs(jacobian).sum(0) @ size) + error @ size)
-    rounding[:n] = up(rounding[:n] + GAMMA * ORDER * size[:n])
-    return size, up(np.abs(whole).sum(0) + rounding)
+    rounding[:n] += GAMMA * ORDER * size[:n]
+    return up(size_of(whole) + up(rounding + error @ size))
 
 
-def gap_of(inverse: np.ndarray, matrix: np.ndarray) -> float:
-    """Return a bound of the row sums of |1 - inverse matrix|; Refused unless it is below 1."""
-    gap = up(np.abs(np.eye(len(matrix)) - inverse @ matrix) + GAMMA * up(np.abs(inverse) @ np.abs(matrix)))
+def inverse_of(matrix: np.ndarray, error: float | np.ndarray = 0.0) -> tuple[np.ndarray, float]:
+    """Return K near 1 / matrix(t), to ORDER terms, and c: |x| <= |K y| + c max|K y| where (matrix + error) x = y.
+
+    1 - K matrix has row sums below 1 / 2 on the step, or Refused is raised; c bounds the rest of its Neumann series.
+    """
+    own = np.zeros((min(len(matrix), ORDER), *matrix.shape[1:]))
+    own[0] = np.linalg.inv(matrix[0])
+    for k in range(1, len(own)):
+        own[k] = -own[0] @ sum(matrix[j] @ own[k - j] for j in range(1, k + 1))
+    rest, rounding = product(own, matrix)
+    rest[0] -= np.eye(matrix.shape[1])
+    gap = up(size_of(rest) + up(rounding + size_of(own) @ (error + np.zeros_like(rounding))))
     most = float(up(gap.sum(1)).max(initial=0.0))
-    if not most < 1.0:
-        raise Refused("a matrix is singular to rounding")
-    return most
-
-
-def inverse_bound(
-    matrix: np.ndarray, error: np.ndarray, low: float = 0.0, high: float = 1.0, depth: int = 0
-) -> np.ndarray:
-    """Return a bound of |matrix(t)^-1| for low <= t <= high, the matrix a series with an error."""
-    size = matrix.shape[1]
-    if not size:
-        return np.zeros((0, 0))
-    middle, half, count = (low + high) / 2, (high - low) / 2, len(matrix)
-    shift = np.array(
-        [[comb(k, j) * middle ** (k - j) * half**j if k >= j else 0.0 for k in range(count)] for j in range(count)]
-    )
-    moved = np.tensordot(shift, matrix, 1)
-    blur = up(error + GAMMA * up(np.abs(matrix).sum(0)))
-    inverse = np.linalg.inv(moved[0])
-    rest = up(np.abs(inverse @ moved[1:]).sum(0) + GAMMA * up(np.abs(inverse) @ np.abs(moved).sum(0)))
-    rest = up(rest + up(np.abs(inverse) @ blur) + np.abs(np.eye(size) - inverse @ moved[0]))
-    most = float(up(rest.sum(1)).max())
-    if most < 0.5:
-        first = up(rest @ np.abs(inverse))
-        return up(np.abs(inverse) + first + most / (1.0 - most) * first.max(0))
-    if depth > DEEPEST:
+    if not most < 0.5:
         raise Refused("a matrix is singular within the step")
-    return np.maximum(
-        inverse_bound(matrix, error, low, middle, depth + 1), inverse_bound(matrix, error, middle, high, depth + 1)
-    )
+    return own, float(up(most / (1.0 - most)))
+
+
+def inverse_bound(matrix: np.ndarray, error: float | np.ndarray = 0.0) -> np.ndarray:
+    """Return a bound of |1 / matrix(t)| on the step."""
+    own, rest = inverse_of(matrix, error)
+    size = size_of(own)
+    return up(size + rest * size.max(0, initial=0.0))

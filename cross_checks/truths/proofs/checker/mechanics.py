@@ -6,16 +6,18 @@ space with bodies that turn about z: closures on which no coordinate acts are le
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import zip_longest
 from typing import Any
 
-from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
+from flint import arb, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Refused, exact
-from cross_checks.truths.proofs.checker.formulas import solve
+from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, terms
 from cross_checks.truths.proofs.coverage import DRIVES, ENERGETIC, complaints
 from cross_checks.truths.proofs.family import Varied
 from mbs_ref.scene import GROUND
 
+EQUAL = 2.0**-600  # how nearly numbers of 1000 bits must agree
+STILL = [arb(0)] * 6  # rates of a body at rest
 Jet = tuple[list[Number], list[list[Number]], Number]  # place, turn since t = 0 and angle about z of a body in motion
 
 
@@ -45,31 +47,36 @@ class Mechanics:
     def vector(self, values: Sequence[float]) -> list[arb]:
         return ([self.ball(x) for x in values] + [arb(0)] * 3)[:3]
 
+    def angle(self, name: str) -> arb:
+        return self.ball(0.0 if name == GROUND else self.scene.bodies[self.index[name]].angle)
+
     def offset(self, body: int, point: Sequence[float]) -> list[arb]:
         return minus(self.vector(point), self.vector(self.scene.bodies[body].position if body >= 0 else ()))
 
-    def jet(self, state: Any, rate: Sequence[arb]) -> Jet:
-        """Return a body in motion without acceleration, to t^2."""
+    def jet(self, state: Any, rate: Sequence[arb], bend: Sequence[arb] = STILL) -> Jet:
+        """Return a body in motion, to t^2."""
         place, turn, angle = state
-        swing = _skew(rate[3:])
+        swing, twist = _skew(rate[3:]), _skew(bend[3:])
         square = _matmul(swing, swing)
-        whole = [[arb_series([arb(i == j), swing[i][j], square[i][j] / 2]) for j in range(3)] for i in range(3)]
-        return ([arb_series([x, v]) for x, v in zip(place, rate, strict=False)], _matmul(whole, turn),
-                arb_series([angle, rate[5]]))  # fmt: skip
+        whole = [[arb_series([arb(i == j), swing[i][j], (square[i][j] + twist[i][j]) / 2]) for j in range(3)]
+                 for i in range(3)]  # fmt: skip
+        path = [arb_series([x, v, a / 2]) for x, v, a in zip(place, rate, bend, strict=False)]
+        return path, _matmul(whole, turn), arb_series([angle, rate[5], bend[5] / 2])
 
-    def jets(self, states: list[Any], rates: list[Any], pace: int = 1) -> list[Any]:
-        """Return all bodies in motion without acceleration; the last are time, at a pace, and ground."""
+    def jets(self, states: list[Any], rates: Sequence[Any] = (), bends: Sequence[Any] = ()) -> list[Any]:
+        """Return all bodies in motion, or at rest without time; the last are time and ground."""
         rest = ([arb(0)] * 3, rotation([arb(1), arb(0), arb(0), arb(0)]), arb(0))
-        moving = [self.jet(state, rate) for state, rate in zip(states, rates, strict=True)]
-        return [*moving, arb_series([self.now, pace]), self.jet(rest, [arb(0)] * 6)]
+        moving = [self.jet(*own) for own in zip_longest(states, rates, bends, fillvalue=STILL)]
+        return [*moving, arb_series([self.now, int(bool(rates))]), self.jet(rest, STILL)]
 
     def mark(self, jets: list[Any], body: int, point: Sequence[float]) -> list[Number]:
         place, turn, _ = jets[body]
         return [x + y for x, y in zip(place, apply(turn, self.offset(body, point)), strict=True)]
 
-    def gap(self, jets: list[Any], part: Any, ends: tuple[Any, Any]) -> list[Number]:
+    def gap(self, jets: list[Any], part: Any) -> list[Number]:
         """Return the vector between the points of both bodies that a joint or a spring connects."""
-        a, b = (self.mark(jets, self.index[name], point) for name, point in zip(part.ends, ends, strict=True))
+        points = (part.point_a, part.point_b) if hasattr(part, "point_a") else (part.point, part.point)
+        a, b = (self.mark(jets, self.index[name], point) for name, point in zip(part.ends, points, strict=True))
         return minus(b, a)
 
     def signal(self, signal: Any, t: Number) -> Number:
@@ -98,10 +105,9 @@ class Mechanics:
         """Return the rows of a joint, each constant where it holds."""
         if joint.type in DRIVES:
             return [self.driven(jets, joint)]
+        gap = self.gap(jets, joint)
         if joint.type == "distance":
-            gap = self.gap(jets, joint, (joint.point_a, joint.point_b))
             return [dot(gap, gap)]
-        gap = self.gap(jets, joint, (joint.point, joint.point))
         turn_a, turn_b = (jets[self.index[name]][1] for name in joint.ends)
         same = [dot(_column(turn_a, i), _column(turn_b, j)) for i, j in ((0, 1), (1, 2), (2, 0))]
         if joint.type == "weld":
@@ -120,31 +126,34 @@ class Mechanics:
         """Yield the stretch of every spring with its stiffness, damping and bodies."""
         for load in self.scene.loads:
             if load.type == "torsion_spring":
-                a, b = ends = [self.index[name] for name in load.ends]
-                at = [self.number(self.scene.bodies[k].angle) if k >= 0 else Fraction(0) for k in ends]
-                rest = Fraction(0) if load.rest_angle is None else self.number(load.rest_angle) - at[1] + at[0]
-                yield jets[b][2] - jets[a][2] - exact(rest), self.ball(load.stiffness), self.ball(load.damping), ends
+                (a, first), (b, second) = ((jets[self.index[name]][2], self.angle(name)) for name in load.ends)
+                stretch = b - a - (0 if load.rest_angle is None else self.ball(load.rest_angle) - second + first)
             elif load.type == "spring_damper":
-                points = load.point_a, load.point_b
-                gap, first = self.gap(jets, load, points), minus(*(self.vector(point) for point in points))
+                gap, first = self.gap(jets, load), minus(self.vector(load.point_a), self.vector(load.point_b))
                 rest = dot(first, first).sqrt() if load.rest_length is None else self.ball(load.rest_length)
-                ends = [self.index[name] for name in load.ends]
-                yield dot(gap, gap).sqrt() - rest, self.ball(load.stiffness), self.ball(load.damping), ends
+                stretch = dot(gap, gap).sqrt() - rest
+            else:
+                continue
+            ends = [self.index[name] for name in load.ends]
+            yield stretch, self.ball(load.stiffness), self.ball(load.damping), ends
 
-    def potential(self, jets: list[Any], body: int) -> Number:
-        """Return the potential energy that moving one body changes."""
-        mass = self.ball(self.scene.bodies[body].mass)
-        total = -dot(self.vector(self.scene.gravity), jets[body][0]) * mass
+    def mass(self, body: int, attracts: bool) -> arb:
+        """Return a body's mass; of one that attracts, gm instead if requested."""
+        return self.ball(self.gm[body] if attracts and self.gm else self.scene.bodies[body].mass)
+
+    def potential(self, jets: list[Any], moved: int | None = None) -> Number:
+        """Return the potential energy that moving one body changes; without one, all with gm as masses."""
+        total, gravity = arb(0), self.vector(self.scene.gravity)
+        for k in range(len(self.scene.bodies)) if moved is None else (moved,):
+            total -= dot(gravity, jets[k][0]) * self.mass(k, moved is None)
+            for j, gm in enumerate(self.gm[: k if moved is None else None]):
+                total -= self.mass(k, moved is None) * self.ball(gm) * self.well(jets, k, j) if j != k else 0
         for stretch, stiffness, _, bodies in self.stretches(jets):
-            if body in bodies:
-                total += stretch * stretch * stiffness / 2
+            total += stretch * stretch * stiffness / 2 if moved is None or moved in bodies else 0
         for load in self.scene.loads:
-            if load.type == "force" and self.index[load.body] == body:
-                pull = dot(self.vector(load.vector), self.mark(jets, body, load.point))
+            if load.type == "force" and self.index[load.body] == moved:
+                pull = dot(self.vector(load.vector), self.mark(jets, self.index[load.body], load.point))
                 total -= pull * self.signal(load.factor, self.now)
-        for k, gm in enumerate(self.gm):
-            if k != body:
-                total -= mass * self.ball(gm) * self.well(jets, body, k)
         return total
 
     def well(self, jets: list[Any], a: int, b: int) -> Number:
@@ -161,37 +170,26 @@ class Mechanics:
                     total -= self.ball(harmonic) * ratio**n * legendre[n] / distance
         return total
 
-    def accelerations(self, states: list[Any], rates: list[list[arb]]) -> list[list[arb]]:
-        """Return the accelerations of all bodies by multipliers, six numbers each."""
-        motion, still = (self.jets(states, own) for own in (rates, [[arb(0)] * 6] * len(rates)))
-        still[-2] = arb_series([self.now])  # a virtual motion takes no time
-        columns, forces, slopes, bends = self.columns, [], {}, {}
-        for joint in self.scene.joints:
-            bends |= {(joint.name, k): 2 * row[2] for k, row in enumerate(self.closure(motion, joint))}
-        for column, (body, c) in enumerate(columns):
+    def missing(self, states: list[Any], rates: list[list[arb]], bends: list[list[arb]]) -> list[arb]:
+        """Return what is 0 in a motion: all closures' second derivatives, and forces that no multipliers bear."""
+        motion, still, slopes, needs = self.jets(states, rates, bends), self.jets(states), {}, []
+        inertial = [self._inertial(*own) for own in zip(self.scene.bodies, states, rates, bends, strict=True)]
+        for column, (body, c) in enumerate(self.columns):
             virtual = list(still)
             virtual[body] = self.jet(states[body], [arb(i == c) for i in range(6)])
-            forces.append(self._driven(motion, virtual, body, c) - self.potential(virtual, body)[1])
+            driven = self._driven(motion, virtual, body, c)
+            needs.append(inertial[body][c] - driven + self.potential(virtual, body)[1])
             for joint in (joint for joint in self.scene.joints if body in map(self.index.get, joint.ends)):
                 for k, row in enumerate(self.closure(virtual, joint)):
-                    if not row[1].is_zero():
-                        slopes.setdefault((joint.name, k), {})[column] = row[1]
-        size = len(columns) + len(slopes)
-        matrix, right = arb_mat(size, size), arb_mat(size, 1, [*forces, *(-bends[key] for key in slopes)])
-        for place, own in enumerate(slopes.values(), start=len(columns)):
-            for column, slope in own.items():
-                matrix[place, column] = matrix[column, place] = slope
-        for row, (body, c) in enumerate(columns):
-            part, w = self.scene.bodies[body], rates[body][3:]
-            inertia = self._inertia(part, states[body][1])
-            for column, (other, d) in enumerate(columns):
-                if other == body and (c == d or min(c, d) > 2):
-                    matrix[row, column] = self.ball(part.mass) if c < 3 else inertia[c - 3][d - 3]
-            right[row, 0] -= apply(_skew(w), apply(inertia, w))[c - 3] if c > 2 else 0
-        result, solved = [[arb(0)] * 6 for _ in rates], solve(matrix, right)
-        for column, (body, c) in enumerate(columns):
-            result[body][c] = solved[column, 0]
-        return result
+                    slopes.setdefault((joint.name, k), [arb(0)] * len(self.columns))[column] = row[1]
+        bent = [terms(row, 3)[2] for joint in self.scene.joints for row in self.closure(motion, joint)]
+        return [*_beyond(list(slopes.values()), needs), *bent]
+
+    def _inertial(self, part: Any, state: Any, rate: list[arb], bend: list[arb]) -> list[arb]:
+        """Return the force and the moment of a body's acceleration."""
+        inertia, w = self._inertia(part, state[1]), rate[3:]
+        turning = zip(apply(inertia, bend[3:]), apply(_skew(w), apply(inertia, w)), strict=True)
+        return [*(self.ball(part.mass) * a for a in bend[:3]), *(x + y for x, y in turning)]
 
     def _driven(self, motion: list[Any], virtual: list[Any], body: int, c: int) -> arb:
         """Return the power of torques and dampers along one unit rate of a body."""
@@ -221,17 +219,25 @@ class Mechanics:
         return not any(losses) and kinds <= {*ENERGETIC} and ("newton" not in kinds or not any(scene.gravity))
 
     def energy(self, states: list[Any], rates: list[list[arb]]) -> arb:
-        """Return kinetic and potential energy without dampers; gm counts as mass among attracting bodies."""
-        jets, total, gravity = self.jets(states, [[arb(0)] * 6] * len(rates)), arb(0), self.vector(self.scene.gravity)
+        """Return kinetic and potential energy; gm counts as mass among attracting bodies."""
+        total = terms(self.potential(self.jets(states)), 1)[0]
         for k, (part, own) in enumerate(zip(self.scene.bodies, rates, strict=True)):
-            mass = self.ball(self.gm[k] if self.gm else part.mass)
-            total += mass * (dot(own, own) / 2 - dot(gravity, states[k][0]))
+            total += self.mass(k, True) * dot(own, own) / 2
             total += dot(own[3:], apply(self._inertia(part, states[k][1]), own[3:])) / 2
-            for j, gm in enumerate(self.gm[:k]):
-                total -= mass * self.ball(gm) * self.well(jets, k, j)[0]
-        for stretch, stiffness, *_ in self.stretches(jets):
-            total += (stretch * stretch)[0] * stiffness / 2
         return total
+
+
+def _beyond(rows: list[list[arb]], vector: list[arb]) -> list[arb]:
+    """Return what remains of a vector beyond the span of rows, by elimination; redundant rows leave nothing."""
+    pivots: list[tuple[int, list[arb]]] = []
+    for row in [*rows, vector]:
+        for column, other in pivots:
+            factor = row[column]
+            row = row if factor.is_zero() else [x - factor * y for x, y in zip(row, other, strict=True)]
+        largest = max(range(len(row)), key=lambda k: above(row[k]))
+        if above(row[largest]) > EQUAL:
+            pivots.append((largest, [x / row[largest] for x in row]))
+    return row
 
 
 def _skew(w: Sequence[Number]) -> list[list[Number]]:

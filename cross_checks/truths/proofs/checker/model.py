@@ -1,4 +1,4 @@
-"""A log's formulas beside the scene: start values, and equality with the absolute coordinates; impacts."""
+"""A log's formulas beside the scene: start values, and equality with the absolute coordinates."""
 
 import random
 from collections.abc import Sequence
@@ -9,14 +9,16 @@ from typing import Any
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
-from cross_checks.truths.proofs.checker.formulas import Formulas, solve
-from cross_checks.truths.proofs.checker.mechanics import Mechanics, dot, minus, rotation
-from cross_checks.truths.proofs.coverage import DRIVES, PAIRS
+from cross_checks.truths.proofs.checker.formulas import Formulas
+from cross_checks.truths.proofs.checker.mechanics import EQUAL, Mechanics, rotation
+from cross_checks.truths.proofs.coverage import DRIVES
 from cross_checks.truths.proofs.family import Varied, family
 from mbs_ref import Scene
 
-POINTS, POINT_BITS, EQUAL = 3, 1000, 2.0**-600  # random points, bits of numbers, how nearly they must agree
+POINTS, POINT_BITS = 3, 1000  # random points, bits of numbers
+ITERATIONS, NEGLIGIBLE = 60, 2.0**-800  # of Newton's method for z, from 1; of a change of z, where it ends
 STATE = 14  # numbers of a body's state
+ONE, ZERO = ("c", 1, 1), ("c", 0, 1)  # lines
 START_GAP = 1e-7  # of a rate, 1: how far a scene's dependent rates may be from its closures
 
 
@@ -32,13 +34,15 @@ class Model:
         if min(self.units) <= 0 or [len(own) for own in self.formulas.outputs] != [STATE] * len(self.scene.bodies):
             raise Refused("a unit is not positive, or the outputs are not the states of the bodies")
         self.mechanics = Mechanics(self.scene, header["inputs"])
-        self._refuse_without_time(system["starts"])
+        clock, starts = self.clock, system["starts"]
+        if clock is not None and (Fraction(*starts[clock]) or self.formulas.lines[self.formulas.f[clock]] != ONE):
+            raise Refused(f"coordinate {clock} is not time")
         with precision(POINT_BITS):
-            self.start = self._start(system["starts"])
+            self.start = self._start(starts)
             if "ends" in header:
-                self._vary_start(system["starts"])
+                self._vary_start(starts)
             self._compare(self.start)
-            self.z_start = self.formulas.root(self.start)
+            self.z_start = root(self.formulas, self.start)
             if self.free is not None:
                 self.start[self.free] = arb(0, 1)
 
@@ -46,19 +50,11 @@ class Model:
         """Refuse a family whose start values vary, or whose parameter does."""
         varied = any(isinstance(x, Varied) for body in self.scene.bodies for x in _rates(body))
         formulas = self.formulas
-        if self.free is None or varied or None in starts or formulas.lines[formulas.f[self.free]] != ("c", 0, 1):
+        if self.free is None or varied or None in starts or formulas.lines[formulas.f[self.free]] != ZERO:
             raise Refused("the start rates vary with the parameter, which is not covered")
         for s in (-1, 1):
             self.mechanics.s = Fraction(s)
             self._same_start([arb(s) if k == self.free else x for k, x in enumerate(self.start)])
-
-    def _refuse_without_time(self, starts: list[Any]) -> None:
-        signals = (signal for part in (*self.scene.joints, *self.scene.loads) for signal in part.signals)
-        if self.clock is None:
-            if any(signal.type != "constant" for signal in signals):
-                raise Refused("no coordinate is time, on which the scene depends")
-        elif Fraction(*starts[self.clock]) or self.formulas.lines[self.formulas.f[self.clock]] != ("c", 1, 1):
-            raise Refused(f"coordinate {self.clock} is not time")
 
     @property
     def is_exhibited(self) -> bool:
@@ -73,7 +69,7 @@ class Model:
     def bodies(self, y: Sequence[Number]) -> list[list[Number]]:
         """Return place, angle in the plane, Euler parameters since t = 0, velocity and spin of every body, SI units."""
         outputs, (length, time, _) = self.formulas.outputs, map(exact, self.units)
-        values = iter(self.formulas.run([place for own in outputs for place in own], y, []))
+        values = iter(self.formulas.run([place for own in outputs for place in own], y))
         units = [*[length] * 3, *[arb(1)] * 5, *[length / time] * 3, *[1 / time] * 3]
         return [[next(values) * unit for unit in units] for _ in outputs]
 
@@ -118,6 +114,13 @@ class Model:
                 if above(x - right) > (EQUAL if k < 8 else START_GAP * (1.0 + above(right))):
                     raise Refused(f"{body.name} does not start as the scene has it")
 
+    def compare_energies(self, enclosures: list[list[list[arb]]], bits: int) -> None:
+        """Refuse enclosures of a scene that conserves energy, but on which it is not constant."""
+        with precision(bits):
+            energies = [self.mechanics.energy(*self.states(bodies)) for bodies in enclosures]
+        if self.mechanics.conserves and not all(energy.overlaps(energies[0]) for energy in energies):
+            raise Refused("the energy is not constant")
+
     def _compare(self, start: list[arb]) -> None:
         """Compare the accelerations of the log's formulas with those of `Mechanics`, at the start and elsewhere."""
         dice, lines = random.Random(repr(self.formulas.lines)), self.formulas.lines
@@ -132,26 +135,28 @@ class Model:
                     size = sum((y[k] * y[k] for _, k, _ in four), arb(0)).sqrt()
                     for _, k, _ in four:
                         y[k] = y[k] / size
+            chance = arb(dice.randrange(1000)) / 333  # s: the formulas have no time, so that any must do
+            self.mechanics.now = chance if self.clock is None else y[self.clock] * exact(self.units[1])
             self._compare_at(y)
 
     def _compare_at(self, y: list[arb]) -> None:
         time = exact(self.units[1])
-        self.mechanics.now = arb(0) if self.clock is None else y[self.clock] * time
-        f = self.formulas.run(self.formulas.f, y, self.formulas.root(y))
+        f = self.formulas.run(self.formulas.f, [*y, *root(self.formulas, y)])
         with precision(POINT_BITS, 3):
             outputs = self.bodies([arb_series([x, rate / time]) for x, rate in zip(y, f, strict=True)])
             moving, (states, rates) = self.states(outputs), self.states(self.bodies(y))
-            expected = self.mechanics.accelerations(states, rates)
-            for k, (body, own) in enumerate(zip(self.scene.bodies, outputs, strict=True)):
-                place, turn, angle = moving[0][k]
-                right_place, right_turn, right_angle = self.mechanics.jet(states[k], rates[k])
+            bends = [[terms(x, 2)[1] for x in own] for own in moving[1]]
+            missing = self.mechanics.missing(states, rates, bends)
+            rows = zip(self.scene.bodies, outputs, moving[0], states, rates, strict=True)
+            for body, own, (place, turn, angle), state, rate in rows:
+                right_place, right_turn, right_angle = self.mechanics.jet(state, rate)
                 pairs = [*zip([*place, *chain(*turn)], [*right_place, *chain(*right_turn)], strict=True)]
-                pairs += [(moving[1][k][c], arb_series([0, expected[k][c]])) for c in self.mechanics.free[k]]
+                pairs += [(sum(x * x for x in own[4:8]), arb(0))]
                 pairs += [(angle, right_angle)] if body.type == "planar" else []
-                pairs.append((sum(x * x for x in own[4:8]), arb(0)))
-                for x, right in ((terms(a, 2)[1], terms(b, 2)[1]) for a, b in pairs):
-                    if not above(x - right) <= EQUAL * (1.0 + above(right)):
-                        raise Refused(f"the formulas do not move {body.name} as the scene does")
+                missing += [terms(a, 2)[1] - terms(b, 2)[1] for a, b in pairs]
+            most = max(above(x) for own in (*rates, *bends) for x in own)
+            if not all(above(x) <= EQUAL * (1.0 + most) for x in missing):
+                raise Refused("the formulas do not move the bodies as the scene does")
 
 
 def _rates(body: Any) -> list[float]:
@@ -159,43 +164,27 @@ def _rates(body: Any) -> list[float]:
     return [*(*body.velocity, 0.0)[:3], *(spin if isinstance(spin, tuple) else (0.0, 0.0, spin))]
 
 
-class Impacts:
-    """The contacts of free bodies without friction, in the numbers of the checker's mechanics.
+def newton(formulas: Formulas, y: Sequence[Number], z: Sequence[Number], wide: Sequence[Number]) -> list[arb]:
+    """Return the change of z by Newton's method, with the slopes of g on balls that may be wider than z."""
+    right, rows = formulas.run(formulas.g, [*y, *z]), formulas.slopes(formulas.g, [*y, *wide])
+    slopes = arb_mat([[row.get(formulas.n + k, arb(0)) for k in range(formulas.m)] for row in rows])
+    return solve(slopes, arb_mat(formulas.m, 1, [-x for x in right])).entries()
 
-    Between impacts every gap stays positive. In the window of an impact one gap falls from positive to negative: all
-    motions of the enclosure pass through its one root (transversality).
-    """
 
-    def __init__(self, mechanics: Mechanics) -> None:
-        self.mechanics, self.parts = mechanics, mechanics.scene.contacts
+def root(formulas: Formulas, y: list[arb]) -> list[arb]:
+    """Return z with g(y, z) = 0 by Newton's method from 1."""
+    z = [arb(1)] * formulas.m
+    for _ in range(ITERATIONS if z else 0):
+        change = newton(formulas, y, z, z)
+        z = [(x + d).mid() for x, d in zip(z, change, strict=True)]
+        if max(map(above, change)) < NEGLIGIBLE:
+            break
+    return z
 
-    def gap(self, part: Any, bodies: list[list[Number]]) -> tuple[Number, Number, list[Number], list[int]]:
-        """Return a gap (m), its rate (m/s), the normal from body b to body a, and both bodies (ground: -1)."""
-        vector, ball = self.mechanics.vector, self.mechanics.ball
-        ends = [self.mechanics.index[name] for name in part.ends]
-        states = [bodies[k] if k >= 0 else [arb(0)] * 14 for k in ends]
-        apart, speed = minus(*(own[:3] for own in states)), minus(*(own[8:11] for own in states))
-        if part.type in PAIRS:
-            normal, radius = apart, ball(part.radius_a) + ball(part.radius_b)
-        elif part.type == "circle_on_line":
-            start, end, radius = vector(part.point_1), vector(part.point_2), ball(part.radius)
-            apart, normal = minus(apart, start), [start[1] - end[1], end[0] - start[0], arb(0)]
-        else:
-            apart, normal, radius = minus(apart, vector(part.point)), vector(part.normal), ball(part.radius)
-        size = dot(normal, normal).sqrt()
-        normal = [x / size for x in normal]
-        return dot(normal, apart) - radius, dot(normal, speed), normal, ends
 
-    def after(self, part: Any, bodies: list[list[Number]]) -> list[tuple[int, list[Number]]]:
-        """Return the bodies that an impact moves, and their new velocities: v+ = -e v- along the normal."""
-        _, rate, normal, ends = self.gap(part, bodies)
-        inverse = {
-            k: way / self.mechanics.ball(self.mechanics.scene.bodies[k].mass)
-            for k, way in zip(ends, (1, -1), strict=True)
-            if k >= 0
-        }
-        impulse = -(1 + self.mechanics.ball(part.law.restitution)) * rate / sum(map(abs, inverse.values()))
-        return [
-            (k, [v + impulse * share * n for v, n in zip(bodies[k][8:11], normal, strict=True)])
-            for k, share in inverse.items()
-        ]
+def solve(matrix: arb_mat, right: arb_mat) -> arb_mat:
+    """Return the solution of a linear system; Refused where it may be singular."""
+    try:
+        return matrix.solve(right)
+    except ZeroDivisionError as error:
+        raise Refused("accelerations or multipliers are not unique: a matrix is singular") from error

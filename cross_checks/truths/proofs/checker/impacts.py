@@ -1,0 +1,123 @@
+"""Impacts of free bodies without friction, in the numbers of the checker's mechanics.
+
+Between impacts every gap stays positive. In the window of an impact one gap falls from positive to negative: all
+motions of the enclosure pass through its one root (transversality).
+"""
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
+
+from cross_checks.truths.proofs.checker.balls import Number, Polynomials, Refused, above, beside, exact
+from cross_checks.truths.proofs.checker.mechanics import dot, minus
+from cross_checks.truths.proofs.checker.model import Model, newton
+from cross_checks.truths.proofs.coverage import PAIRS
+
+WIDE = 2.0**40  # of z after an impact
+FINEST = 12  # halvings of a step where a gap may close
+
+
+class Impacts:
+    """The contacts of a model. `times` has the name and the time (s) of every impact so far."""
+
+    def __init__(self, model: Model) -> None:
+        self.model, self.mechanics, self.parts = model, model.mechanics, model.scene.contacts
+        self.opening = ""  # the contact of an impact that the last step ended with
+        self.times: list[tuple[str, arb]] = []
+
+    def gap(self, part: Any, bodies: list[list[Number]]) -> tuple[Number, Number, list[Number], list[int]]:
+        """Return a gap (m), its rate (m/s), the normal from body b to body a, and both bodies (ground: -1)."""
+        vector, ball = self.mechanics.vector, self.mechanics.ball
+        ends = [self.mechanics.index[name] for name in part.ends]
+        states = [bodies[k] if k >= 0 else [arb(0)] * 14 for k in ends]
+        apart, speed = minus(*(own[:3] for own in states)), minus(*(own[8:11] for own in states))
+        if part.type in PAIRS:
+            normal, radius = apart, ball(part.radius_a) + ball(part.radius_b)
+        elif part.type == "circle_on_line":
+            start, end, radius = vector(part.point_1), vector(part.point_2), ball(part.radius)
+            apart, normal = minus(apart, start), [start[1] - end[1], end[0] - start[0], arb(0)]
+        else:
+            apart, normal, radius = minus(apart, vector(part.point)), vector(part.normal), ball(part.radius)
+        size = dot(normal, normal).sqrt()
+        normal = [x / size for x in normal]
+        return dot(normal, apart) - radius, dot(normal, speed), normal, ends
+
+    def watch(self, p: Polynomials, e: np.ndarray, window: Fraction) -> None:
+        """Refuse unless no gap closes in a step, but one at its end, in the window, where it is not 0."""
+        self._keep_open(p, e, Fraction(0), 1 - window, FINEST)
+        self.opening = ""
+        if not window:
+            return
+        spans = exact(1 - window), between(1 - window, Fraction(1)), arb(1)
+        bodies = [self.model.bodies(beside(p, e, s)) for s in spans]
+        closing = [part for part in self.parts if not self.gap(part, bodies[1])[0] > 0]
+        gaps = [self.gap(part, at) for part in closing for at in bodies]
+        if len(closing) != 1 or not (gaps[0][0] > 0 and gaps[1][1] < 0 and gaps[2][0] < 0):
+            raise Refused("an impact may be grazing, or one of several at once")
+        self.opening = closing[0].name
+
+    def _keep_open(self, p: Polynomials, e: np.ndarray, low: Fraction, high: Fraction, depth: int) -> None:
+        bodies, last = (self.model.bodies(beside(p, e, s)) for s in (between(low, high), exact(high)))
+        for part in self.parts:
+            gap, rate, *_ = self.gap(part, bodies)
+            opens = part.name == self.opening and not low and rate > 0
+            if gap > 0 or opens or (rate < 0 and self.gap(part, last)[0] > 0):
+                continue
+            if not depth:
+                raise Refused(f"contact {part.name} may close")
+            self._keep_open(p, e, low, (low + high) / 2, depth - 1)
+            self._keep_open(p, e, (low + high) / 2, high, depth - 1)
+            return
+
+    def after(self, p: Polynomials, e: np.ndarray, t: Fraction, h: Fraction, window: Fraction) -> list[arb]:
+        """Return y at the end of a step from t: the states in the window after the impulse, moved while it lasts."""
+        formulas, (length, unit, _) = self.model.formulas, self.model.units
+        y = beside(p, e, between(1 - window, Fraction(1)))
+        (part,) = (part for part in self.parts if part.name == self.opening)
+        for k, velocity in self._rebound(part, self.model.bodies(y)):
+            for place, v in zip(formulas.outputs[k][8:11], velocity, strict=True):
+                operation, column, _ = formulas.lines[place]
+                if operation == "y":
+                    y[column] = v / exact(length / unit)
+                elif not v.is_zero():
+                    raise Refused("a velocity is no coordinate")
+        lasting, wider = between(Fraction(0), window * h), between(-window * h, 2 * window * h)
+        wide = [x + wider * rate for x, rate in zip(y, self._rates(y), strict=True)]
+        end = [x + lasting * rate for x, rate in zip(y, self._rates(wide), strict=True)]
+        if not all(a.contains(b) for a, b in zip(wide, end, strict=True)):
+            raise Refused("the motion after an impact is not enclosed")
+        for other in self.parts:
+            gap, rate, *_ = self.gap(other, self.model.bodies(end))
+            if not (rate if other is part else gap) > 0:
+                raise Refused("an impact does not open its contact, or closes another")
+        self.times.append((part.name, between(t + h * (1 - window), t + h) * exact(unit)))
+        return end
+
+    def _rebound(self, part: Any, bodies: list[list[Number]]) -> list[tuple[int, list[Number]]]:
+        """Return the bodies that an impact moves, and their new velocities: v+ = -e v- along the normal."""
+        _, rate, normal, ends = self.gap(part, bodies)
+        ball, masses = self.mechanics.ball, [body.mass for body in self.model.scene.bodies]
+        inverse = {k: way / ball(masses[k]) for k, way in zip(ends, (1, -1), strict=True) if k >= 0}
+        impulse = -(1 + ball(part.law.restitution)) * rate / sum(map(abs, inverse.values()))
+        return [
+            (k, [v + impulse * share * n for v, n in zip(bodies[k][8:11], normal, strict=True)])
+            for k, share in inverse.items()
+        ]
+
+    def enclose(self, y: list[arb]) -> list[arb]:
+        """Return balls of the one z below WIDE with g(y, z) = 0, for every y in balls (interval Newton)."""
+        m = self.model.formulas.m
+        z = newton(self.model.formulas, y, [arb(0)] * m, [arb(0, WIDE)] * m) if m else []
+        if not all(above(x) < WIDE for x in z):
+            raise Refused("after an impact, the accelerations are not enclosed")
+        return z
+
+    def _rates(self, y: list[arb]) -> list[arb]:
+        return self.model.formulas.run(self.model.formulas.f, [*y, *self.enclose(y)])
+
+
+def between(low: Fraction, high: Fraction) -> arb:
+    """Return the ball that has low and high at its ends."""
+    return exact((low + high) / 2) + exact((high - low) / 2) * arb(0, 1)
