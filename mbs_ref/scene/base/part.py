@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import Enum
 from functools import cache
 from typing import Annotated, Any, get_args
@@ -24,6 +25,17 @@ class Role(Enum):
     DIRECTION = "a world direction at t = 0, of any length but zero"
     BODY = "the name of a body"
     END = "the name of a body, or ground"
+
+
+@dataclass(frozen=True)
+class OnlyWith:
+    """Marks a parameter of a scene's builder that only one value of another parameter has."""
+
+    parameter: str
+    value: str
+
+
+BELIEVABLE_ONLY = OnlyWith("model", "believable")
 
 
 def _directed(value: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
