@@ -2,6 +2,7 @@
 
 TARGETS = (1e-3, 1e-6, 1e-9)  # errors over the scene's scales
 MOST_STEPS = 100_000  # that a run may take
+MOST_SECONDS = 15.0  # s of loop time that a run may be expected to take: a table of 40 methods ends in minutes
 AGREEMENT = 1e-6  # of the scene: an error at or below this is agreement
 
 # Thresholds. None refers to a scene or an engine; `python -m tests.cross_checks.convergence.searched` calibrates them.

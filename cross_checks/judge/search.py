@@ -4,7 +4,8 @@ A run is worth the odds that it reaches a target from within WINDOW, less what i
 where no setting within the work limit has fair odds. Further runs follow only while the verdict is not settled: a
 finer one, halfway to the finest setting where a plateau or a limit of its own may hide the law. A method is classified
 as wrong only after a run plainly finer than all others, even beyond the work limit. Work is counted in steps, the same
-for every engine, so that the choice does not depend on how busy a machine is.
+for every engine, so that the choice does not depend on how busy a machine is. Runs that are expected to compute for
+longer than MOST_SECONDS are not made either, but reported with their time.
 """
 
 import math
@@ -89,7 +90,17 @@ class Search:
 
     def judgement(self) -> Judgement:
         """Return the verdict on all runs."""
-        return self._judged([self.points[knob] for knob in self.knobs], self.shown())
+        return self._with_price(self._judged([self.points[knob] for knob in self.knobs], self.shown()))
+
+    def _with_price(self, judged: Judgement) -> Judgement:
+        """Return a verdict that time alone left open with the time that a finer run would take."""
+        if judged.verdict is not Verdict.NOT_SHOWN or not self.good:
+            return judged
+        finer = np.array([self.good[-1].knob / bounds.FINER[self.subject.kind]])
+        seconds = float(self.seconds(finer)[0])
+        if seconds <= bounds.MOST_SECONDS or finer[0] < self.subject.finest:
+            return judged
+        return judged._replace(reason=f"{judged.reason}; a finer run would take {seconds:.2g} s")
 
     def _gaps(self) -> np.ndarray:
         good = self.good
@@ -171,7 +182,7 @@ class Search:
         count = max(2, int(PER_DECADE * math.log10(subject.coarsest / subject.finest)))
         wished = np.geomspace(subject.coarsest, subject.finest, count)
         typed = np.array(sorted({subject.typed(float(knob)) for knob in wished} - set(self.points), reverse=True))
-        return typed[self.steps(typed) <= 1.01 * subject.most_steps] if len(typed) else typed
+        return typed[self._within_work(typed)]
 
     def steps(self, knobs: np.ndarray) -> np.ndarray:
         """Return how many steps settings take (n,): counted for a fixed step, extrapolated for a tolerance.
@@ -193,6 +204,15 @@ class Search:
         predicted = steps[coarser] * (known[coarser] / knobs) ** growth
         finer = np.where(known <= knobs[:, None], steps, np.inf).min(axis=1)  # no finer run takes fewer
         return np.maximum(np.minimum(predicted, finer), min(self.subject.outputs, steps.min()))  # each output ends one
+
+    def seconds(self, knobs: np.ndarray) -> np.ndarray:
+        """Return how long the loops of settings are expected to take (n,), s: steps at the slowest pace so far."""
+        return self.steps(knobs) * max((point.seconds / max(point.steps, 1) for point in self.good), default=0.0)
+
+    def _within_work(self, knobs: np.ndarray, allowance: float = 1.0) -> np.ndarray:
+        """Return whether settings (n,) are within `allowance` times the limits on steps and seconds."""
+        few = self.steps(knobs) <= 1.01 * allowance * self.subject.most_steps
+        return few & (self.seconds(knobs) <= allowance * bounds.MOST_SECONDS)
 
     def _odds_to_run(self, knobs: np.ndarray) -> np.ndarray:
         """Return the odds (n,) that settings run: less beyond a failure, and between a failure and the nearest run."""
@@ -305,8 +325,7 @@ class Search:
     def _is_able(self, knob: float, allowance: float) -> bool:
         """Whether a setting is within the work limit, and no failure lies between it and the runs."""
         knobs = np.array([knob])
-        enough = self.steps(knobs)[0] <= 1.01 * allowance * self.subject.most_steps
-        return bool(enough and self._odds_to_run(knobs)[0] >= bounds.LIKELY)
+        return bool(self._within_work(knobs, allowance)[0] and self._odds_to_run(knobs)[0] >= bounds.LIKELY)
 
     def _has_new_reference(self) -> bool:
         """Run a reference method where runs are as far off as motions go; return whether there is one."""
@@ -359,5 +378,5 @@ class Search:
         for share, judged, _ in self._foreseen(knob):
             verdicts[judged.verdict] = verdicts.get(judged.verdict, 0.0) + share
         verdict = max(verdicts, key=lambda word: verdicts[word])
-        steps = float(self.steps(knobs[place : place + 1])[0])
-        return Omitted(knob, steps, float(odds[place]), middle, (low, high), verdict, verdicts[verdict])
+        steps, seconds = (float(cost(knobs[place : place + 1])[0]) for cost in (self.steps, self.seconds))
+        return Omitted(knob, steps, seconds, float(odds[place]), middle, (low, high), verdict, verdicts[verdict])

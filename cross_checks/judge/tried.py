@@ -69,7 +69,8 @@ class Tried:
         self.records[knob], self.paths[knob] = record, run.path
         error = record.error.value if record.error is not None and record.status == "success" else None
         rounding = self.method.rounding(record.steps)
-        return Point(label(settings), knob, record.status, record.message, error, record.steps, rounding)
+        seconds = record.times.get("loop_s", 0.0)
+        return Point(label(settings), knob, record.status, record.message, error, record.steps, rounding, seconds)
 
     def gap(self, first: float, second: float) -> float:
         """Return the distance between two runs over the scene's scales; NaN where unknown."""

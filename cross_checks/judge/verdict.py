@@ -27,6 +27,7 @@ class Point:
     error: float | None = None  # distance from the truth over the scene's scales; None without a truth
     steps: int = 0
     rounding: float = 0.0  # what rounding may add to the error
+    seconds: float = 0.0  # loop time, s
 
     @property
     def ok(self) -> bool:

@@ -81,6 +81,7 @@ class Omitted:
 
     setting: float  # step (s) or relative tolerance
     steps: float
+    seconds: float  # s of loop time
     reaches: float  # odds that it reaches the target
     error: float  # over the scene's scales; the median ...
     range: tuple[float, float]  # ... and the central 68 %
@@ -90,7 +91,8 @@ class Omitted:
     def __str__(self) -> str:
         low, high = self.range
         error = f"an error of about {self.error:.1g} (68 %: {low:.1g} to {high:.1g})"
-        return f"about {self.steps:.1g} steps and show {error}, {self.verdict} with odds of {self.odds:.2g}"
+        cost = f"about {self.steps:.1g} steps in {self.seconds:.2g} s"
+        return f"{cost} and show {error}, {self.verdict} with odds of {self.odds:.2g}"
 
 
 @dataclass(frozen=True)

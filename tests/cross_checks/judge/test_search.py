@@ -9,12 +9,12 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.bounds import MOST_STEPS, WINDOW
+from cross_checks.judge.bounds import FINER, MOST_SECONDS, MOST_STEPS, WINDOW
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, settings_at
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import Tried, first_knob, search
-from cross_checks.judge.vocabulary import Verdict
+from cross_checks.judge.vocabulary import WRONG, Verdict
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from cross_checks.truths.truth import NoTruth, Truth
@@ -44,6 +44,7 @@ class MadeUp:
     status: str = "non-finite"  # of what blows
     count: object = None  # steps of a tolerance
     turn: object = lambda knob: np.pi / 4.0  # direction of the error
+    seconds: float = 0.0  # of a step
     asked: list = field(default_factory=list)
 
     def run(self, scene, engine, settings):
@@ -51,7 +52,7 @@ class MadeUp:
         self.asked.append(knob)
         steps = int(scene.duration / knob) if settings.step else int((self.count or (lambda r: 30 * r**-0.1))(knob))
         plain = dict(scene=scene.name, parameters={}, engine=engine, method=settings.method, steps=steps,
-                     settings=settings.model_dump(exclude_none=True))  # fmt: skip
+                     settings=settings.model_dump(exclude_none=True), times={"loop_s": self.seconds * steps})  # fmt: skip
         if self.refuses(knob):
             return Run(Record(**plain, status="cannot", message=f"step = {knob} s is too long"), None)
         if self.blows(knob):
@@ -352,3 +353,24 @@ def test_a_search_whose_first_step_would_cost_too_much_begins_at_the_bound():
     tried, reached = search(Runs(), scene, "mbs_ref", method, NoTruth("not run"))
     assert tried.knobs
     assert {answer.answer for answer in reached} == {"unjudged"}
+
+
+def test_what_would_take_too_long_is_not_tried_and_says_so():
+    """A step of a millisecond of work: the limit on time is met long before the one on steps."""
+    runs = MadeUp(lambda h: h, seconds=1e-3)
+    tried, answers = search(runs, SCENE, "made", Method("euler", "fixed", 1, "made up"), TRUTH)
+    assert [answer.answer for answer in answers] == ["reached", "not-tried", "not-tried"]
+    steps = SCENE.duration / min(runs.asked)
+    assert 0.1 * MOST_SECONDS < 1e-3 * steps <= FINER["fixed"] * MOST_SECONDS + 1e-3 * SAMPLES
+    assert answers[1].omitted.seconds == pytest.approx(1e-3 * answers[1].omitted.steps)
+    assert "s and show" in answers[1].reason
+    assert tried.verdict().verdict not in WRONG
+
+
+def test_an_open_verdict_states_the_time_of_a_finer_run():
+    euler = Method("euler", "fixed", 1, "made up")
+    first = first_knob(SCENE, euler)
+    runs = MadeUp(lambda h: h, lambda h: h > 1.1 * first, seconds=0.8 * MOST_SECONDS * first / SCENE.duration)
+    tried, _ = search(runs, SCENE, "made", euler, TRUTH)
+    assert tried.verdict().verdict is Verdict.NOT_SHOWN
+    assert tried.verdict().reason.endswith("a finer run would take 48 s")  # 4 times the steps of 12 s

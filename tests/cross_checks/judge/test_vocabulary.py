@@ -15,7 +15,7 @@ from reports.facts.stored import keep, recall
 
 REPORT = Path(__file__).parents[3] / "docs" / "report.md"
 RUN = Record("pendulum", {}, "quick", "rk4", {"step": 3.7e-3}, "success", error=Error(2.3e-7, "exact", 1e-13, 1e-7))
-OMITTED = Omitted(1e-5, 3e6, 0.8, 4e-10, (2e-10, 9e-10), Verdict.AGREES, 0.9)
+OMITTED = Omitted(1e-5, 3e6, 40.0, 0.8, 4e-10, (2e-10, 9e-10), Verdict.AGREES, 0.9)
 CELL = Cell(
     "pendulum_chain", {"links": 3, "gravity": 9.81}, "quick", "rk4", Verdict.CONVERGING, "why", error=2.3e-7,
     contact={"ball: restitution, 1": 0.83},
@@ -50,7 +50,7 @@ def test_json_shows_the_code_beside_the_word_and_no_history():
     }  # fmt: skip
     assert plain["targets"][1]["omitted"]["range"] == (2e-10, 9e-10)
     assert str(OMITTED) == (
-        "about 3e+06 steps and show an error of about 4e-10 (68 %: 2e-10 to 9e-10), agrees with odds of 0.9"
+        "about 3e+06 steps in 40 s and show an error of about 4e-10 (68 %: 2e-10 to 9e-10), agrees with odds of 0.9"
     )
 
 
