@@ -89,3 +89,26 @@ def test_the_sphere_in_air_ends_where_nasas_simulators_say(spin):
         altitude = (np.linalg.norm(motion.position[-1, 1]) - R_EARTH) / FOOT
         apart = np.abs(altitude - np.array(NESC_ALTITUDES[spin]))
         assert np.all(apart < NESC_APART), apart
+
+
+# Published closed forms: Euler's disk, and the force of Painleve's rod (Genot and Brogliato 1999)
+@pytest.mark.parametrize("tilt", [20.0, 60.0])
+def test_eulers_disk_precesses_steadily_about_its_resting_centre(tilt):
+    scene = scenes.make("euler_disk", tilt=tilt)
+    truth, path = both(scene, SAMPLES, method="dop853", rtol=1e-10)
+    assert np.abs(path.position - truth.position).max() < 1e-11  # m
+    turned = np.abs(np.einsum("tbk,tbk->tb", path.orientation, truth.orientation))
+    assert np.abs(turned - 1.0).max() < 1e-12
+    rate = np.sqrt(4.0 * 9.81 / (0.0375 * np.sin(np.radians(tilt))))
+    assert path.angular_velocity[0, 0] @ (0.0, 0.0, 1.0) == pytest.approx(rate * np.sin(np.radians(tilt)) ** 2)
+
+
+@pytest.mark.parametrize(("friction", "p"), [(0.5, 1.75), (2.5, -1.25)])
+def test_the_force_on_painleves_rod_swings_or_grows_as_p_says(friction, p):
+    """On springs m d'' = m g - p k d: about the rigid force m g / p where p is positive, away from it where it is not."""
+    scene = scenes.make("painleve_rod", friction=friction, angle=45.0)
+    rate = np.sqrt(abs(p) * scene.contacts[0].law.stiffness)  # 1/s, of 1 kg
+    times = np.linspace(0.0, 2.0 / rate, 21)
+    path = simulate(scene, Settings(rtol=1e-10, estimate="off"), times)
+    swing = 1.0 - np.cos(rate * times) if p > 0.0 else np.cosh(rate * times) - 1.0
+    assert path.contacts["ground"][:, 2] == pytest.approx(9.81 / abs(p) * swing, rel=2e-3, abs=1e-9)
