@@ -52,7 +52,8 @@ class MadeUp:
         self.asked.append(knob)
         steps = int(scene.duration / knob) if settings.step else int((self.count or (lambda r: 30 * r**-0.1))(knob))
         plain = dict(scene=scene.name, parameters={}, engine=engine, method=settings.method, steps=steps,
-                     times={"loop_s": self.seconds * steps}, settings=settings.model_dump(exclude_none=True))  # fmt: skip
+                     settings=settings.model_dump(exclude_none=True),
+                     times={"loop_s": self.seconds * steps})  # fmt: skip
         if self.refuses(knob):
             return Run(Record(**plain, status="cannot", message=f"step = {knob} s is too long"), None)
         if self.blows(knob):
