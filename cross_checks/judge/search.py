@@ -4,8 +4,8 @@ A run is worth the odds that it reaches a target from within WINDOW, less what i
 where no setting within the work limit has fair odds. Further runs follow only while the verdict is not settled: a
 finer one, halfway to the finest setting where a plateau or a limit of its own may hide the law. A method is classified
 as wrong only after a run plainly finer than all others, even beyond the work limit. Work is counted in steps, the same
-for every engine, so that the choice does not depend on how busy a machine is. Runs that are expected to compute for
-longer than MOST_SECONDS are not made either, but reported with their time.
+for every engine, so that the choice does not depend on how busy a machine is. A run that is expected to take more than
+MOST_SECONDS is not made either, but reported.
 """
 
 import math
@@ -96,9 +96,9 @@ class Search:
         """Return a verdict that time alone left open with the time that a finer run would take."""
         if judged.verdict is not Verdict.NOT_SHOWN or not self.good:
             return judged
-        finer = np.array([self.good[-1].knob / bounds.FINER[self.subject.kind]])
-        seconds = float(self.seconds(finer)[0])
-        if seconds <= bounds.MOST_SECONDS or finer[0] < self.subject.finest:
+        finer = self.good[-1].knob / bounds.FINER[self.subject.kind]
+        seconds = float(self.seconds(np.array([finer]))[0])
+        if seconds <= bounds.MOST_SECONDS or finer < self.subject.finest:
             return judged
         return judged._replace(reason=f"{judged.reason}; a finer run would take {seconds:.2g} s")
 

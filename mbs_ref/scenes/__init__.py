@@ -68,22 +68,17 @@ def make(name: str, **parameters: Any) -> Scene:
     except ValidationError as error:
         raise ValueError("; ".join(_sentence(name, item) for item in error.errors())) from None
     chosen = applicable(name, values)
-    if excluded := [key for key in parameters if key not in chosen]:
-        mark = _marks(name)[excluded[0]]
-        stated, other = f"{excluded[0]} = {parameters[excluded[0]]!r}", values[mark.parameter]
-        only = f"it belongs to {mark.parameter} = {mark.value!r}"
-        raise ValueError(f"{name}: {stated} does not go with {mark.parameter} = {other!r}: {only}")
+    for key in parameters.keys() - chosen.keys():
+        other, needed = _marks(name)[key]
+        stated = f"{name}: {key} = {parameters[key]!r} does not go with {other} = {values[other]!r}"
+        raise ValueError(f"{stated}: it belongs to {other} = {needed!r}")
     return builder(**chosen).model_copy(update={"parameters": chosen})
 
 
 def applicable(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
     """Return those of a scene's parameters that the others do not exclude."""
-    marks = _marks(name)
-    return {
-        key: value
-        for key, value in parameters.items()
-        if key not in marks or parameters[marks[key].parameter] == marks[key].value
-    }
+    excluded = {key for key, (other, needed) in _marks(name).items() if parameters[other] != needed}
+    return {key: value for key, value in parameters.items() if key not in excluded}
 
 
 def _marks(name: str) -> dict[str, OnlyWith]:

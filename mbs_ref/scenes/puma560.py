@@ -24,24 +24,21 @@ def puma560(*, rate: float = 1.0, acceleration: float = 1.0, gravity: NonNegativ
     """
     pose = np.radians(DATA["nominal_pose_deg"])
     frames = frames_at(pose)
-    bodies, joints, turning = [], [], np.zeros(3)
+    bodies, joints = [], []
     names = [GROUND, *(f"link{k}" for k in range(1, 7))]
     for k, link in enumerate(DATA["links"]):
         centre = frames[k + 1, :3] @ (*link["centre"], 1.0)
         axes, origins = frames[: k + 1, :3, 2], frames[: k + 1, :3, 3]
         rates = rate * PATTERN[: k + 1]
-        turning = rates @ axes
         bodies.append(
             SpatialBody(
                 name=names[k + 1], mass=link["mass"], inertia=(*link["inertia"], 0.0, 0.0, 0.0), position=tuple(centre),
-                orientation=tuple(from_matrix(frames[k + 1, :3, :3])), angular_velocity=tuple(turning),
+                orientation=tuple(from_matrix(frames[k + 1, :3, :3])), angular_velocity=tuple(rates @ axes),
                 velocity=tuple(rates @ np.cross(axes, centre - origins)),
             )
         )  # fmt: skip
         ends = {"body_a": names[k], "body_b": names[k + 1], "axis": tuple(axes[k])}
-        motion = Table(
-            times=(0.0, DURATION), values=tuple(PATTERN[k] * (rate + acceleration * t) for t in (0.0, DURATION))
-        )
+        motion = Table(times=(0.0, DURATION), values=(rates[k], rates[k] + acceleration * PATTERN[k] * DURATION))
         joints += [
             Revolute(name=f"joint{k + 1}", point=tuple(origins[k]), **ends),
             RotationDrive(name=f"drive{k + 1}", motion=motion, level="velocity", **ends),

@@ -144,16 +144,13 @@ def euler_disk(*, tilt: Annotated[float, Field(ge=2.0, le=85.0)] = 20.0, gravity
         angular_velocity=(-rate * sine * cosine, 0.0, rate * sine * sine),
     )  # fmt: skip
     return Scene(
-        name="euler_disk",
-        description=f"A thin disc at {tilt:g} degrees rolls round a circle; its centre rests.",
+        name="euler_disk", description=f"A thin disc at {tilt:g} degrees rolls round a circle; its centre rests.",
         source="Kessler, O'Reilly, Regular and Chaotic Dynamics 7 (2002) 49-60; Moffatt, Nature 404 (2000) 833-834",
-        duration=1.0,
-        gravity=(0.0, 0.0, -gravity),
-        bodies=(disc,),
+        duration=1.0, gravity=(0.0, 0.0, -gravity), bodies=(disc,),
         joints=(
             RollingWheel(name="ground", body="disc", point=centre, axis=axis, radius=radius, normal=(0.0, 0.0, 1.0)),
         ),
-    )
+    )  # fmt: skip
 
 
 def painleve_rod(
@@ -171,21 +168,17 @@ def painleve_rod(
     speed (m/s), contact stiffness (N/m), gravity (m/s^2).
     """
     half, lean = 0.5, math.radians(angle)  # m
-    end = (0.0, 0.0)
     rod = PlanarBody(
         name="rod", mass=1.0, inertia=half**2 / 3.0, velocity=(speed, 0.0), angle=math.pi - lean,
         position=(-half * math.cos(lean), half * math.sin(lean)),
     )  # fmt: skip
     return Scene(
-        name="painleve_rod",
-        description=f"A rod at {angle:g} degrees slides on its lower end.",
+        name="painleve_rod", description=f"A rod at {angle:g} degrees slides on its lower end.",
         source="Painleve, C. R. Acad. Sci. 121 (1895) 112-115; Genot, Brogliato, Eur. J. Mech. A 18 (1999) 653-677",
-        duration=0.1,
-        gravity=(0.0, -gravity),
-        bodies=(rod,),
+        duration=0.1, gravity=(0.0, -gravity), bodies=(rod,),
         contacts=(
             CircleOnLine(
-                name="ground", body_a="rod", center=end, radius=0.0, point_1=(0.0, 0.0), point_2=(1.0, 0.0),
+                name="ground", body_a="rod", center=(0.0, 0.0), radius=0.0, point_1=(0.0, 0.0), point_2=(1.0, 0.0),
                 law=SpringDamperLaw(stiffness=stiffness, damping=0.0),
                 friction=StickSlip(coefficient=friction, stiffness=stiffness),
             ),

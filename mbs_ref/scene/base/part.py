@@ -2,10 +2,9 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, NamedTuple, get_args
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo
@@ -27,8 +26,7 @@ class Role(Enum):
     END = "the name of a body, or ground"
 
 
-@dataclass(frozen=True)
-class OnlyWith:
+class OnlyWith(NamedTuple):
     """Marks a parameter of a scene's builder that only one value of another parameter has."""
 
     parameter: str
