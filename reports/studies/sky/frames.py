@@ -42,14 +42,12 @@ def frames() -> tuple[Row, ...]:
 
 def by_sgp4() -> tuple[Row, ...]:
     """Return by orbit how far (m) SGP4 departs from our run of the zonal field; nothing without its package."""
-    if find_spec("sgp4") is None:
-        return ()
-    rows, propagated = [], import_module("cross_checks.ephemerides.sgp4_").propagated
-    for orbit in ("leo", "sun_synchronous", "gps"):
+    rows: list[Row] = []
+    for orbit in ("leo", "sun_synchronous", "gps") if find_spec("sgp4") else ():
         scene = scenes.make("satellite", orbit=orbit, days=7.0, zonals=True)
         path = simulate(scene, Settings(rtol=1e-10, samples=1009, estimate="off"))
-        theirs = propagated(path.position[0, 1], path.velocity[0, 1], path.times)
-        apart = np.linalg.norm(theirs - path.position[:, 1], axis=1)
+        place, rate, sgp4_ = path.position[:, 1], path.velocity[0, 1], import_module("cross_checks.ephemerides.sgp4_")
+        apart = np.linalg.norm(sgp4_.propagated(place[0], rate, path.times) - place, axis=1)
         rows.append({"orbit": orbit} | {f"after_{hours}": float(apart[6 * hours]) for hours in (1, 24, 168)})
     return tuple(rows)
 
