@@ -31,7 +31,6 @@ def context(data: ReportData) -> dict[str, Any]:
         "busy": sum(is_busy(record) for record in ranked),
         "busy_share": f"{BUSY:.0%}",
         "most_steps": bounds.MOST_STEPS,
-        "most_seconds": f"{bounds.MOST_SECONDS:g}",
     }
 
 
