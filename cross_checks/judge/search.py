@@ -98,9 +98,8 @@ class Search:
             return judged
         finer = self.good[-1].knob / bounds.FINER[self.subject.kind]
         seconds = float(self.seconds(np.array([finer]))[0])
-        if seconds <= bounds.MOST_SECONDS or finer < self.subject.finest:
-            return judged
-        return judged._replace(reason=f"{judged.reason}; a finer run would take {seconds:.2g} s")
+        is_dear = seconds > bounds.MOST_SECONDS and finer >= self.subject.finest
+        return judged._replace(reason=f"{judged.reason}; a finer run would take {seconds:.2g} s") if is_dear else judged
 
     def _gaps(self) -> np.ndarray:
         good = self.good
@@ -207,7 +206,8 @@ class Search:
 
     def seconds(self, knobs: np.ndarray) -> np.ndarray:
         """Return how long the loops of settings are expected to take (n,), s: steps at the slowest pace so far."""
-        return self.steps(knobs) * max((point.seconds / max(point.steps, 1) for point in self.good), default=0.0)
+        known = self.steps(np.array([point.knob for point in self.good]))  # of a fixed step where none is reported, too
+        return self.steps(knobs) * max((p.seconds / n for p, n in zip(self.good, known, strict=True) if n), default=0.0)
 
     def _within_work(self, knobs: np.ndarray, allowance: float = 1.0) -> np.ndarray:
         """Return whether settings (n,) are within `allowance` times the limits on steps and seconds."""
