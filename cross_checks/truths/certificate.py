@@ -88,8 +88,10 @@ def read(file: Path) -> Certificate:
         certificate = Certificate(**json.loads(file.read_text()))
     except (ValueError, TypeError) as error:
         raise ValueError(f"{file} holds no certificate: {error}") from error
-    defaults = scenes.describe(certificate.scene).parameters if certificate.scene in scenes.names() else {}
-    return replace(certificate, parameters=defaults | certificate.parameters)
+    if certificate.scene not in scenes.names():
+        return certificate
+    full = scenes.describe(certificate.scene).parameters | certificate.parameters
+    return replace(certificate, parameters=scenes.applicable(certificate.scene, full))
 
 
 def every(folder: Path = FOLDER) -> list[Certificate]:

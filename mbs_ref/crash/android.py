@@ -17,7 +17,7 @@ from mbs_ref.crash.body_contacts import body_contacts
 from mbs_ref.crash.places import Places, Point, read_data
 from mbs_ref.crash.stops import joint_stops
 from mbs_ref.scene import GROUND, Scene
-from mbs_ref.scene.base.part import NonNegative
+from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative
 from mbs_ref.scene.contact import CircleOnLine, ConstraintLaw, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
 from mbs_ref.scene.signals import Constant, HalfSine, Signal, Table
 
@@ -57,12 +57,12 @@ class Crash:
     seat: Literal["fixed", "driven"] = "fixed"
     pulse: Literal["half_sine", "table"] = "half_sine"
     lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # m
-    slack: Annotated[float, Field(ge=0.0, le=0.2)] = BELIEVABLE["slack"]  # m
-    belt_limit: NonNegative = BELIEVABLE["belt_limit"]  # N
-    stops: bool = BELIEVABLE["stops"]
-    body_contacts: bool = BELIEVABLE["body_contacts"]
-    toe_board: bool = BELIEVABLE["toe_board"]
-    head_restraint: Restraint = BELIEVABLE["head_restraint"]
+    slack: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = BELIEVABLE["slack"]  # m
+    belt_limit: Annotated[NonNegative, BELIEVABLE_ONLY] = BELIEVABLE["belt_limit"]  # N
+    stops: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["stops"]
+    body_contacts: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["body_contacts"]
+    toe_board: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["toe_board"]
+    head_restraint: Annotated[Restraint, BELIEVABLE_ONLY] = BELIEVABLE["head_restraint"]
 
     def __post_init__(self) -> None:
         if self.model == "believable":

@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.part import OnlyWith
 from mbs_ref.scene.messages import suggest
 
 Parameter = float | int | str | bool
@@ -55,6 +56,7 @@ def describe(name: str) -> SceneInfo:
 def make(name: str, **parameters: Any) -> Scene:
     """Build a scene; ValueError names an unknown or invalid parameter, and the allowed ones.
 
+    A parameter that the others exclude is refused even where its value is the default.
     Every scene has the parameter start = "equilibrium", which places it at rest in a static equilibrium near its start
     (`at_equilibrium`).
     """
@@ -62,10 +64,27 @@ def make(name: str, **parameters: Any) -> Scene:
     if "start" in parameters and "start" not in describe(name).parameters:
         return _settled(name, **parameters)
     try:
-        chosen = _parameter_model(builder)(**parameters).model_dump()
+        values = _parameter_model(builder)(**parameters).model_dump()
     except ValidationError as error:
         raise ValueError("; ".join(_sentence(name, item) for item in error.errors())) from None
+    chosen = applicable(name, values)
+    for key in parameters.keys() - chosen.keys():
+        other, needed = _marks(name)[key]
+        stated = f"{name}: {key} = {parameters[key]!r} does not go with {other} = {values[other]!r}"
+        raise ValueError(f"{stated}: it belongs to {other} = {needed!r}")
     return builder(**chosen).model_copy(update={"parameters": chosen})
+
+
+def applicable(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
+    """Return those of a scene's parameters that the others do not exclude."""
+    excluded = {key for key, (other, needed) in _marks(name).items() if parameters[other] != needed}
+    return {key: value for key, value in parameters.items() if key not in excluded}
+
+
+def _marks(name: str) -> dict[str, OnlyWith]:
+    """Return by parameter which other value it belongs to."""
+    fields = _parameter_model(_builder(name)).model_fields
+    return {key: mark for key, field in fields.items() for mark in field.metadata if isinstance(mark, OnlyWith)}
 
 
 def _settled(name: str, start: str, **parameters: Any) -> Scene:

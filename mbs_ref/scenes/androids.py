@@ -8,7 +8,7 @@ from pydantic import Field
 from mbs_ref.crash.android import BELIEVABLE, Restraint, scene_builder
 from mbs_ref.crash.in_space import in_space
 from mbs_ref.scene import Scene
-from mbs_ref.scene.base.part import NonNegative
+from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative
 
 android_simplified = scene_builder(
     __name__,
@@ -36,12 +36,12 @@ def android_spatial(
     mass: Annotated[float, Field(ge=50.0, le=100.0)] = 75.0,
     belts: bool = True,
     law: Literal["progressive", "spring_damper"] = "progressive",
-    slack: Annotated[float, Field(ge=0.0, le=0.2)] = BELIEVABLE["slack"],
-    belt_limit: NonNegative = BELIEVABLE["belt_limit"],
-    stops: bool = BELIEVABLE["stops"],
-    body_contacts: bool = BELIEVABLE["body_contacts"],
-    toe_board: bool = BELIEVABLE["toe_board"],
-    head_restraint: Restraint = BELIEVABLE["head_restraint"],
+    slack: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = BELIEVABLE["slack"],
+    belt_limit: Annotated[NonNegative, BELIEVABLE_ONLY] = BELIEVABLE["belt_limit"],
+    stops: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["stops"],
+    body_contacts: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["body_contacts"],
+    toe_board: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["toe_board"],
+    head_restraint: Annotated[Restraint, BELIEVABLE_ONLY] = BELIEVABLE["head_restraint"],
 ) -> Scene:
     """Crash the simplified android in space, with ball joints, the pulse coming from straight ahead or obliquely.
 

@@ -1,9 +1,11 @@
-"""Round bodies on rough ground: a disc and a sphere that begin to roll, and an oblique impact."""
+"""Bodies that roll or slide on rough ground: discs, a sphere, Euler's disk and Painleve's rod."""
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
-from mbs_ref.scene import PlanarBody, Scene, SpatialBody
+from pydantic import Field
+
+from mbs_ref.scene import PlanarBody, RollingWheel, Scene, SpatialBody
 from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.bodies import sphere_inertia
 from mbs_ref.scene.contact import CircleOnLine, SphereOnPlane, SpringDamperLaw, StickSlip
@@ -120,6 +122,64 @@ def oblique_disc(
             CircleOnLine(
                 name="ground", body_a="disc", center=center, radius=RADIUS, point_1=(0.0, 0.0), point_2=(1.0, 0.0),
                 law=SpringDamperLaw(stiffness=stiffness, damping=damping),
+                friction=StickSlip(coefficient=friction, stiffness=stiffness),
+            ),
+        ),
+    )  # fmt: skip
+
+
+def euler_disk(*, tilt: Annotated[float, Field(ge=2.0, le=85.0)] = 20.0, gravity: Positive = 9.81) -> Scene:
+    """Roll a thin disc round a circle so that its centre rests: Euler's disk before it loses energy.
+
+    tilt (deg) of the disc from the ground, gravity (m/s^2). It precesses at sqrt(4 g/(r sin tilt)), and nothing slows
+    it: rolling resistance and air, which end the toy's motion, are left out.
+    """
+    bend, mass, radius = math.radians(tilt), 0.44, 0.0375  # kg and m of the toy
+    sine, cosine = math.sin(bend), math.cos(bend)
+    rate = math.sqrt(4.0 * gravity / (radius * sine))  # rad/s, of precession
+    centre, axis, across = (0.0, 0.0, radius * sine), (sine, 0.0, cosine), 0.25 * mass * radius**2
+    disc = SpatialBody(
+        name="disc", mass=mass, inertia=(across, across, 2.0 * across, 0.0, 0.0, 0.0), position=centre,
+        orientation=(math.cos(0.5 * bend), 0.0, math.sin(0.5 * bend), 0.0),
+        angular_velocity=(-rate * sine * cosine, 0.0, rate * sine * sine),
+    )  # fmt: skip
+    return Scene(
+        name="euler_disk", description=f"A thin disc at {tilt:g} degrees rolls round a circle; its centre rests.",
+        source="Kessler, O'Reilly, Regular and Chaotic Dynamics 7 (2002) 49-60; Moffatt, Nature 404 (2000) 833-834",
+        duration=1.0, gravity=(0.0, 0.0, -gravity), bodies=(disc,),
+        joints=(
+            RollingWheel(name="ground", body="disc", point=centre, axis=axis, radius=radius, normal=(0.0, 0.0, 1.0)),
+        ),
+    )  # fmt: skip
+
+
+def painleve_rod(
+    *,
+    friction: NonNegative = 1.2,
+    angle: Annotated[float, Field(ge=5.0, le=85.0)] = 60.0,
+    speed: Positive = 2.0,
+    stiffness: Positive = 1e7,
+    gravity: Positive = 9.81,
+) -> Scene:
+    """Push a uniform rod along rough ground, its lower end ahead: Painleve's paradox beyond a friction of 4/3.
+
+    Where p = 1 + 3 cos(angle) (cos(angle) - mu sin(angle)) is negative, rigid ground has no answer, and on springs the
+    force grows as exp(sqrt(-p k/m) t) until the rod sticks. friction (mu), angle (deg) of the rod from the ground,
+    speed (m/s), contact stiffness (N/m), gravity (m/s^2).
+    """
+    half, lean = 0.5, math.radians(angle)  # m
+    rod = PlanarBody(
+        name="rod", mass=1.0, inertia=half**2 / 3.0, velocity=(speed, 0.0), angle=math.pi - lean,
+        position=(-half * math.cos(lean), half * math.sin(lean)),
+    )  # fmt: skip
+    return Scene(
+        name="painleve_rod", description=f"A rod at {angle:g} degrees slides on its lower end.",
+        source="Painleve, C. R. Acad. Sci. 121 (1895) 112-115; Genot, Brogliato, Eur. J. Mech. A 18 (1999) 653-677",
+        duration=0.1, gravity=(0.0, -gravity), bodies=(rod,),
+        contacts=(
+            CircleOnLine(
+                name="ground", body_a="rod", center=(0.0, 0.0), radius=0.0, point_1=(0.0, 0.0), point_2=(1.0, 0.0),
+                law=SpringDamperLaw(stiffness=stiffness, damping=0.0),
                 friction=StickSlip(coefficient=friction, stiffness=stiffness),
             ),
         ),

@@ -11,9 +11,10 @@ from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter
 from cross_checks.truths.made_by.numerics.jet import Jet
 from cross_checks.truths.truth import EPS, Truth
 from mbs_ref.scene import Scene, SpatialBody, Universal
-from mbs_ref.scene.euler_parameters import from_axis_angle, rotation_matrices
+from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, rotation_matrices
 from mbs_ref.scenes.bricard import AXES, CORNERS
 from mbs_ref.scenes.linkages import LINKAGES, SWING
+from mbs_ref.scenes.puma560 import DATA, PATTERN, frames_at
 from mbs_ref.scenes.slider_cranks import PIVOT
 
 SIZES = {  # m: D, AB, BC, CD of four-bars; the rods of Peaucellier's cell
@@ -190,3 +191,14 @@ def spatial_slider_crank(scene: Scene, times: np.ndarray) -> Truth:
     sign = 1.0
     sign = float(np.sign(poses(jet.parameter(0.0))[1].value[1][:, 1] @ first))
     return agree_on(scene, poses, 0.0, float(scene.parameters["crank_speed"]), times, WAYS, is_costly=True)
+
+
+def puma560(scene: Scene, times: np.ndarray) -> Truth:
+    """Multiply the arm's Denavit-Hartenberg frames at the prescribed angles."""
+    rate, acceleration = float(scene.parameters["rate"]), float(scene.parameters["acceleration"])
+    turned = np.outer(rate * times + 0.5 * acceleration * times**2, PATTERN)
+    frames = np.array([frames_at(np.radians(DATA["nominal_pose_deg"]) + one)[1:] for one in turned])
+    centres = np.array([(*link["centre"], 1.0) for link in DATA["links"]])
+    error = 20.0 * EPS * (1.0 + float(np.abs(turned).max()))
+    orientation = np.array([[from_matrix(frame[:3, :3]) for frame in row] for row in frames])
+    return Truth(np.einsum("tbij,bj->tbi", frames, centres)[..., :3], orientation, error, "exact", "forward kinematics")

@@ -1,4 +1,4 @@
-"""Truths of tops: Euler's and Lagrange's, in Jacobi's elliptic functions."""
+"""Truths of tops: Euler's and Lagrange's, in Jacobi's elliptic functions, and Euler's disk."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -172,6 +172,19 @@ def _triad(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     second = second - first * (first @ second)
     second = second / np.sqrt(second @ second)
     return np.stack([first, second, np.cross(first, second)], axis=1)
+
+
+def euler_disk(scene: Scene, times: np.ndarray) -> Truth:
+    """Steady precession at sqrt(4 g/(r sin tilt)) about the vertical through the centre, which rests."""
+    wheel: Any = scene.joints[0]
+    bend = np.radians(float(scene.parameters["tilt"]))
+    rate = np.sqrt(4.0 * np.longdouble(scene.parameters["gravity"]) / (wheel.radius * np.sin(bend)))
+    full = 2 * np.arctan2(np.longdouble(0), np.longdouble(-1))
+    turned, spun = (np.remainder(w * times, full).astype(float) for w in (rate, -rate * np.cos(bend)))
+    leaning = product(from_axis_angle(Z, turned), from_axis_angle(Y, np.full(len(times), bend)))
+    poses = np.tile(scene.bodies[0].position, (len(times), 1, 1)), product(leaning, from_axis_angle(Z, spun))[:, None]
+    error = 2.0 * EPS * (1.0 + float(rate * times[-1]))
+    return Truth(*poses, error, "exact", "closed form: steady precession, nothing slips")
 
 
 TRUTHS = {"nesc_tumbling_brick": torque_free_top}

@@ -30,6 +30,7 @@ _PROTOTYPES: dict[str, tuple[Any, ...]] = {  # what is returned, then what is ta
     "IDASetMaxStep": (c_int, _OBJECT, c_double),
     "IDASetNonlinConvCoef": (c_int, _OBJECT, c_double),
     "IDASetLinearSolver": (c_int, _OBJECT, _OBJECT, _OBJECT),
+    "IDASetDeltaCjLSetup": (c_int, _OBJECT, c_double),
     "IDAGetDky": (c_int, _OBJECT, c_double, c_int, _OBJECT),
     "IDASetStopTime": (c_int, _OBJECT, c_double),
     "IDASolve": (c_int, _OBJECT, c_double, POINTER(c_double), _OBJECT, _OBJECT, c_int),

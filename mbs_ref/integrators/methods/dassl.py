@@ -32,6 +32,7 @@ NO_MPI = 0  # SUN_COMM_NULL
 PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass, remaining in its own row
 MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
+CJ_CHANGE = 0.5  # of alpha/h, (1 - r)/(1 + r) to its inverse: IDA's 0.25 makes a Jacobian at each doubling of h
 NEWTON_OF_RATES = 0.1  # of the tolerance, that Newton may leave at plain index 2: in C_dot it adds up to drift
 STOPPED = {  # IDA's return values, in words
     -1: ("too much work between outputs", Status.TOO_MANY_STEPS),
@@ -127,6 +128,7 @@ class _Ida:
         self._call("IDASetMaxNumSteps", options.max_steps)
         self._call("IDASetMaxStep", leg.longest)
         self._call("IDASetLinearSolver", objects.solver, objects.matrix)
+        self._call("IDASetDeltaCjLSetup", CJ_CHANGE)
 
     def _start(self, y: np.ndarray, t0: float, rows: int) -> None:
         """Fill consistent x and x' and mark what is differential."""

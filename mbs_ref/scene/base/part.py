@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from enum import Enum
 from functools import cache
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, NamedTuple, get_args
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo
@@ -24,6 +24,16 @@ class Role(Enum):
     DIRECTION = "a world direction at t = 0, of any length but zero"
     BODY = "the name of a body"
     END = "the name of a body, or ground"
+
+
+class OnlyWith(NamedTuple):
+    """Marks a parameter of a scene's builder that only one value of another parameter has."""
+
+    parameter: str
+    value: str
+
+
+BELIEVABLE_ONLY = OnlyWith("model", "believable")
 
 
 def _directed(value: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:

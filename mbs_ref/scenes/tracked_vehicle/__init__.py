@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Revolute, Scene, Torque
-from mbs_ref.scene.base.part import NonNegative, Positive
+from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, Contact, PinOnSprocket
 from mbs_ref.scene.signals import Table
 from mbs_ref.scenes.tracked_vehicle import running_gear as gear
@@ -33,9 +33,9 @@ def tracked_vehicle(
     torque: NonNegative = 2000.0,
     ramp: Positive = 0.5,
     gravity: Positive = 9.81,
-    wheel_friction: NonNegative = BELIEVABLE["wheel_friction"],
-    preload: NonNegative = BELIEVABLE["preload"],
-    start: Literal["equilibrium", "drawn"] = BELIEVABLE["start"],
+    wheel_friction: Annotated[NonNegative, BELIEVABLE_ONLY] = BELIEVABLE["wheel_friction"],
+    preload: Annotated[NonNegative, BELIEVABLE_ONLY] = BELIEVABLE["preload"],
+    start: Annotated[Literal["equilibrium", "drawn"], BELIEVABLE_ONLY] = BELIEVABLE["start"],
     suspension: bool = False,
     soil: Literal["hard", "dry_sand", "sandy_loam", "clay"] = "hard",
     ground: Literal["flat", "bump", "slope", "step"] = "flat",
@@ -44,7 +44,7 @@ def tracked_vehicle(
     """Drive a tracked vehicle by a torque ramp on its sprocket; a torque of 0 leaves it at rest.
 
     model: "paper" is the papers' bare one, without friction at the wheels, without preload, and started as it is drawn,
-    where nothing is in equilibrium; it allows no other values of these three. links (even; 30 is the small vehicle, 42
+    where nothing is in equilibrium; it refuses these three parameters. links (even; 30 is the small vehicle, 42
     with 7 rollers and 1 upper roller has the 54 bodies of the papers' kind), rollers below and above, contact law,
     torque (N m) between chassis and sprocket reached at the end of ramp (s), gravity (m/s^2). With law = "constraint"
     idler and rollers are held on the links while they touch; feet, which need friction, and teeth keep the progressive

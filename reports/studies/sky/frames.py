@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,18 @@ def frames() -> tuple[Row, ...]:
         return tuple(_rows(import_module("cross_checks.ephemerides.astropy_")))
     except ModuleNotFoundError:
         return ()
+
+
+def by_sgp4() -> tuple[Row, ...]:
+    """Return by orbit how far (m) SGP4 departs from our run of the zonal field; nothing without its package."""
+    rows: list[Row] = []
+    for orbit in ("leo", "sun_synchronous", "gps") if find_spec("sgp4") else ():
+        scene = scenes.make("satellite", orbit=orbit, days=7.0, zonals=True)
+        path = simulate(scene, Settings(rtol=1e-10, samples=1009, estimate="off"))
+        place, rate, sgp4_ = path.position[:, 1], path.velocity[0, 1], import_module("cross_checks.ephemerides.sgp4_")
+        apart = np.linalg.norm(sgp4_.propagated(place[0], rate, path.times) - place, axis=1)
+        rows.append({"orbit": orbit} | {f"after_{hours}": float(apart[6 * hours]) for hours in (1, 24, 168)})
+    return tuple(rows)
 
 
 def _rows(astropy: Any) -> Iterator[Row]:

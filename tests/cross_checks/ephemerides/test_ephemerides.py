@@ -11,7 +11,7 @@ import pytest
 
 from cross_checks import ephemerides
 from cross_checks.ephemerides import Observed, Unobserved, observe
-from mbs_ref import ephemeris, scenes
+from mbs_ref import Settings, ephemeris, scenes, simulate
 from mbs_ref.scene.celestial import AU_M, C_SI
 from mbs_ref.scenes import solar_system
 
@@ -107,3 +107,14 @@ def test_observations_are_of_unchanged_scenes_within_the_ephemeris():
     late = observe(scene, 1000 * 365.25 * 86400.0)
     assert isinstance(late, Unobserved)
     assert "DE440" in late.reason
+
+
+def test_sgp4_begins_at_the_state_and_departs_by_a_kilometre_a_day():
+    sgp4_ = pytest.importorskip("cross_checks.ephemerides.sgp4_", exc_type=ModuleNotFoundError)
+    path = simulate(scenes.make("satellite", zonals=True), Settings(rtol=1e-10, samples=25, estimate="off"))
+    place, rate = path.position[0, 1], path.velocity[0, 1]
+    apart = np.linalg.norm(sgp4_.propagated(place, rate, path.times) - path.position[:, 1], axis=1)
+    assert apart[0] < 1e-3  # m
+    assert 300.0 < apart[-1] < 3000.0
+    with pytest.raises(ValueError, match="SGP4 meets the state"):
+        sgp4_.propagated(place, 0.1 * rate, path.times)

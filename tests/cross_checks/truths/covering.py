@@ -122,7 +122,8 @@ def pairwise(choices: dict[str, list[Any]]) -> list[Row]:
 
 def variants(only: str | None = None) -> list[tuple[str, Row]]:
     """Return scene and parameters of the whole covering set, in a fixed order."""
-    return [(name, row) for name in scenes.names() if only in (None, name) for row in pairwise(values(name))]
+    named = [name for name in scenes.names() if only in (None, name)]
+    return [(name, scenes.applicable(name, row)) for name in named for row in pairwise(values(name))]
 
 
 def outcome(name: str, parameters: Row, t_end: float | None = None) -> Outcome:

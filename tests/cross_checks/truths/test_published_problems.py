@@ -10,6 +10,7 @@ from cross_checks.truths import truth_for
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
+from mbs_ref.scenes import puma560
 from mbs_ref.scenes.nesc import FOOT, SPIN
 from mbs_ref.scenes.nesc import R_MEAN as R_EARTH
 from mbs_ref.settings import Settings
@@ -89,3 +90,63 @@ def test_the_sphere_in_air_ends_where_nasas_simulators_say(spin):
         altitude = (np.linalg.norm(motion.position[-1, 1]) - R_EARTH) / FOOT
         apart = np.abs(altitude - np.array(NESC_ALTITUDES[spin]))
         assert np.all(apart < NESC_APART), apart
+
+
+# Published closed forms: Euler's disk, and the force of Painleve's rod (Genot and Brogliato 1999)
+@pytest.mark.parametrize("tilt", [20.0, 60.0])
+def test_eulers_disk_precesses_steadily_about_its_resting_centre(tilt):
+    scene = scenes.make("euler_disk", tilt=tilt)
+    truth, path = both(scene, SAMPLES, method="dop853", rtol=1e-10)
+    assert np.abs(path.position - truth.position).max() < 1e-11  # m
+    turned = np.abs(np.einsum("tbk,tbk->tb", path.orientation, truth.orientation))
+    assert np.abs(turned - 1.0).max() < 1e-12
+    rate = np.sqrt(4.0 * 9.81 / (0.0375 * np.sin(np.radians(tilt))))
+    assert path.angular_velocity[0, 0] @ (0.0, 0.0, 1.0) == pytest.approx(rate * np.sin(np.radians(tilt)) ** 2)
+
+
+@pytest.mark.parametrize(("friction", "p"), [(0.5, 1.75), (2.5, -1.25)])
+def test_the_force_on_painleves_rod_swings_or_grows_as_p_says(friction, p):
+    """On springs m d'' = m g - p k d: about the rigid force m g / p where p > 0, away from it else."""
+    scene = scenes.make("painleve_rod", friction=friction, angle=45.0)
+    rate = np.sqrt(abs(p) * scene.contacts[0].law.stiffness)  # 1/s, of 1 kg
+    times = np.linspace(0.0, 2.0 / rate, 21)
+    path = simulate(scene, Settings(rtol=1e-10, estimate="off"), times)
+    swing = 1.0 - np.cos(rate * times) if p > 0.0 else np.cosh(rate * times) - 1.0
+    assert path.contacts["ground"][:, 2] == pytest.approx(9.81 / abs(p) * swing, rel=2e-3, abs=1e-9)
+
+
+# Robotics Toolbox for Python, tests of its Puma560 at the nominal pose: gravload, coriolis at rates of PATTERN, without
+# friction, and itorque at accelerations of PATTERN, with rotors; N m, four decimals
+PUMA_GRAVITY = (0.0, 31.6399, 6.0351, 0.0, 0.0283, 0.0)
+PUMA_CORIOLIS = (
+    (-0.1735, -2.0494, -0.1178, -0.0002, -0.0045, 0.0001), (0.6274, 1.1572, 1.9287, -0.0015, -0.0003, 0.0),
+    (-0.3608, -0.7734, -0.0018, -0.0009, -0.0064, 0.0), (0.0011, 0.0005, -0.0001, 0.0002, 0.0002, -0.0001),
+    (-0.0002, 0.0028, 0.0046, -0.0002, 0.0, 0.0), (0.0001, 0.0, 0.0, 0.0, 0.0, 0.0),
+)  # fmt: skip
+PUMA_INERTIA = (3.1500, 9.4805, 3.6189, 0.1901, 0.3519, 0.5823)
+four_decimals = 5e-5  # N m
+
+
+def puma_torques(rate: float, acceleration: float) -> np.ndarray:
+    """Return what the drives give at t = 0 (6,), N m, less the share of the moment that was added to link 3."""
+    scene = scenes.make("puma560", rate=rate, acceleration=acceleration)
+    truth, path = both(scene, 11, rtol=1e-10)
+    assert np.abs(path.position - truth.position).max() < 1e-13  # m
+    frames = puma560.frames_at(np.radians(puma560.DATA["nominal_pose_deg"]))
+    axes, rates = frames[:6, :3, 2], rate * puma560.PATTERN
+    turning = rates[:3] @ axes[:3]
+    rising = acceleration * puma560.PATTERN[:3] @ axes[:3]
+    for k in range(1, 3):
+        rising += np.cross(rates[:k] @ axes[:k], rates[k] * axes[k])
+    added = puma560.DATA["links"][2]["inertia_added_zz"] * np.outer(frames[3, :3, 2], frames[3, :3, 2])
+    share = np.where(np.arange(6) < 3, axes @ (added @ rising + np.cross(turning, added @ turning)), 0.0)
+    return np.array([path.reactions[f"drive{k + 1}"][0, 3:] @ axes[k] for k in range(6)]) - share
+
+
+def test_the_drives_of_a_puma_give_the_published_torques():
+    gravity, moving, rising = puma_torques(0.0, 0.0), puma_torques(1.0, 0.0), puma_torques(0.0, 1.0)
+    rotors = np.array([link["rotor"] * link["gear"] ** 2 for link in puma560.DATA["links"]]) * puma560.PATTERN
+    assert np.abs(gravity - PUMA_GRAVITY).max() < four_decimals
+    assert np.abs(rising - gravity + rotors - PUMA_INERTIA).max() < four_decimals
+    rounded = four_decimals * puma560.PATTERN.sum()  # of the sum over six rates
+    assert np.abs(moving - gravity - np.array(PUMA_CORIOLIS) @ puma560.PATTERN).max() < rounded

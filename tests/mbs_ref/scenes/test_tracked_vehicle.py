@@ -164,7 +164,7 @@ def test_wheels_on_constraints_go_as_those_on_stiff_springs():
 @pytest.mark.parametrize(
     ("chosen", "words"),
     [({"law": "constraint"}, r"wheel_friction = 0\.4 must be 0 with law = 'constraint'"),
-     ({"model": "paper", "preload": 1.0}, r"preload = 1\.0 does not go with model = 'paper', which has 0\.0")],
+     ({"model": "paper", "start": "equilibrium"}, r"start = 'equilibrium' does not go with model = 'paper'")],
 )  # fmt: skip
 def test_choices_that_contradict_each_other_are_refused(chosen, words):
     with pytest.raises(ValueError, match=words):
