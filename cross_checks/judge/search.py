@@ -63,9 +63,8 @@ class Search(ABC):
     def reference_error(self, knob: float) -> float | None:
         """Return the error of a sound method of the same order at the same setting, of another package."""
 
-    @property
     def affordable(self) -> float:
-        """The steps of a run that is made for a target alone."""
+        """Return the most steps of a run that is made for a target alone."""
         return math.inf
 
     def seconds(self, steps: float) -> float | None:
@@ -129,7 +128,7 @@ class Search(ABC):
         `tries` counts the runs made for each target.
         """
         shown, knobs = self.shown(), self._candidates()
-        if shown is None or not len(knobs := knobs[self.steps(knobs) <= self.affordable]):
+        if shown is None or not len(knobs := knobs[self.steps(knobs) <= self.affordable()]):
             return None
         runs = self._odds_to_run(knobs)
         steps = np.log10(np.maximum(self.steps(knobs), 1.0))
@@ -285,7 +284,7 @@ class Search(ABC):
             wished = knobs > shown.ladder.settings[best]
         elif len(shown.ladder) > 1 and not follows:
             wished = knobs < math.sqrt(good.min() * good.max())
-        cheap = self.steps(knobs) <= self.affordable
+        cheap = self.steps(knobs) <= self.affordable()
         knobs = next((knobs[chosen] for chosen in (wished & cheap, cheap, wished) if chosen.any()), knobs)
         ends = [self.finest] if self.kind == "adaptive" else []  # a tolerance's steps are extrapolated
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array([*self.knobs, *ends]))).min(axis=1)

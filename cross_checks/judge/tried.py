@@ -80,9 +80,8 @@ class Tried(Search):
         cost = known.get("loop_s", 0.0) * min(known.get("cpu_share", 0.0), 1.0)
         return cost / made * steps if cost else None
 
-    @property
     def affordable(self) -> float:
-        """The steps of a run for a target alone: a power of two, so that small noise of times changes nothing."""
+        """Return the most steps of a run for a target alone: a power of two, so that noise of times changes little."""
         a_step, longest = self.seconds(1.0), self.runs.longest
         return 2.0 ** math.ceil(math.log2(longest / a_step)) if a_step and longest < math.inf else math.inf
 

@@ -1,10 +1,12 @@
 """mbs-ref check: the cross-validation table, and an exit code that stands for it."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import click
 
 from cross_checks.judge.answers import Answer, Question, answers, questions
+from cross_checks.judge.bounds import CHECKED
 from cross_checks.judge.cell import tasks
 from cross_checks.judge.vocabulary import Cell, Refused, refusals
 from cross_checks.truths.truth import Truth
@@ -33,7 +35,8 @@ def command(
 
     Where no truth is certified, unlike engines compute a consensus truth; answers are provisional until that is
     accurate enough. Runs are stored and never repeated; they use all processors, each in a process of its own: one
-    that hangs, crashes or eats memory costs its own cell. Any signal ends the command with what is known so far.
+    that hangs, crashes or eats memory costs its own cell. No run is made for a target alone that would compute for more
+    than 15 s; its cell states the time. Any signal ends the command with what is known so far.
     Exit code 1 where a method is wrong where it does not declare that it is known to be.
     """
     for option, given in (("-p", parameters), ("--keep", keep_rates)):
@@ -45,7 +48,8 @@ def command(
     interrupted = False
     try:
         with progress("check") as report, open_runs(selected, store, scheduler=scheduler) as runs:
-            for answer in answers(runs, wanted, progress=reporting(report, lambda: _best(known.values()))):
+            limited, shown = replace(runs, longest=CHECKED), reporting(report, lambda: _best(known.values()))
+            for answer in answers(limited, wanted, progress=shown):
                 known[answer.question] = answer
     except KeyboardInterrupt:
         interrupted = True

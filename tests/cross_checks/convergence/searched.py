@@ -26,7 +26,7 @@ FIRST_STEPS = 400  # of the first run with fixed steps
 class Searched(Search):
     """One synthetic method; errors are relative to the scene."""
 
-    why_no_truth, outputs, most_steps, affordable = "", OUTPUTS, MOST_STEPS, math.inf
+    why_no_truth, outputs, most_steps = "", OUTPUTS, MOST_STEPS
 
     def __init__(self, method: SyntheticMethod) -> None:
         super().__init__()
