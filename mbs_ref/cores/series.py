@@ -1,0 +1,112 @@
+"""Planar trees of revolute joints compiled for Taylor series."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from mbs_ref.cores.relative import RelativePlanarSystem, no_tree
+from mbs_ref.cores.system import System
+from mbs_ref.kernels.algebra.lanes import WIDTH, room_for_lanes
+from mbs_ref.kernels.relative.model import REVOLUTE, WELD
+from mbs_ref.kernels.relative.series import Series
+from mbs_ref.scene import PointMass, Revolute, Scene, TorsionSpring, Weld
+from mbs_ref.scene.traits import joined
+
+MAX_ORDER = 28
+
+
+def no_series(scene: Scene) -> Iterator[str]:
+    """Yield why Taylor series of a scene's motion are not available."""
+    if scene.dimension == 3:
+        yield "bodies move in space"
+        return
+    yield from no_tree(scene)
+    if not joined(scene)[1]:
+        yield "a body has no chain of joints to ground"
+    particles = {body.name for body in scene.bodies if isinstance(body, PointMass)}
+    for part in (*scene.joints, *scene.loads, *scene.contacts):
+        if isinstance(part, Weld) and not particles.isdisjoint(part.ends):
+            yield f"weld {part.name!r} holds a point mass"
+        elif not isinstance(part, Revolute | Weld | TorsionSpring):
+            yield f"{part.name!r} is a {getattr(part, 'type', 'contact')}"
+
+
+class Expansion:
+    """The tree of a system in relative coordinates, and the arrays of its series."""
+
+    def __init__(self, system: System) -> None:
+        self.tree: Any = system if isinstance(system, RelativePlanarSystem) else _tree_over(system)
+        plan, scene = self.tree.layout, system.scene
+        bodies, turned = [plan.body(i) for i in range(len(plan.kind))], np.flatnonzero(np.array(plan.kind) == REVOLUTE)
+        n, m = len(bodies), len(turned)
+        place, inertia = np.array([*(complex(*body.position) for body in bodies), 0.0]), np.zeros(m + 1)
+        turn, lever = np.full(n + 1, m), np.zeros((n + 1, m + 1), dtype=complex)  # by m angles, and by none
+        turn[turned] = np.arange(m)
+        for i, parent in enumerate(plan.parent):
+            is_welded, joint = plan.kind[i] == WELD, scene.joints[plan.joint[i]]
+            turn[i] = turn[parent] if is_welded else turn[i]
+            point = place[i] if is_welded else complex(*joint.mark("body_a"))
+            lever[i] = lever[parent]
+            lever[i, turn[parent]] += point - place[parent]
+            lever[i, turn[i]] += place[i] - point
+            inertia[turn[i]] += getattr(bodies[i], "inertia", 0.0)
+        lever = lever[:n, :m]
+        pushed = lever.conj().T * np.array([body.mass for body in bodies])  # (m, n)
+        coupling, weight = pushed @ lever, pushed.sum(axis=1) * complex(*scene.gravity)
+        own = 3 * np.array(plan.order)[turned] + 2
+        self.series = Series(
+            parent=turn[np.array(plan.parent, dtype=int)[turned]],
+            atol=np.arange(2 * m).reshape(2, m) if self.tree is system else np.array([own, own + 3 * n]),
+            coupling=_rows(np.stack((np.real(coupling.T), np.imag(coupling.T)), axis=1)),
+            inertia=_rows(inertia[:m]),
+            weight=_rows(np.array([np.real(weight), np.imag(weight)])),
+            **_springs(self.tree.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
+            **{name: room_for_lanes(*shape, -(-m // WIDTH)) for name, shape in SCRATCH.items()},
+            **{name: room_for_lanes(m, *shape, -(-m // WIDTH)) for name, shape in MATRICES.items()},
+        )
+
+
+ORDERS = MAX_ORDER + 2
+SCRATCH = {
+    "x": (ORDERS,), "rate": (ORDERS,), "arm": (ORDERS, 2), "push": (ORDERS, 2), "bend": (2,), "need": (),
+    "solution": (), "start": (2,), "end": (3,),
+}  # fmt: skip
+MATRICES = {"column": (2,), "turn": (2,), "inverse": (), "answer": (2,)}
+
+
+def _tree_over(system: Any) -> RelativePlanarSystem:
+    return RelativePlanarSystem(system.scene, system)
+
+
+def _rows(values: np.ndarray) -> np.ndarray:
+    """Return values (..., m) as rows of lanes (..., w, WIDTH), padded with zeros."""
+    *outer, m = values.shape
+    words = -(-m // WIDTH)
+    room = room_for_lanes(*outer, words)
+    room.reshape(*outer, words * WIDTH)[..., :m] = values
+    return room
+
+
+def _springs(system: Any, turn: np.ndarray, angles: list[float]) -> dict[str, np.ndarray]:
+    """Return the torques of torsion springs, linear in the angles and rates; `turn` (n + 1,) is ground's at last."""
+    springs, angle, m = system.groups.torsion_springs, np.append(angles, 0.0), turn[-1]
+    along = np.eye(m + 1)[turn[springs.b]] - np.eye(m + 1)[turn[springs.a]]
+    strain = angle[springs.b] - angle[springs.a] - springs.rest_angle
+    linear = (along[:, :m].T * factor @ along[:, :m] for factor in (springs.stiffness, springs.damping))
+    stiffness, damping = (_rows(matrix if len(strain) else matrix[:0]) for matrix in linear)
+    torque = _rows(-(springs.stiffness * strain) @ along[:, :m])
+    return {"stiffness": stiffness, "damping": damping, "torque": torque}
+
+
+_expansions: WeakKeyDictionary[System, Expansion] = WeakKeyDictionary()
+
+
+def expansion_of(system: System) -> Expansion:
+    """Return the expansion of a system, made at first use."""
+    if system not in _expansions:
+        _expansions[system] = Expansion(system)
+    return _expansions[system]

@@ -1,0 +1,102 @@
+"""Taylor series of variable order for small planar trees, whose derivatives follow by recurrences.
+
+The step makes the last two terms as large as the tolerance: A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99,
+sec. 3. Their order counts the p^2 products of a step alone; what a step and an order cost besides makes a higher order
+cheaper. No step is rejected. Outputs and events are values of the step's polynomial, so that neither shortens a step
+nor costs an expansion. The state is that of relative coordinates, in which joints are always closed.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mbs_ref.cores.series import MAX_ORDER, expansion_of, no_series
+from mbs_ref.integrators.loop import leg
+from mbs_ref.integrators.loop import step as stepping
+from mbs_ref.integrators.loop.events import KEEP, RETRY, event_tables, has_events, watch
+from mbs_ref.integrators.loop.exclusion import step_ends
+from mbs_ref.kernels.algebra.dense import all_finite
+from mbs_ref.kernels.jit import loop_jit
+from mbs_ref.kernels.relative.series import evaluate, expand, longest_step, start_at
+
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
+MIN_ORDER = 4
+PER_STEP, PER_ORDER = 150, 30  # products that cost as much as a step and an order do besides, measured on chains
+
+
+def order_of(rtol: float) -> int:
+    """Return the order p that costs least if the step is rtol^(1/p) of the radius of convergence."""
+    return min(range(MIN_ORDER, MAX_ORDER + 1), key=lambda p: (PER_STEP + PER_ORDER * p + p * p) * rtol ** (-1.0 / p))
+
+
+@loop_jit
+def advance_taylor(model, work, series, options, order, run, y, outputs):
+    """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
+    dy, y_new, dy_new = np.empty_like(y), np.empty_like(y), np.empty_like(y)
+    search, table = event_tables(model)
+    ends, is_new = step_ends(y, dy, y_new, dy_new), True
+    ends.known[:] = 1
+    budget, last = run.steps + options.chunk, outputs.times.shape[0] - 1
+    code = stepping.begin(model, work, run, y, dy, table, options.max_events)
+    while code == leg.RUNNING and run.steps < budget:
+        if is_new:
+            start_at(series, y)
+            expand(series, order)
+            run.rhs_calls += 1
+            run.h, is_new = longest_step(series, options.rtol, options.atol, order), False
+        attempt = stepping.next_attempt(0.0, run, outputs.times[last], False, search)
+        if stepping.stands_still(attempt):
+            return leg.STEP_TOO_SMALL
+        evaluate(series, order, attempt.h, y_new, dy_new)
+        if not all_finite(y_new):
+            return leg.NON_FINITE
+        verdict = KEEP
+        if has_events(table):
+            verdict = watch(model, work, attempt.t, attempt.h, ends, run, search, table)
+            if verdict == RETRY:
+                continue
+        while run.next_output < last and outputs.times[run.next_output] <= attempt.t_new:
+            evaluate(series, order, outputs.times[run.next_output] - attempt.t, outputs.states[run.next_output], dy)
+            run.next_output += 1
+        dy[:] = dy_new
+        code, is_new = stepping.accept(model, work, options, run, attempt, verdict, y, y_new, table, outputs), True
+    return code
+
+
+def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
+    """Advance a planar tree over one leg."""
+    own, order = expansion_of(system), order_of(options.rtol)
+    tree, is_full = own.tree, own.tree is not system
+    state = tree.reduced(y) if is_full else y
+
+    def chunk(outputs: leg.Outputs) -> int:
+        return advance_taylor(tree.model, tree.work, own.series, options, order, run, state, outputs)
+
+    ended = leg.run_chunks(chunk, options, run, state, times)
+    if is_full:
+        states = np.empty((len(times), len(y)))
+        states[: ended.reached] = tree.all_full(ended.states[: ended.reached])
+        ended.states, y[:] = states, tree.full(state)
+    return ended
+
+
+INTEGRATORS = (
+    leg.Integrator(
+        name="taylor",
+        kind="adaptive",
+        order=MAX_ORDER,
+        varies_order=True,
+        description="Taylor series of the order that suits the tolerance, adaptive, for small planar trees",
+        advance=advance,
+        stabilization="none",
+        stabilizations=("none",),
+        interpolates=True,
+        refusals=no_series,
+        ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13),
+        source="Jorba, Zou, Experimental Mathematics 14 (2005) 99",
+    ),
+)

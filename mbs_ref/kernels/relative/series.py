@@ -1,0 +1,225 @@
+"""Taylor series of a planar tree of revolute joints under gravity and torsion springs, in absolute angles x.
+
+With E_a = exp(i x_a) every centre of mass is a constant plus sum_a d_a E_a, d_a a complex constant, so that the
+principle of virtual work gives
+    I_a x_a'' + Im[conj(E_a) P_a] = t_a,  P_a = sum_b Z_ab E_b'' - G_a,
+    Z_ab = sum_i m_i conj(d_ia) d_ib,  G_a = g sum_i m_i conj(d_ia)
+Both products of series are local to a body; what couples bodies is constant. Coefficient k of E'' is B_k + i x_k'' E_0,
+where B_k is known. The coefficients x_k'' therefore solve linear systems with one matrix, the mass matrix at the start.
+Recurrences: A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99, sec. 2.
+
+Coefficients are rows of lanes (mbs_ref.kernels.algebra.lanes): WIDTH angles side by side, padded with zeros.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mbs_ref.kernels.algebra.lanes import (
+    in_every_lane,
+    in_lanes,
+    lanes_cos_sin,
+    larger_in_lanes,
+    largest_of_lanes,
+    size_in_lanes,
+)
+from mbs_ref.kernels.jit import bare, placed
+
+
+class Series(NamedTuple):
+    """A tree of m angles, then the scratch of a run. A row is (w, WIDTH), Re and Im two of them, a matrix m rows."""
+
+    parent: np.ndarray  # (m,) angle of the parent; m for ground
+    atol: np.ndarray  # (2, m) places in the absolute tolerances of the angle and its rate
+    coupling: np.ndarray  # (m, 2, row) kg m^2, Re and Im of Z_ab, a row a column b
+    inertia: np.ndarray  # (row) kg m^2
+    weight: np.ndarray  # (2, row) N m, G
+    stiffness: np.ndarray  # (m, row) N m/rad; of no rows where there is no spring
+    damping: np.ndarray  # likewise, N m s/rad
+    torque: np.ndarray  # (row) N m, of the springs at angle zero
+    x: np.ndarray  # (orders, row) coefficients of the angles
+    rate: np.ndarray  # (orders, row) of their rates
+    arm: np.ndarray  # (orders, 2, row) of E
+    push: np.ndarray  # (orders, 2, row) of P
+    bend: np.ndarray  # (2, row) B_k
+    need: np.ndarray  # (row) what x_k'' balances, but for B_k
+    solution: np.ndarray  # (row) x_k''
+    column: np.ndarray  # (m, 2, row) i Z_ab E_b
+    turn: np.ndarray  # (m, 2, row) Im[conj(E_a) Z_ab B_b] by Re and Im of B_b
+    inverse: np.ndarray  # (m, row) of the mass matrix
+    answer: np.ndarray  # (m, 2, row) inverse times turn
+    start: np.ndarray  # (2, row) angles and rates
+    end: np.ndarray  # (3, row) angles, rates and accelerations later in the step
+
+
+@bare
+def start_at(s, y):
+    """Let a step start at the state y of relative angles and their rates."""
+    m = s.parent.shape[0]
+    for a in range(m):
+        p = s.parent[a]
+        for c in range(2):
+            s.start[c, a >> 3, a & 7] = y[c * m + a] + (s.start[c, p >> 3, p & 7] if p < m else 0.0)
+
+
+@bare
+def evaluate(s, order, h, y, dy):
+    """Write the state and its rate at h (s) from the start."""
+    x, start, end, m = in_lanes(s.x), in_lanes(s.start), in_lanes(s.end), s.parent.shape[0]
+    for w in range(x.shape[1]):
+        rise = rate = acceleration = in_every_lane(0.0)
+        for k in range(order + 1, 1, -1):
+            acceleration = acceleration * h + (k * (k - 1.0)) * x[k, w]
+            rate = rate * h + k * x[k, w]
+            rise = rise * h + x[k, w]
+        end[0, w] = start[0, w] + h * (start[1, w] + h * rise)
+        end[1, w], end[2, w] = start[1, w] + h * rate, acceleration
+    for a in range(m):
+        p, lane = s.parent[a], a & 7
+        y[a], y[m + a], dy[m + a] = s.end[0, a >> 3, lane], s.end[1, a >> 3, lane], s.end[2, a >> 3, lane]
+        if p < m:
+            y[a] -= s.end[0, p >> 3, p & 7]
+            y[m + a] -= s.end[1, p >> 3, p & 7]
+            dy[m + a] -= s.end[2, p >> 3, p & 7]
+        dy[a] = y[m + a]
+
+
+@bare
+def longest_step(s, rtol, atol, order):
+    """Return the step (s) at which the last two terms of no angle and no rate exceed the tolerances."""
+    x, weight, step = in_lanes(s.x), in_lanes(s.end), np.inf
+    for a in range(s.parent.shape[0]):
+        for c in range(2):
+            s.end[c, a >> 3, a & 7] = 1.0 / (atol[s.atol[c, a]] + rtol * abs(s.start[c, a >> 3, a & 7]))
+    for k in range(order - 1, order + 1):
+        largest = in_every_lane(0.0)
+        for w in range(x.shape[1]):
+            largest = larger_in_lanes(size_in_lanes(x[k, w]) * weight[0, w], largest)
+            largest = larger_in_lanes(size_in_lanes((k + 1.0) * x[k + 1, w]) * weight[1, w], largest)
+        size = largest_of_lanes(largest)
+        if size > 0.0:
+            step = min(step, size ** (-1.0 / k))
+    return step
+
+
+@bare
+def expand(s, order):
+    """Fill the series of the angles up to `order` + 1 from angles and rates at the start."""
+    x, start, rate, arm = in_lanes(s.x), in_lanes(s.start), in_lanes(s.rate), in_lanes(s.arm)
+    push, bend, need, words, zero = (
+        in_lanes(s.push),
+        in_lanes(s.bend),
+        in_lanes(s.need),
+        s.x.shape[1],
+        in_every_lane(0.0),
+    )
+    for w in range(words):
+        x[0, w], rate[0, w] = start[0, w], start[1, w]
+    _begin(s)
+    for k in range(order):
+        for w in range(words):
+            x[k + 1, w] = rate[k, w] * (1.0 / (k + 1))
+            re, im, one, other = rate[0, w] * arm[k + 1, 1, w], rate[0, w] * arm[k + 1, 0, w], zero, zero
+            for j in range(1, k + 1):
+                re += rate[j, w] * arm[k + 1 - j, 1, w]
+                im += rate[j, w] * arm[k + 1 - j, 0, w]
+                one += arm[j, 0, w] * push[k - j, 1, w]
+                other += arm[j, 1, w] * push[k - j, 0, w]
+            bend[0, w], bend[1, w], need[w] = re * -(k + 1.0), im * (k + 1.0), other - one
+        if k == 0 or s.stiffness.shape[0] > 0:
+            _add_torques(s, k)
+        _advance(s, k)
+    for w in range(words):
+        x[order + 1, w] = rate[order, w] * (1.0 / (order + 1))
+
+
+@placed
+def _begin(s):
+    """Set E, E' and all matrices that hold at the start."""
+    x, rate, arm, coupling = in_lanes(s.x), in_lanes(s.rate), in_lanes(s.arm), in_lanes(s.coupling)
+    column, turn, inverse, answer = in_lanes(s.column), in_lanes(s.turn), in_lanes(s.inverse), in_lanes(s.answer)
+    count, words, zero = coupling.shape[0], x.shape[1], in_every_lane(0.0)
+    for w in range(words):
+        arm[0, 0, w], arm[0, 1, w] = lanes_cos_sin(x[0, w])
+        arm[1, 0, w], arm[1, 1, w] = -(rate[0, w] * arm[0, 1, w]), rate[0, w] * arm[0, 0, w]
+    for b in range(count):
+        c, s_b = s.arm[0, 0, b >> 3, b & 7], s.arm[0, 1, b >> 3, b & 7]
+        for w in range(words):
+            re, im, cos, sin = coupling[b, 0, w], coupling[b, 1, w], arm[0, 0, w], arm[0, 1, w]
+            column[b, 0, w], column[b, 1, w] = -(re * s_b + im * c), re * c - im * s_b
+            turn[b, 0, w], turn[b, 1, w] = cos * im - sin * re, cos * re + sin * im
+            inverse[b, w] = turn[b, 1, w] * c - turn[b, 0, w] * s_b
+        s.inverse[b, b >> 3, b & 7] += s.inertia[b >> 3, b & 7]
+    for b in range(count):
+        _eliminate(s.inverse, inverse, b, words)
+    for b in range(count):
+        for w in range(words):
+            re, im = zero, zero
+            for c in range(count):
+                re += s.turn[b, 0, c >> 3, c & 7] * inverse[c, w]
+                im += s.turn[b, 1, c >> 3, c & 7] * inverse[c, w]
+            answer[b, 0, w], answer[b, 1, w] = re, im
+
+
+@placed
+def _eliminate(floats, lanes, b, words):
+    """Exchange unknown b and its equation in a matrix (Gauss-Jordan), without pivots: mass matrices are definite."""
+    w, k = b >> 3, b & 7
+    pivot = 1.0 / floats[b, w, k]
+    floats[b, w, k] = 1.0
+    for u in range(words):
+        lanes[b, u] *= pivot
+    for a in range(lanes.shape[0]):
+        if a != b:
+            factor = floats[a, w, k]
+            floats[a, w, k] = 0.0
+            for u in range(words):
+                lanes[a, u] -= factor * lanes[b, u]
+
+
+@placed
+def _add_torques(s, k):
+    """Add coefficient k of the torques of weights and springs to what x'' has to balance."""
+    need, arm, torque, weight = in_lanes(s.need), in_lanes(s.arm), in_lanes(s.torque), in_lanes(s.weight)
+    stiffness, damping = in_lanes(s.stiffness), in_lanes(s.damping)
+    for w in range(need.shape[0]):
+        total = need[w]
+        if k == 0:
+            total += torque[w] + (arm[0, 0, w] * weight[1, w] - arm[0, 1, w] * weight[0, w])
+        for b in range(stiffness.shape[0]):
+            total -= stiffness[b, w] * s.x[k, b >> 3, b & 7] + damping[b, w] * s.rate[k, b >> 3, b & 7]
+        need[w] = total
+
+
+@placed
+def _advance(s, k):
+    """Solve for coefficient k of x''; set those of P, of the rates and of E that follow."""
+    rate, arm, push, bend, weight = (
+        in_lanes(s.rate), in_lanes(s.arm), in_lanes(s.push), in_lanes(s.bend), in_lanes(s.weight)
+    )  # fmt: skip
+    coupling, column, inverse = in_lanes(s.coupling), in_lanes(s.column), in_lanes(s.inverse)
+    answer, solution, zero = in_lanes(s.answer), in_lanes(s.solution), in_every_lane(0.0)
+    scale, count = 1.0 / (k + 1), coupling.shape[0]
+    lead = scale / (k + 2.0)
+    for w in range(solution.shape[0]):
+        a, left, right = zero, zero, zero
+        re, im = (-weight[0, w], -weight[1, w]) if k == 0 else (zero, zero)
+        for b in range(count):
+            p, q = s.bend[0, b >> 3, b & 7], s.bend[1, b >> 3, b & 7]
+            a += inverse[b, w] * s.need[b >> 3, b & 7]
+            left += answer[b, 0, w] * p
+            right += answer[b, 1, w] * q
+            re += coupling[b, 0, w] * p - coupling[b, 1, w] * q
+            im += coupling[b, 0, w] * q + coupling[b, 1, w] * p
+        a -= left + right
+        solution[w], rate[k + 1, w] = a, a * scale
+        push[k, 0, w], push[k, 1, w] = re, im
+        arm[k + 2, 0, w] = (bend[0, w] - a * arm[0, 1, w]) * lead
+        arm[k + 2, 1, w] = (bend[1, w] + a * arm[0, 0, w]) * lead
+    for w in range(solution.shape[0]):
+        re, im = push[k, 0, w], push[k, 1, w]
+        for b in range(count):
+            a = s.solution[b >> 3, b & 7]
+            re += column[b, 0, w] * a
+            im += column[b, 1, w] * a
+        push[k, 0, w], push[k, 1, w] = re, im
