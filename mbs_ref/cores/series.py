@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -17,6 +16,11 @@ from mbs_ref.scene import PointMass, Revolute, Scene, TorsionSpring, Weld
 from mbs_ref.scene.traits import joined
 
 MAX_ORDER = 28
+ORDERS = MAX_ORDER + 2
+SCRATCH = {  # shapes of rows (mbs_ref.kernels.relative.series)
+    "x": (ORDERS,), "rate": (ORDERS,), "arm": (ORDERS, 2), "push": (ORDERS, 2), "bend": (2,), "need": (),
+    "solution": (), "start": (2,), "end": (3,),
+}  # fmt: skip
 
 
 def no_series(scene: Scene) -> Iterator[str]:
@@ -42,7 +46,7 @@ class Expansion:
         self.tree: Any = system if isinstance(system, RelativePlanarSystem) else _tree_over(system)
         plan, scene = self.tree.layout, system.scene
         bodies, turned = [plan.body(i) for i in range(len(plan.kind))], np.flatnonzero(np.array(plan.kind) == REVOLUTE)
-        n, m = len(bodies), len(turned)
+        n, m, words = len(bodies), len(turned), -(-len(turned) // WIDTH)
         place, inertia = np.array([*(complex(*body.position) for body in bodies), 0.0]), np.zeros(m + 1)
         turn, lever = np.full(n + 1, m), np.zeros((n + 1, m + 1), dtype=complex)  # by m angles, and by none
         turn[turned] = np.arange(m)
@@ -65,17 +69,10 @@ class Expansion:
             inertia=_rows(inertia[:m]),
             weight=_rows(np.array([np.real(weight), np.imag(weight)])),
             **_springs(self.tree.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
-            **{name: room_for_lanes(*shape, -(-m // WIDTH)) for name, shape in SCRATCH.items()},
-            **{name: room_for_lanes(m, *shape, -(-m // WIDTH)) for name, shape in MATRICES.items()},
+            **{name: room_for_lanes(*shape, words) for name, shape in SCRATCH.items()},
+            column=room_for_lanes(m, 2, words),
+            inverse=room_for_lanes(m, words),
         )
-
-
-ORDERS = MAX_ORDER + 2
-SCRATCH = {
-    "x": (ORDERS,), "rate": (ORDERS,), "arm": (ORDERS, 2), "push": (ORDERS, 2), "bend": (2,), "need": (),
-    "solution": (), "start": (2,), "end": (3,),
-}  # fmt: skip
-MATRICES = {"column": (2,), "turn": (2,), "inverse": (), "answer": (2,)}
 
 
 def _tree_over(system: Any) -> RelativePlanarSystem:
@@ -102,11 +99,7 @@ def _springs(system: Any, turn: np.ndarray, angles: list[float]) -> dict[str, np
     return {"stiffness": stiffness, "damping": damping, "torque": torque}
 
 
-_expansions: WeakKeyDictionary[System, Expansion] = WeakKeyDictionary()
-
-
 def expansion_of(system: System) -> Expansion:
     """Return the expansion of a system, made at first use."""
-    if system not in _expansions:
-        _expansions[system] = Expansion(system)
-    return _expansions[system]
+    system.expansion = system.expansion or Expansion(system)
+    return system.expansion

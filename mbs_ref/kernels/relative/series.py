@@ -42,12 +42,10 @@ class Series(NamedTuple):
     arm: np.ndarray  # (orders, 2, row) of E
     push: np.ndarray  # (orders, 2, row) of P
     bend: np.ndarray  # (2, row) B_k
-    need: np.ndarray  # (row) what x_k'' balances, but for B_k
+    need: np.ndarray  # (row) torque that x_k'' balances
     solution: np.ndarray  # (row) x_k''
     column: np.ndarray  # (m, 2, row) i Z_ab E_b
-    turn: np.ndarray  # (m, 2, row) Im[conj(E_a) Z_ab B_b] by Re and Im of B_b
     inverse: np.ndarray  # (m, row) of the mass matrix
-    answer: np.ndarray  # (m, 2, row) inverse times turn
     start: np.ndarray  # (2, row) angles and rates
     end: np.ndarray  # (3, row) angles, rates and accelerations later in the step
 
@@ -106,119 +104,91 @@ def longest_step(s, rtol, atol, order):
 def expand(s, order):
     """Fill the series of the angles up to `order` + 1 from angles and rates at the start."""
     x, start, rate, arm = in_lanes(s.x), in_lanes(s.start), in_lanes(s.rate), in_lanes(s.arm)
-    push, bend, need, words, zero = (
-        in_lanes(s.push),
-        in_lanes(s.bend),
-        in_lanes(s.need),
-        s.x.shape[1],
-        in_every_lane(0.0),
-    )
+    bend, words, zero = in_lanes(s.bend), s.x.shape[1], in_every_lane(0.0)
     for w in range(words):
         x[0, w], rate[0, w] = start[0, w], start[1, w]
-    _begin(s)
+        arm[0, 0, w], arm[0, 1, w] = lanes_cos_sin(x[0, w])
+        arm[1, 0, w], arm[1, 1, w] = -(rate[0, w] * arm[0, 1, w]), rate[0, w] * arm[0, 0, w]
+    _invert(s)
     for k in range(order):
         for w in range(words):
             x[k + 1, w] = rate[k, w] * (1.0 / (k + 1))
-            re, im, one, other = rate[0, w] * arm[k + 1, 1, w], rate[0, w] * arm[k + 1, 0, w], zero, zero
-            for j in range(1, k + 1):
+            re, im = zero, zero
+            for j in range(k + 1):
                 re += rate[j, w] * arm[k + 1 - j, 1, w]
                 im += rate[j, w] * arm[k + 1 - j, 0, w]
-                one += arm[j, 0, w] * push[k - j, 1, w]
-                other += arm[j, 1, w] * push[k - j, 0, w]
-            bend[0, w], bend[1, w], need[w] = re * -(k + 1.0), im * (k + 1.0), other - one
-        if k == 0 or s.stiffness.shape[0] > 0:
-            _add_torques(s, k)
+            bend[0, w], bend[1, w] = re * -(k + 1.0), im * (k + 1.0)
+        _balance(s, k)
         _advance(s, k)
     for w in range(words):
         x[order + 1, w] = rate[order, w] * (1.0 / (order + 1))
 
 
 @placed
-def _begin(s):
-    """Set E, E' and all matrices that hold at the start."""
-    x, rate, arm, coupling = in_lanes(s.x), in_lanes(s.rate), in_lanes(s.arm), in_lanes(s.coupling)
-    column, turn, inverse, answer = in_lanes(s.column), in_lanes(s.turn), in_lanes(s.inverse), in_lanes(s.answer)
-    count, words, zero = coupling.shape[0], x.shape[1], in_every_lane(0.0)
-    for w in range(words):
-        arm[0, 0, w], arm[0, 1, w] = lanes_cos_sin(x[0, w])
-        arm[1, 0, w], arm[1, 1, w] = -(rate[0, w] * arm[0, 1, w]), rate[0, w] * arm[0, 0, w]
+def _invert(s):
+    """Set the columns i Z_ab E_b, and invert the mass matrix without pivots (Gauss-Jordan): it is definite."""
+    arm, coupling, column, inverse = in_lanes(s.arm), in_lanes(s.coupling), in_lanes(s.column), in_lanes(s.inverse)
+    count, words = inverse.shape
     for b in range(count):
-        c, s_b = s.arm[0, 0, b >> 3, b & 7], s.arm[0, 1, b >> 3, b & 7]
+        cos, sin = s.arm[0, 0, b >> 3, b & 7], s.arm[0, 1, b >> 3, b & 7]
         for w in range(words):
-            re, im, cos, sin = coupling[b, 0, w], coupling[b, 1, w], arm[0, 0, w], arm[0, 1, w]
-            column[b, 0, w], column[b, 1, w] = -(re * s_b + im * c), re * c - im * s_b
-            turn[b, 0, w], turn[b, 1, w] = cos * im - sin * re, cos * re + sin * im
-            inverse[b, w] = turn[b, 1, w] * c - turn[b, 0, w] * s_b
+            re, im = coupling[b, 0, w], coupling[b, 1, w]
+            column[b, 0, w], column[b, 1, w] = -(re * sin + im * cos), re * cos - im * sin
+            inverse[b, w] = arm[0, 0, w] * column[b, 1, w] - arm[0, 1, w] * column[b, 0, w]
         s.inverse[b, b >> 3, b & 7] += s.inertia[b >> 3, b & 7]
     for b in range(count):
-        _eliminate(s.inverse, inverse, b, words)
-    for b in range(count):
+        place, lane = b >> 3, b & 7
+        pivot = 1.0 / s.inverse[b, place, lane]
+        s.inverse[b, place, lane] = 1.0
         for w in range(words):
-            re, im = zero, zero
-            for c in range(count):
-                re += s.turn[b, 0, c >> 3, c & 7] * inverse[c, w]
-                im += s.turn[b, 1, c >> 3, c & 7] * inverse[c, w]
-            answer[b, 0, w], answer[b, 1, w] = re, im
+            inverse[b, w] *= pivot
+        for a in range(count):
+            if a != b:
+                factor = s.inverse[a, place, lane]
+                s.inverse[a, place, lane] = 0.0
+                for w in range(words):
+                    inverse[a, w] -= factor * inverse[b, w]
 
 
 @placed
-def _eliminate(floats, lanes, b, words):
-    """Exchange unknown b and its equation in a matrix (Gauss-Jordan), without pivots: mass matrices are definite."""
-    w, k = b >> 3, b & 7
-    pivot = 1.0 / floats[b, w, k]
-    floats[b, w, k] = 1.0
-    for u in range(words):
-        lanes[b, u] *= pivot
-    for a in range(lanes.shape[0]):
-        if a != b:
-            factor = floats[a, w, k]
-            floats[a, w, k] = 0.0
-            for u in range(words):
-                lanes[a, u] -= factor * lanes[b, u]
-
-
-@placed
-def _add_torques(s, k):
-    """Add coefficient k of the torques of weights and springs to what x'' has to balance."""
-    need, arm, torque, weight = in_lanes(s.need), in_lanes(s.arm), in_lanes(s.torque), in_lanes(s.weight)
+def _balance(s, k):
+    """Set coefficient k of P without x'', and the torque that is left to x''."""
+    arm, push, need, torque = in_lanes(s.arm), in_lanes(s.push), in_lanes(s.need), in_lanes(s.torque)
+    weight, coupling, zero = in_lanes(s.weight), in_lanes(s.coupling), in_every_lane(0.0)
     stiffness, damping = in_lanes(s.stiffness), in_lanes(s.damping)
     for w in range(need.shape[0]):
-        total = need[w]
-        if k == 0:
-            total += torque[w] + (arm[0, 0, w] * weight[1, w] - arm[0, 1, w] * weight[0, w])
+        re, im, left = (-weight[0, w], -weight[1, w], torque[w]) if k == 0 else (zero, zero, zero)
+        for b in range(coupling.shape[0]):
+            p, q = s.bend[0, b >> 3, b & 7], s.bend[1, b >> 3, b & 7]
+            re += coupling[b, 0, w] * p - coupling[b, 1, w] * q
+            im += coupling[b, 0, w] * q + coupling[b, 1, w] * p
+        push[k, 0, w], push[k, 1, w] = re, im
         for b in range(stiffness.shape[0]):
-            total -= stiffness[b, w] * s.x[k, b >> 3, b & 7] + damping[b, w] * s.rate[k, b >> 3, b & 7]
-        need[w] = total
+            left -= stiffness[b, w] * s.x[k, b >> 3, b & 7] + damping[b, w] * s.rate[k, b >> 3, b & 7]
+        right = zero
+        for j in range(k + 1):
+            left += arm[j, 1, w] * push[k - j, 0, w]
+            right += arm[j, 0, w] * push[k - j, 1, w]
+        need[w] = left - right
 
 
 @placed
 def _advance(s, k):
-    """Solve for coefficient k of x''; set those of P, of the rates and of E that follow."""
-    rate, arm, push, bend, weight = (
-        in_lanes(s.rate), in_lanes(s.arm), in_lanes(s.push), in_lanes(s.bend), in_lanes(s.weight)
-    )  # fmt: skip
-    coupling, column, inverse = in_lanes(s.coupling), in_lanes(s.column), in_lanes(s.inverse)
-    answer, solution, zero = in_lanes(s.answer), in_lanes(s.solution), in_every_lane(0.0)
-    scale, count = 1.0 / (k + 1), coupling.shape[0]
+    """Solve for coefficient k of x''; set those of the rates and of E that follow, and complete that of P."""
+    rate, arm, push, bend = in_lanes(s.rate), in_lanes(s.arm), in_lanes(s.push), in_lanes(s.bend)
+    column, inverse, solution = in_lanes(s.column), in_lanes(s.inverse), in_lanes(s.solution)
+    scale = 1.0 / (k + 1)
     lead = scale / (k + 2.0)
     for w in range(solution.shape[0]):
-        a, left, right = zero, zero, zero
-        re, im = (-weight[0, w], -weight[1, w]) if k == 0 else (zero, zero)
-        for b in range(count):
-            p, q = s.bend[0, b >> 3, b & 7], s.bend[1, b >> 3, b & 7]
+        a = in_every_lane(0.0)
+        for b in range(inverse.shape[0]):
             a += inverse[b, w] * s.need[b >> 3, b & 7]
-            left += answer[b, 0, w] * p
-            right += answer[b, 1, w] * q
-            re += coupling[b, 0, w] * p - coupling[b, 1, w] * q
-            im += coupling[b, 0, w] * q + coupling[b, 1, w] * p
-        a -= left + right
         solution[w], rate[k + 1, w] = a, a * scale
-        push[k, 0, w], push[k, 1, w] = re, im
         arm[k + 2, 0, w] = (bend[0, w] - a * arm[0, 1, w]) * lead
         arm[k + 2, 1, w] = (bend[1, w] + a * arm[0, 0, w]) * lead
     for w in range(solution.shape[0]):
         re, im = push[k, 0, w], push[k, 1, w]
-        for b in range(count):
+        for b in range(inverse.shape[0]):
             a = s.solution[b >> 3, b & 7]
             re += column[b, 0, w] * a
             im += column[b, 1, w] * a
