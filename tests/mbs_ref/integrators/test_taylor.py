@@ -12,7 +12,8 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.series import expansion_of
 from mbs_ref.integrators.methods.taylor import order_of
 from mbs_ref.kernels.relative.series import evaluate, expand, start_at
-from mbs_ref.scene import CoordinateEvent, PlanarBody, PointMass, Revolute, Scene, TorsionSpring, Weld
+from mbs_ref.scene import PlanarBody, PointMass, Revolute, Scene, TorsionSpring, Weld
+from mbs_ref.scene.events import CoordinateEvent
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status
