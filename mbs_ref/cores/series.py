@@ -9,18 +9,15 @@ import numpy as np
 
 from mbs_ref.cores.relative import RelativePlanarSystem, no_tree
 from mbs_ref.cores.system import System
-from mbs_ref.kernels.algebra.lanes import WIDTH, room_for_lanes
+from mbs_ref.kernels.algebra.lanes import WIDTH, aligned
+from mbs_ref.kernels.border.groups import empty
+from mbs_ref.kernels.border.handles import make_handle
 from mbs_ref.kernels.relative.model import REVOLUTE, WELD
-from mbs_ref.kernels.relative.series import Series
+from mbs_ref.kernels.relative.series import Expanded, Series, SeriesGroups
 from mbs_ref.scene import PointMass, Revolute, Scene, TorsionSpring, Weld
 from mbs_ref.scene.traits import joined
 
 MAX_ORDER = 28
-ORDERS = MAX_ORDER + 2
-SCRATCH = {  # shapes of rows (mbs_ref.kernels.relative.series)
-    "x": (ORDERS,), "rate": (ORDERS,), "arm": (ORDERS, 2), "push": (ORDERS, 2), "bend": (2,), "need": (),
-    "solution": (), "start": (2,), "end": (3,),
-}  # fmt: skip
 
 
 def no_series(scene: Scene) -> Iterator[str]:
@@ -46,7 +43,7 @@ class Expansion:
         self.tree: Any = system if isinstance(system, RelativePlanarSystem) else _tree_over(system)
         plan, scene = self.tree.layout, system.scene
         bodies, turned = [plan.body(i) for i in range(len(plan.kind))], np.flatnonzero(np.array(plan.kind) == REVOLUTE)
-        n, m, words = len(bodies), len(turned), -(-len(turned) // WIDTH)
+        n, m = len(bodies), len(turned)
         place, inertia = np.array([*(complex(*body.position) for body in bodies), 0.0]), np.zeros(m + 1)
         turn, lever = np.full(n + 1, m), np.zeros((n + 1, m + 1), dtype=complex)  # by m angles, and by none
         turn[turned] = np.arange(m)
@@ -62,30 +59,38 @@ class Expansion:
         pushed = lever.conj().T * np.array([body.mass for body in bodies])  # (m, n)
         coupling, weight = pushed @ lever, pushed.sum(axis=1) * complex(*scene.gravity)
         own = 3 * np.array(plan.order)[turned] + 2
-        self.series = Series(
-            parent=turn[np.array(plan.parent, dtype=int)[turned]],
-            atol=np.arange(2 * m).reshape(2, m) if self.tree is system else np.array([own, own + 3 * n]),
-            coupling=_rows(np.stack((np.real(coupling.T), np.imag(coupling.T)), axis=1)),
-            inertia=_rows(inertia[:m]),
-            weight=_rows(np.array([np.real(weight), np.imag(weight)])),
-            **_springs(self.tree.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
-            **{name: room_for_lanes(*shape, words) for name, shape in SCRATCH.items()},
-            column=room_for_lanes(m, 2, words),
-            inverse=room_for_lanes(m, words),
+        lengths = {"m": m, "w": -(-m // WIDTH), "WIDTH": WIDTH, "orders": MAX_ORDER + 2}
+        self.series = _aligned(
+            empty(Series, **lengths)._replace(
+                parent=turn[np.array(plan.parent, dtype=int)[turned]],
+                tolerance=np.arange(2 * m).reshape(2, m) if self.tree is system else np.array([own, own + 3 * n]),
+                coupling=_rows(np.stack((np.real(coupling.T), np.imag(coupling.T)), axis=1)),
+                inertia=_rows(inertia[:m]),
+                weight=_rows(np.array([np.real(weight), np.imag(weight)])),
+                **_springs(self.tree.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
+            )
         )
+        self._groups = SeriesGroups(self.series)
+        self._handle = make_handle(self._groups)
+        self.handle = Expanded(self._handle.ctypes.data)
 
 
 def _tree_over(system: Any) -> RelativePlanarSystem:
     return RelativePlanarSystem(system.scene, system)
 
 
+def _aligned(given: Any) -> Any:
+    """Return the arrays at places where packed instructions may load and store."""
+    return Series(*(part if part.dtype == np.int64 else aligned(part) for part in given))
+
+
 def _rows(values: np.ndarray) -> np.ndarray:
     """Return values (..., m) as rows of lanes (..., w, WIDTH), padded with zeros."""
     *outer, m = values.shape
     words = -(-m // WIDTH)
-    room = room_for_lanes(*outer, words)
-    room.reshape(*outer, words * WIDTH)[..., :m] = values
-    return room
+    room = np.zeros((*outer, words * WIDTH))
+    room[..., :m] = values
+    return room.reshape(*outer, words, WIDTH)
 
 
 def _springs(system: Any, turn: np.ndarray, angles: list[float]) -> dict[str, np.ndarray]:

@@ -12,8 +12,9 @@ from mbs_ref.kernels.relative.series import evaluate, expand, longest_step, star
 
 
 @loop_jit
-def advance_taylor(model, work, series, options, order, run, y, outputs):
+def advance_taylor(model, work, expanded, options, order, run, y, outputs):
     """Advance y through the output times, in place; return a status code (RUNNING when the chunk is used up)."""
+    series = expanded.series
     dy, y_new, dy_new = np.empty_like(y), np.empty_like(y), np.empty_like(y)
     search, table = event_tables(model)
     ends, is_new = step_ends(y, dy, y_new, dy_new), True

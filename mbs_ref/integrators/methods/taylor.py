@@ -8,6 +8,7 @@ nor costs an expansion. The state is that of relative coordinates, in which join
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,7 @@ MIN_ORDER = 4
 PER_STEP, PER_ORDER = 150, 30  # products that cost as much as a step and an order do besides, measured on chains
 
 
+@cache
 def order_of(rtol: float) -> int:
     """Return the order p that costs least if the step is rtol^(1/p) of the radius of convergence."""
     return min(range(MIN_ORDER, MAX_ORDER + 1), key=lambda p: (PER_STEP + PER_ORDER * p + p * p) * rtol ** (-1.0 / p))
@@ -35,7 +37,7 @@ def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarr
     state = tree.reduced(y) if is_full else y
 
     def chunk(outputs: leg.Outputs) -> int:
-        return advance_taylor(tree.model, tree.work, own.series, options, order, run, state, outputs)
+        return advance_taylor(tree.model, tree.work, own.handle, options, order, run, state, outputs)
 
     ended = leg.run_chunks(chunk, options, run, state, times)
     if is_full:

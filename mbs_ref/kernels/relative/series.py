@@ -11,11 +11,12 @@ Recurrences: A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99, sec. 2.
 Coefficients are rows of lanes (mbs_ref.kernels.algebra.lanes): WIDTH angles side by side, padded with zeros.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import (
+    WIDTH,
     in_every_lane,
     in_lanes,
     lanes_cos_sin,
@@ -23,31 +24,40 @@ from mbs_ref.kernels.algebra.lanes import (
     largest_of_lanes,
     size_in_lanes,
 )
+from mbs_ref.kernels.border.groups import Floats, Ints
+from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.jit import bare, placed
 
 
 class Series(NamedTuple):
-    """A tree of m angles, then the scratch of a run. A row is (w, WIDTH), Re and Im two of them, a matrix m rows."""
+    """A tree of m angles in rows of w lanes, then the scratch of a run. A pair is a real and an imaginary part."""
 
-    parent: np.ndarray  # (m,) angle of the parent; m for ground
-    atol: np.ndarray  # (2, m) places in the absolute tolerances of the angle and its rate
-    coupling: np.ndarray  # (m, 2, row) kg m^2, Re and Im of Z_ab, a row a column b
-    inertia: np.ndarray  # (row) kg m^2
-    weight: np.ndarray  # (2, row) N m, G
-    stiffness: np.ndarray  # (m, row) N m/rad; of no rows where there is no spring
-    damping: np.ndarray  # likewise, N m s/rad
-    torque: np.ndarray  # (row) N m, of the springs at angle zero
-    x: np.ndarray  # (orders, row) coefficients of the angles
-    rate: np.ndarray  # (orders, row) of their rates
-    arm: np.ndarray  # (orders, 2, row) of E
-    push: np.ndarray  # (orders, 2, row) of P
-    bend: np.ndarray  # (2, row) B_k
-    need: np.ndarray  # (row) torque that x_k'' balances
-    solution: np.ndarray  # (row) x_k''
-    column: np.ndarray  # (m, 2, row) i Z_ab E_b
-    inverse: np.ndarray  # (m, row) of the mass matrix
-    start: np.ndarray  # (2, row) angles and rates
-    end: np.ndarray  # (3, row) angles, rates and accelerations later in the step
+    parent: Annotated[Ints, "m"]  # angle of the parent; m for ground
+    tolerance: Annotated[Ints, 2, "m"]  # places in the absolute tolerances of the angle and its rate
+    coupling: Annotated[Floats, "m", 2, "w", "WIDTH"]  # kg m^2, Z_ab, a row a column b
+    inertia: Annotated[Floats, "w", "WIDTH"]  # kg m^2
+    weight: Annotated[Floats, 2, "w", "WIDTH"]  # N m, G
+    stiffness: Annotated[Floats, "s", "w", "WIDTH"]  # N m/rad; s is m, or 0 where there is no spring
+    damping: Annotated[Floats, "s", "w", "WIDTH"]  # N m s/rad
+    torque: Annotated[Floats, "w", "WIDTH"]  # N m, of the springs at angle zero
+    x: Annotated[Floats, "orders", "w", "WIDTH"]  # coefficients of the angles
+    rate: Annotated[Floats, "orders", "w", "WIDTH"]  # of their rates
+    arm: Annotated[Floats, "orders", 2, "w", "WIDTH"]  # of E
+    push: Annotated[Floats, "orders", 2, "w", "WIDTH"]  # of P
+    bend: Annotated[Floats, 2, "w", "WIDTH"]  # B_k
+    need: Annotated[Floats, "w", "WIDTH"]  # torque that x_k'' balances
+    solution: Annotated[Floats, "w", "WIDTH"]  # x_k''
+    column: Annotated[Floats, "m", 2, "w", "WIDTH"]  # i Z_ab E_b
+    inverse: Annotated[Floats, "m", "w", "WIDTH"]  # of the mass matrix
+    start: Annotated[Floats, 2, "w", "WIDTH"]  # angles and rates
+    end: Annotated[Floats, 3, "w", "WIDTH"]  # angles, rates and accelerations later in the step
+
+
+class SeriesGroups(NamedTuple):
+    series: Series
+
+
+Expanded = handle_class(__name__, "Expanded", SeriesGroups, WIDTH=WIDTH)
 
 
 @bare
@@ -88,7 +98,7 @@ def longest_step(s, rtol, atol, order):
     x, weight, step = in_lanes(s.x), in_lanes(s.end), np.inf
     for a in range(s.parent.shape[0]):
         for c in range(2):
-            s.end[c, a >> 3, a & 7] = 1.0 / (atol[s.atol[c, a]] + rtol * abs(s.start[c, a >> 3, a & 7]))
+            s.end[c, a >> 3, a & 7] = 1.0 / (atol[s.tolerance[c, a]] + rtol * abs(s.start[c, a >> 3, a & 7]))
     for k in range(order - 1, order + 1):
         largest = in_every_lane(0.0)
         for w in range(x.shape[1]):
