@@ -1,6 +1,6 @@
 """Taylor series of variable order for small planar trees, whose derivatives follow by recurrences.
 
-The step makes the last two terms as large as the tolerance: A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99,
+The step makes the last terms as large as the tolerance: A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99,
 sec. 3. Their order counts the p^2 products of a step alone; what a step and an order cost besides makes a higher order
 cheaper. No step is rejected. Outputs and events are values of the step's polynomial, so that neither shortens a step
 nor costs an expansion. The state is that of relative coordinates, in which joints are always closed.
