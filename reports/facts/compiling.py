@@ -24,7 +24,7 @@ class Core(NamedTuple):
 # the largest to compile come first
 CORES = {
     "space": Core("heavy_top", every_method=True),
-    "plane": Core("pendulum", every_method=True),
+    "plane": Core("double_pendulum", every_method=True),
     "loops in space": Core("spatial_n_four_bar"),
     "contacts in space": Core("rolling_sphere"),
     "loops in the plane": Core("n_four_bar"),
