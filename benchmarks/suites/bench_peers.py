@@ -94,7 +94,7 @@ def is_tree(scene: Scene) -> bool:
 def entrants(scene: Scene, peers: Peers, truth: np.ndarray, error: float) -> dict[str, Timed]:
     """Return who reaches the error, by name."""
     result, lean = {}, {"estimate": "off", "reactions": False, "samples": len(TIMES)}
-    for engine, name in ((OURS, "dop853"), *peers):
+    for engine, name in ((OURS, "dop853"), (OURS, "taylor"), *peers):
         if engine not in engines.names():
             continue
         solver = solver_of(engine)

@@ -51,6 +51,7 @@ class MbsRef(Engine):
         unheld = [Refusal(NO_DEFLECTIONS, False)] if deflecting(scene) and not integrator.holds_deflections else []
         slips = integrator.needs_positions and "nonholonomic" in traits(scene)
         unheld += [Refusal(NO_SLIP, True)] if slips else []
+        unheld += [Refusal(f"{method.name}: {reason}", False) for reason in integrator.refusals(scene)]
         return super().method_refusals(scene, method) + unheld + (absent if missing else []) + (only if foreign else [])
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:

@@ -135,7 +135,7 @@ def _at_full(name: str) -> Any:
 
 def _over_full(name: str) -> Any:
     """Return the same of a method of many times and states."""
-    return lambda self, times, states: getattr(self.redundant, name)(times, self._all_full(states))
+    return lambda self, times, states: getattr(self.redundant, name)(times, self.all_full(states))
 
 
 def _of_redundant(name: str) -> Any:
@@ -152,10 +152,10 @@ class RelativeSystem(System):
 
     REDUNDANT: ClassVar[type[PlanarSystem] | type[SpatialSystem]]
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, redundant: JointedSystem | None = None) -> None:
         self.scene = scene
         self.layout = layout_of(scene)
-        self._redundant: JointedSystem = self.REDUNDANT(scene)
+        self._redundant: JointedSystem = redundant or self.REDUNDANT(scene)
         self._allocate(self.layout.arrays(self.redundant, *self._frames()))
 
     def _allocate(self, joints: arrays.Joints) -> None:
@@ -198,7 +198,7 @@ class RelativeSystem(System):
 
     def full(self, y: np.ndarray) -> np.ndarray:
         """Return the redundant state of y."""
-        return self._all_full(y[None])[0]
+        return self.all_full(y[None])[0]
 
     def reduced(self, full: np.ndarray) -> np.ndarray:
         """Return the state of a redundant one that keeps the joints."""
@@ -224,7 +224,7 @@ class RelativeSystem(System):
     # --- computed by the redundant system -------------------------------------------------------------
 
     def poses(self, states: np.ndarray) -> Poses:
-        return self.redundant.poses(self._all_full(states))
+        return self.redundant.poses(self.all_full(states))
 
     def states_of(self, poses: Poses) -> np.ndarray:
         return self.all_reduced(self.redundant.states_of(poses))
@@ -233,7 +233,8 @@ class RelativeSystem(System):
         """Return the states (n, n_state) of redundant ones (n, n_full) that keep the joints."""
         return np.array([self.reduced(y) for y in full])
 
-    def _all_full(self, states: np.ndarray) -> np.ndarray:
+    def all_full(self, states: np.ndarray) -> np.ndarray:
+        """Return the redundant states (n, n_full) of states (n, n_state)."""
         full = np.empty((len(states), len(self.scratch.full.state)))
         expand_over(*self.own_handles, np.ascontiguousarray(states), full)
         return full

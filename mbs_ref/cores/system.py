@@ -44,6 +44,7 @@ class System(ABC):
     scene: Scene
     groups: Any  # the scene's arrays
     scratch: Any  # of one run
+    expansion: Any = None  # in Taylor series (mbs_ref.cores.series), once it is made
     is_twin: bool = False  # a copy of a system that was checked
     user_error: BaseException | None = None  # what a user's force law raised, if it did
 
@@ -91,7 +92,7 @@ class System(ABC):
         """Return a copy without handles, whose arrays are still this one's."""
         other = copy(self)
         other.is_twin = True
-        for name in ("handles", "model", "work"):
+        for name in ("handles", "model", "work", "expansion"):
             vars(other).pop(name, None)
         return other
 

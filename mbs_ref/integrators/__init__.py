@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from mbs_ref.integrators.loop.leg import Integrator
 
 DEFAULT = "dop853"
+SERIES = "taylor"
 STIFF = "radau"  # where stability, not accuracy, would make an explicit method's steps short
 
 

@@ -56,6 +56,9 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     if integrator.cores and core not in integrator.cores:
         allowed = ", ".join(integrator.cores)
         raise ValueError(f"method = {name!r} is for {allowed} scenes; {scene.name!r} is {core}")
+    reasons = list(integrator.refusals(scene))
+    if reasons:
+        raise ValueError(f"method = {name!r} cannot run {scene.name!r}: {'; '.join(reasons[:8])}")
     fixed = _wants_fixed_step(integrator, settings)
     lands = fixed and settings.outputs == "landed"
     notes: tuple[str, ...] = ()

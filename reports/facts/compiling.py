@@ -24,7 +24,7 @@ class Core(NamedTuple):
 # The largest to compile come first. Of those that begin together one compiles every method's loop: others would compile
 # the same, side by side.
 CORES = {
-    "space": Core("heavy_top"), "plane": Core("pendulum", every_method=True),
+    "space": Core("heavy_top"), "plane": Core("double_pendulum", every_method=True),
     "loops in space": Core("spatial_n_four_bar"), "contacts in space": Core("rolling_sphere"),
     "loops in the plane": Core("n_four_bar"), "contacts in the plane": Core("sliding_block"),
     "particles": Core("kepler", every_method=True), "trees in space": Core("heavy_top", "relative"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -12,6 +12,7 @@ from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
+    from mbs_ref.scene import Scene
 
 # Codes shared with compiled loops.
 RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS = range(5)
@@ -148,6 +149,7 @@ class Integrator:
     holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space
     needs_positions: bool = False  # imposes every C = 0 on positions: no rows on velocities alone
     interpolates: bool = False  # has dense output of its own order
+    refusals: Callable[[Scene], Iterable[str]] = lambda _: ()  # what keeps it from running a scene
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 

@@ -74,6 +74,14 @@ def test_other_motions_run_as_by_default_to_the_bit(name):
     assert run.events == plain.events
 
 
+def test_small_planar_trees_are_expanded_in_series():
+    scene = scenes.make("double_pendulum")
+    run, plain = (simulate(scene, Settings(method=method, rtol=1e-10)) for method in ("auto", "dop853"))
+    assert (run.method, run.reason) == ("taylor", "series of a small planar tree")
+    assert np.max(np.abs(run.position - plain.position)) < 1e-8
+    assert simulate(scenes.make("pendulum_chain", links=33), AUTO).method == "dop853"
+
+
 def test_a_method_that_breaks_down_is_replaced(monkeypatch):
     def stuck(system, options, run, y, times):
         return Leg(y[None], np.zeros(1), 1, Status.NOT_CONVERGED, "stuck")
