@@ -9,6 +9,7 @@ import numpy as np
 
 from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
+from mbs_ref.cores.granules import granules
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import declared, empty, floats, ints
@@ -207,6 +208,7 @@ def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarr
         contact_laws=contact_laws(scene, build.contact_slot),
         contact_modes=contact_modes(scene),
         near_pairs=contact_balls(pairs),
+        granules=granules(scene, build),
         watches=watches(scene, build),
         signals=signal_arrays(build.segments),
         world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),

@@ -25,7 +25,7 @@ MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
 
 _COMPONENTS = {"x": 0, "y": 1, "angle": 2, "z": 2}
 _CROSSINGS = {"either": 0, "rising": 1, "falling": -1}
-_RELEASES = {
+RELEASES = {
     "gap": shared.RELEASE_GAP, "force": shared.RELEASE_FORCE, "rigid": shared.RELEASE_RIGID,
     "constraint": shared.RELEASE_CONSTRAINT,
 }  # fmt: skip
@@ -40,7 +40,7 @@ def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
     frictions = [part.friction.numbers() if part.friction else FrictionNumbers() for part in scene.contacts]
     numbers = [law._asdict() | friction._asdict() for law, friction in zip(laws, frictions, strict=True)]
     coded = {
-        "release": [_RELEASES["constraint" if k in slots else law.release] for k, law in enumerate(laws)],
+        "release": [RELEASES["constraint" if k in slots else law.release] for k, law in enumerate(laws)],
         "friction": [_FRICTIONS[friction.kind] for friction in frictions],
         "slot": [slots.get(k, -1) for k in range(len(laws))],
     }

@@ -13,6 +13,7 @@ import numpy as np
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
+from mbs_ref.scene.contact import Granules
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory
 
@@ -61,7 +62,8 @@ class System(ABC):
     def answered(self) -> tuple[str, ...]:
         """The groups of questions that the scene makes necessary (mbs_ref.kernels.answers)."""
         events = core.EVENTS if self.event_sources else core.UNEVENTFUL
-        return core.MOTION, events, core.LOOPS if self.n_closure_rows else core.OPEN
+        grains = core.GRANULES if any(isinstance(load, Granules) for load in self.scene.loads) else core.UNGRAINED
+        return core.MOTION, events, grains, core.LOOPS if self.n_closure_rows else core.OPEN
 
     @cached_property
     def model(self) -> Model:

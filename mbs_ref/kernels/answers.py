@@ -37,6 +37,7 @@ from mbs_ref.kernels.spatial import dynamics as spatial
 
 MOTION = "motion"  # what every run asks
 EVENTS, UNEVENTFUL = "events", "uneventful"  # of contacts, one-sided springs and declared events; of scenes without
+GRANULES, UNGRAINED = "granules", "ungrained"  # of many bodies that may all touch; of scenes without
 LOOPS, OPEN = "loops", "open"  # of closed loops, rows of contacts among them; of trees
 FORM = "form"  # of methods on the DAE itself
 REPORT = "report"  # afterwards
@@ -46,6 +47,8 @@ GROUPS = {
     "apply_contacts fill_contact_rows fill_deflection_rates position_rate rate_from",
     UNEVENTFUL: "root_count roots transition start_modes contact_mobility apply_contacts fill_contact_rows "
     "fill_deflection_rates",
+    GRANULES: "apply_granules",
+    UNGRAINED: "apply_granules",
     LOOPS: "factor solve",
     OPEN: "factor solve",
     FORM: "multipliers position_count force_balance times_mass answer row_times add_row displace position_rate "
@@ -79,6 +82,7 @@ _ABSENT: dict[str, Callable[..., Any]] = {
     "start_modes": jit(lambda model, work, t, y, located: None),
     "contact_mobility": jit(lambda model, work, t, y, k: 0.0),
     "apply_contacts": jit(lambda model, work: None),
+    "apply_granules": jit(lambda model, work: None),
     "fill_contact_rows": jit(lambda model, work: None),
     "fill_deflection_rates": jit(lambda model, work, dy: None),
     "contact_forces": jit(lambda model, work, t, y, forces: None),
@@ -88,7 +92,7 @@ _ABSENT: dict[str, Callable[..., Any]] = {
 def _answers(core: str, group: str) -> dict[str, Callable[..., Any]]:
     """Return the answers of a core to the questions of a group."""
     words, modules = _OWN[core]
-    known = {} if group == UNEVENTFUL else {name: item for one in modules for name, item in vars(one).items()}
+    known = {name: item for one in modules for name, item in vars(one).items() if group not in (UNEVENTFUL, UNGRAINED)}
     absent, end = {} if group == EVENTS else _ABSENT, "_open" if group == OPEN else ""
     names = {question: [f"{word}_{question}{end}" for word in words] for question in GROUPS[group].split()}
     found = {q: next((known[name] for name in own if name in known), absent.get(q)) for q, own in names.items()}

@@ -17,6 +17,7 @@ from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive, UserConstraint
 from mbs_ref.scene.scales import is_celestial
 from mbs_ref.scene.signals import Constant, Signal
+from mbs_ref.scene.traits import touching
 from mbs_ref.trajectory import Trajectory
 
 
@@ -148,9 +149,9 @@ def _struck(scene: Scene, trajectory: Trajectory) -> list[str]:
 def _is_smooth(scene: Scene, trajectory: Trajectory) -> bool:
     """Return whether no contact event lies inside the run; False if the engine locates none."""
     events = trajectory.event_times
-    if not scene.contacts:
+    if not touching(scene):
         return True
-    if events is None:
+    if events is None or len(touching(scene)) > len(scene.contacts):
         return False
     when = events[events[:, 1] < len(scene.contacts), 0]  # declared events and slack springs do not make power jump
     return not np.any((when > 0.0) & (when < trajectory.times[-1]))

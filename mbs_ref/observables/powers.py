@@ -7,9 +7,10 @@ import numpy as np
 
 from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, pull_of, twist_of
+from mbs_ref.observables.granules import granular_power
 from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.observables.signal_values import values
-from mbs_ref.scene.contact import Contact
+from mbs_ref.scene.contact import Contact, Granules
 
 
 def powers(motion: Motion, is_conservative: Callable) -> np.ndarray | None:
@@ -82,6 +83,7 @@ LOADS: dict[type, Callable[[Motion, Any], np.ndarray]] = {
     parts.TorqueVector: _torque_vector,
     parts.Bushing: lambda motion, load: -(bushing_strain(motion, load)[1] ** 2) @ np.asarray(load.damping),
     parts.PointBushing: lambda motion, load: -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1),
+    Granules: granular_power,
     parts.UserForce: _user_force,
 }
 DRIVES = {parts.CoordinateDrive: _coordinate_drive, parts.PointDrive: _point_drive, parts.RotationDrive: _turn_drive}

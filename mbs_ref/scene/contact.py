@@ -180,7 +180,8 @@ class ConstraintLaw(Law):
         return LawNumbers(release="constraint")
 
 
-ForceLaw = SpringDamperLaw | ProgressiveLaw | HuntCrossleyLaw | BekkerLaw | LankaraniNikraveshLaw | FloresLaw
+StateLaw = SpringDamperLaw | ProgressiveLaw | HuntCrossleyLaw | BekkerLaw  # of depth and its rate alone
+ForceLaw = StateLaw | LankaraniNikraveshLaw | FloresLaw
 ContactLaw = Annotated[ForceLaw | RigidLaw | ConstraintLaw, Field(discriminator="type")]
 
 
@@ -415,6 +416,44 @@ class SphereOnPlane(ContactPart):
         if self.extent == "capped" and self.friction is not None and self.friction.STICKS:
             raise ValueError("extent = 'capped' turns the tangent plane at its edges; stick_slip needs a flat surface")
         return self
+
+
+class Wall(part.Part):
+    """A fixed flat surface without ends; its normal points to the free side."""
+
+    point: part.Point  # m, world
+    normal: part.Direction  # direction, world
+
+
+class Granules(Attached):
+    """Many spheres, in the plane discs, about the centres of mass of bodies: all may touch one another, and walls.
+
+    One law and one friction hold for all. Pairs are found by a neighbour search, so that the work grows with the number
+    of spheres. Touch-downs are not located, since many happen in every step: the force follows from the state, and
+    methods of high order are no more accurate than the kinks of the law allow.
+    """
+
+    type: Literal["granules"] = "granules"
+    radius: Annotated[tuple[part.NonNegative, ...], Field(min_length=1)]  # m, one a body or one for all; 0: no sphere
+    walls: tuple[Wall, ...] = ()  # each a point (m) and the normal to the free side, world
+    law: Annotated[StateLaw, Field(discriminator="type")]  # of the normal force
+    friction: RegularisedCoulomb | None = None  # none unless given
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if not any(self.radius):
+            raise ValueError(f"radius = {self.radius}: one must be positive")
+        return self
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        return ("ground", "ground") if self.walls else ("", "")  # what it holds to
+
+    def complaints(self, dimension: int) -> Iterator[str]:
+        for k, wall in enumerate(self.walls):
+            for field, value in (("point", wall.point), ("normal", wall.normal)):
+                if len(value) != dimension:
+                    yield f"walls[{k}].{field} = {value} must have {dimension} components here"
 
 
 Contact = Annotated[

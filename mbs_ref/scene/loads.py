@@ -9,6 +9,7 @@ from mbs_ref.scene.base import part
 from mbs_ref.scene.base.attached import Attached, AttachedPair
 from mbs_ref.scene.base.part import require_perpendicular
 from mbs_ref.scene.celestial import CelestialLoad
+from mbs_ref.scene.contact import Granules
 from mbs_ref.scene.joints import axis_complaints
 from mbs_ref.scene.signals import Constant, Signal
 
@@ -147,6 +148,7 @@ class UserForce(Attached):
 
 
 Load = Annotated[
-    Force | Torque | TorqueVector | SpringDamper | TorsionSpring | Bushing | PointBushing | UserForce | CelestialLoad,
+    Force | Torque | TorqueVector | SpringDamper | TorsionSpring | Bushing | PointBushing | Granules
+    | UserForce | CelestialLoad,
     Field(discriminator="type"),
-]
+]  # fmt: skip

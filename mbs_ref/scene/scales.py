@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from mbs_ref.scene.base.part import Role, fields_of
 from mbs_ref.scene.bodies import PointMass
 from mbs_ref.scene.celestial import CelestialPart, Newton
+from mbs_ref.scene.contact import Granules
 from mbs_ref.scene.scene import Scene
 
 LEAST = 1e-100  # m, m/s, m^3/s^2: of smaller numbers, and of those above its inverse, double precision holds no cubes
@@ -75,12 +76,14 @@ def _points(scene: Scene) -> Iterator[tuple[float, ...]]:
             point = getattr(part, field)
             if point is not None and len(point) == scene.dimension:
                 yield point
+        yield from (wall.point for wall in getattr(part, "walls", ()))
 
 
 def _reaches(scene: Scene) -> Iterator[float]:
     """Yield the radii of what touches."""
     for contact in scene.contacts:
         yield from (getattr(contact, name) for name in ("radius", "radius_a") if getattr(contact, name, None))
+    yield from (max(load.radius) for load in scene.loads if isinstance(load, Granules))
 
 
 def _spin(body: Any) -> float:

@@ -1,9 +1,9 @@
 """Traits of a scene, computed from its parts; engines and methods refuse scenes by them."""
 
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
-from mbs_ref.scene.contact import Contact, ContactLaw, Friction
+from mbs_ref.scene.contact import Contact, ContactLaw, Friction, Granules
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Distance, Drive, Joint, RollingWheel, UserConstraint
 from mbs_ref.scene.loads import Load, UserForce
@@ -45,8 +45,13 @@ PART_TYPES: tuple[str, ...] = tuple(
 def part_types(scene: Scene) -> frozenset[str]:
     """Return the `type` of every part the scene contains, contact laws, friction and declared events included."""
     parts = {part.type for part in (*scene.bodies, *scene.joints, *scene.loads, *scene.contacts, *scene.events)}
-    laws = {contact.law.type for contact in scene.contacts}
-    return frozenset(parts | laws | {c.friction.type for c in scene.contacts if c.friction is not None})
+    laws = {contact.law.type for contact in touching(scene)}
+    return frozenset(parts | laws | {c.friction.type for c in touching(scene) if c.friction is not None})
+
+
+def touching(scene: Scene) -> list[Any]:
+    """Return the parts by which bodies touch: contacts, and granules."""
+    return [*scene.contacts, *(load for load in scene.loads if isinstance(load, Granules))]
 
 
 def traits(scene: Scene) -> frozenset[str]:
@@ -63,8 +68,8 @@ def traits(scene: Scene) -> frozenset[str]:
         "free-body": not grounded,
         "breakpoints": bool(scene.breakpoints()),
         "rod-in-space": scene.dimension == 3 and any(isinstance(j, Distance) for j in scene.joints),
-        "contact": bool(scene.contacts),
-        "friction": any(contact.friction is not None for contact in scene.contacts),
+        "contact": bool(touching(scene)),
+        "friction": any(contact.friction is not None for contact in touching(scene)),
         "user-force": any(isinstance(load, UserForce) for load in scene.loads),
         "user-constraint": any(isinstance(joint, UserConstraint) for joint in scene.joints),
         "nonholonomic": any(isinstance(joint, RollingWheel) for joint in scene.joints),
@@ -76,7 +81,7 @@ def traits(scene: Scene) -> frozenset[str]:
 def is_smooth(scene: Scene) -> bool:
     """Return whether no force or speed jumps or bends: nothing touches, no spring slackens, no signal has a kink."""
     slackens = any(getattr(load, "tension_only", False) for load in scene.loads)
-    return not (scene.contacts or slackens or scene.breakpoints())
+    return not (touching(scene) or slackens or scene.breakpoints())
 
 
 def python_parts(scene: Scene) -> list[tuple[str, str]]:

@@ -1,6 +1,7 @@
 """Bodies in contact under gravity: stacks in the plane and in space, and grains that fall into a box."""
 
 import itertools
+from collections.abc import Iterator
 from typing import Annotated, Any
 
 import numpy as np
@@ -100,6 +101,7 @@ def _block_corner(k: int, x: int, y: int, law: contact.SpringDamperLaw) -> conta
     )  # fmt: skip
 
 
+MOST_PAIRED = 300  # grains whose pairs may be parts of the scene: 45 000
 GRAIN_RADIUS = 0.05  # m
 SPACING = 2.2 * GRAIN_RADIUS  # m
 STAGGER = 0.3 * GRAIN_RADIUS  # m, layers are shifted by up to this: a regular lattice is a coincidence
@@ -108,32 +110,41 @@ CLEARANCE = 0.5 * GRAIN_RADIUS  # m, to walls and floor at t = 0
 
 def granular_column(
     *,
-    grains: Annotated[int, Field(ge=2, le=300)] = 20,
+    grains: Annotated[int, Field(ge=2, le=100_000)] = 20,
     across: Annotated[int, Field(ge=1, le=50)] = 4,
     space: bool = False,
     stiffness: Positive = 1e5,
     damping: NonNegative = 1e5,
     mass: Positive = 0.1,
+    friction: NonNegative = 0.0,
+    slip: Positive = 1e-2,
+    search: bool = False,
     gravity: Positive = 9.81,
 ) -> Scene:
-    """Drop grains into a box: discs, or with `space` spheres, without friction.
+    """Drop grains into a box: discs, or with `space` spheres.
 
     grains, how many across, whether in space; stiffness (N/m) and damping (N s/m^2) of the progressive law, mass
-    of a grain (kg), gravity (m/s^2).
+    of a grain (kg), coefficient of friction and the speed (m/s) at which it is reached, whether a neighbour search
+    finds the pairs (up to 300 grains they may be parts of the scene), gravity (m/s^2).
     """
+    if grains > MOST_PAIRED and not search:
+        raise ValueError(f"grains = {grains}: more than {MOST_PAIRED} need search = true")
     law = contact.ProgressiveLaw(stiffness=stiffness, damping=damping)
+    rubbing = contact.RegularisedCoulomb(coefficient=friction, speed=slip) if friction else None
     dimension = 3 if space else 2
     centers = [_grain_place(k, across, dimension) for k in range(grains)]
-    bodies, pairs = _grains(centers, mass, law, dimension)
-    walls = list(_walls(len(centers), centers, across * SPACING + CLEARANCE, law, dimension))
+    bodies, walls = _grains(centers, mass, dimension), _walls(across * SPACING + CLEARANCE, dimension)
+    touch: dict[str, Any] = {"law": law, "friction": rubbing}
+    group = contact.Granules(name="grains", radius=(GRAIN_RADIUS,), walls=walls, **touch)
     return Scene(
         name="granular_column",
-        description=f"{grains} grains fall into a box; {len(pairs) + len(walls)} pairs may touch.",
+        description=f"{grains} grains fall into a box.",
         source="Cundall and Strack, Geotechnique 29 (1979) 47",
         duration=0.5,
         gravity=tuple([0.0] * (dimension - 1) + [-gravity]),
         bodies=tuple(bodies),
-        contacts=(*walls, *pairs),
+        loads=(group,) if search else (),
+        contacts=() if search else (*_on_walls(centers, walls, touch), *_pairs(centers, touch)),
     )
 
 
@@ -146,33 +157,39 @@ def _grain_place(k: int, across: int, dimension: int) -> tuple[float, ...]:
     return tuple((SPACING * cell + low + np.append(shift, -STAGGER)).tolist())
 
 
-def _grains(centers: list, mass: float, law: contact.ProgressiveLaw, dimension: int) -> tuple[list[Any], list[Any]]:
-    """Return discs or spheres, and a contact for every pair."""
+def _grains(centers: list, mass: float, dimension: int) -> list[Any]:
+    """Return discs or spheres."""
     flat: dict[str, Any] = {"mass": mass, "inertia": 0.5 * mass * GRAIN_RADIUS**2}
     solid: dict[str, Any] = {"mass": mass, "inertia": sphere_inertia(mass, GRAIN_RADIUS)}
-    body, touch, own = (
-        (SpatialBody, contact.SphereOnSphere, solid) if dimension == 3 else (PlanarBody, contact.CircleOnCircle, flat)
-    )
-    bodies = [body(name=f"g{k}", position=c, **own) for k, c in enumerate(centers)]
-    pairs = [
-        touch(name=f"g{i}.g{j}", body_a=f"g{i}", center_a=centers[i], radius_a=GRAIN_RADIUS, body_b=f"g{j}",
-              center_b=centers[j], radius_b=GRAIN_RADIUS, law=law)
-        for i, j in itertools.combinations(range(len(centers)), 2)
-    ]  # fmt: skip
-    return bodies, pairs
+    body, own = (SpatialBody, solid) if dimension == 3 else (PlanarBody, flat)
+    return [body(name=f"g{k}", position=c, **own) for k, c in enumerate(centers)]
 
 
-def _walls(grains: int, centers: list, width: float, law: contact.ProgressiveLaw, dimension: int):
-    """Yield the floor and the walls under every grain."""
+def _walls(width: float, dimension: int) -> tuple[contact.Wall, ...]:
+    """Return the floor and the walls."""
+    walls = []
     for axis, side in [(dimension - 1, 0), *itertools.product(range(dimension - 1), (0, 1))]:
         normal, point = np.zeros(dimension), np.zeros(dimension)
         normal[axis], point[axis] = 1.0 - 2.0 * side, side * (width + 2.0 * STAGGER)
-        for k in range(grains):
-            name = f"wall{axis}{side}.g{k}"
-            shared = {"name": name, "body_a": f"g{k}", "center": centers[k], "radius": GRAIN_RADIUS, "law": law}
-            if dimension == 3:
-                ends: dict[str, Any] = {"point": tuple(point), "normal": tuple(normal)}
-                yield contact.SphereOnPlane(**shared, **ends)
-            else:
-                along = np.array([normal[1], -normal[0]])  # the free side is on its left
-                yield contact.CircleOnLine(**shared, point_1=tuple(point), point_2=tuple(point + along))
+        walls.append(contact.Wall(point=tuple(point), normal=tuple(normal)))
+    return tuple(walls)
+
+
+def _pairs(centers: list, touch: dict[str, Any]) -> Iterator[Any]:
+    """Yield a contact for every pair of grains."""
+    kind = contact.SphereOnSphere if len(centers[0]) == 3 else contact.CircleOnCircle
+    for i, j in itertools.combinations(range(len(centers)), 2):
+        ends = {"body_a": f"g{i}", "center_a": centers[i], "body_b": f"g{j}", "center_b": centers[j]}
+        yield kind(name=f"g{i}.g{j}", **ends, radius_a=GRAIN_RADIUS, radius_b=GRAIN_RADIUS, **touch)
+
+
+def _on_walls(centers: list, walls: tuple[contact.Wall, ...], touch: dict[str, Any]) -> Iterator[Any]:
+    """Yield a contact for every grain and wall."""
+    for (w, wall), (k, center) in itertools.product(enumerate(walls), enumerate(centers)):
+        own: dict[str, Any] = {"name": f"wall{w}.g{k}", "body_a": f"g{k}", "center": center, "radius": GRAIN_RADIUS}
+        if len(center) == 3:
+            own |= {"point": wall.point, "normal": wall.normal}
+            yield contact.SphereOnPlane(**own, **touch)
+        else:
+            along = np.array([wall.normal[1], -wall.normal[0]])  # the free side is on its left
+            yield contact.CircleOnLine(**own, **touch, point_1=wall.point, point_2=tuple(wall.point + along))

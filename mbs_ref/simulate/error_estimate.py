@@ -35,6 +35,7 @@ from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.leg import FEWEST, Options
 from mbs_ref.observables.distance import coordinate_size, motion_size, relative
 from mbs_ref.scene import UserForce
+from mbs_ref.scene.traits import touching
 from mbs_ref.simulate.legs import EPS, Run, run_legs, start_run
 from mbs_ref.simulate.plan import ABSOLUTE, DEFAULT_TOLERANCE, Plan
 from mbs_ref.trajectory import VISIBLE, Estimate, Status
@@ -289,7 +290,7 @@ def _first(system: System, plan: Plan) -> _Request:
 
 def _error_ratio(system: System, plan: Plan) -> float:
     """Return how many times smaller errors are at half of a fixed step."""
-    return 2.0 ** (1 if system.scene.contacts or system.scene.events else plan.integrator.order)
+    return 2.0 ** (1 if touching(system.scene) or system.scene.events else plan.integrator.order)
 
 
 def _tighter(plan: Plan, factor: float) -> _Request:

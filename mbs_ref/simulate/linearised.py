@@ -24,7 +24,7 @@ from mbs_ref.cores.system import System
 from mbs_ref.kernels.contact.laws import MODE_OPEN
 from mbs_ref.scene import Scene, SpringDamper, TorsionSpring, UserForce
 from mbs_ref.scene.signals import Constant
-from mbs_ref.scene.traits import traits
+from mbs_ref.scene.traits import touching, traits
 from mbs_ref.simulate.plan import Plan
 
 LARGEST = 250  # bodies; the eigenvalues of more take longer than most runs
@@ -159,7 +159,7 @@ def _unstable(system: System, plan: Plan, t: float, y: np.ndarray) -> str:
 
 def may_be_stiff(scene: Scene) -> bool:
     """Return whether the scene has parts that can be stiff at all."""
-    return bool(scene.contacts) or any(isinstance(x, SpringDamper | TorsionSpring | UserForce) for x in scene.loads)
+    return bool(touching(scene)) or any(isinstance(x, SpringDamper | TorsionSpring | UserForce) for x in scene.loads)
 
 
 STEP = 0.01  # of a unit direction of the state: truncation ~ h^8 / 630 and roundoff ~ eps / h are both below 1e-13
@@ -207,7 +207,7 @@ def _none(reason: str) -> SteadyMotion:
 def _unsupported(scene: Scene) -> str:
     """Return why a scene is not analysed, or nothing."""
     signals = [signal for part in (*scene.joints, *scene.loads) for signal in part.signals]
-    if scene.contacts or traits(scene) & {"rheonomic", "user-force", "user-constraint"}:
+    if touching(scene) or traits(scene) & {"rheonomic", "user-force", "user-constraint"}:
         return "contacts, drives and user-defined laws are not analysed"
     if not all(isinstance(signal, Constant) for signal in signals):
         return "a load changes in time"

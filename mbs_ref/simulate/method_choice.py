@@ -135,7 +135,8 @@ def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
     closed = radius / max(fastest_contact(system, y), TINY / span)
     allowed = min(now, closed)
     bounded = span / allowed  # steps
-    if bounded <= 2 * len(plan.times) or bounded * plan.integrator.order * EVALUATION * len(y) < WORTH:
+    work = bounded * plan.integrator.order * EVALUATION * len(y)  # multiplications of the whole explicit run
+    if bounded <= 2 * len(plan.times) or not WORTH <= work >= FACTORS * len(y) ** 3:
         return plan
     implicit = _implicit(system, plan)
     return plan if implicit is None else _tried(system, plan, implicit, y, allowed, closed < now / LIMITED)

@@ -107,6 +107,8 @@ def _parts(title: str, where: str, every: list[dict[str, Any]], name: str) -> It
 
 def _toml(value: Any) -> str:
     """Return a value on one line of TOML."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
     if isinstance(value, dict):
         return f"{{ {', '.join(f'{key} = {_toml(item)}' for key, item in value.items())} }}"
     return json.dumps(value)
@@ -145,7 +147,7 @@ def _value(field: dict[str, Any]) -> str:
 
 def _array(field: dict[str, Any]) -> str:
     item = field.get("items") or field["prefixItems"][0]
-    if "oneOf" in item:
+    if "oneOf" in item or "$ref" in item:
         return "list of tables"
     low, high = field.get("minItems", 0), field.get("maxItems")
     count = f"{low}" if low == high else f"{low} to {high}" if high else f"{low} or more" if low else "any number of"

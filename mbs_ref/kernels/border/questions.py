@@ -63,6 +63,8 @@ fill_rows = question("fill_rows(model, work, t)")
 apply_loads = question("apply_loads(model, work, t)")
 # Add the forces of every contact that is closed.
 apply_contacts = question("apply_contacts(model, work)")
+# Add the forces of granules on each other and on walls.
+apply_granules = question("apply_granules(model, work)")
 # Evaluate the rows of contacts as constraints; an open contact's are empty.
 fill_contact_rows = question("fill_contact_rows(model, work)")
 # Write the rates of the deflections of contacts that can stick.

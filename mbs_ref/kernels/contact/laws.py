@@ -94,3 +94,11 @@ def normal_force(laws, modes, k, depth, rate):
     elif laws.damping_exponent[k] != 0.0:
         weight = math.copysign(abs(depth) ** laws.damping_exponent[k], depth)
     return laws.stiffness[k] * elastic + modes.dashpot[k] * weight * rate
+
+
+@bare
+def drag(laws, k, normal, speed):
+    """Return what the slip velocity times gives smooth friction at a slip `speed`, -mu N tanh(v / v_s) / v (N s/m)."""
+    ratio = speed / laws.creep[k]
+    share = 1.0 / laws.creep[k] if ratio < 1e-8 else math.tanh(ratio) / speed
+    return share * (-laws.coefficient[k] * normal)

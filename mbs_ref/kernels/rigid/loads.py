@@ -7,7 +7,7 @@ is stretched, but its damper outweighs the spring and it gives nothing; limited 
 import numpy as np
 
 from mbs_ref.kernels.border.calls import call_user
-from mbs_ref.kernels.border.questions import apply_contacts
+from mbs_ref.kernels.border.questions import apply_contacts, apply_granules
 from mbs_ref.kernels.contact.laws import (
     MODE_CLOSED,
     MODE_LIFTED,
@@ -64,6 +64,7 @@ def rigid_apply_loads(model, work, t):
     _apply_springs(model, work)
     core.apply_own_loads(model, work)
     apply_contacts(model, work)
+    apply_granules(model, work)
     if model.world.user_force[0] != 0:
         _apply_user_force(model, work, t)
 

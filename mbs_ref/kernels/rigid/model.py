@@ -15,6 +15,7 @@ import numpy as np
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
+from mbs_ref.kernels.contact.neighbours import Granules
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid.closures import Closures, Loops, closure_scratch
 from mbs_ref.kernels.signals import SignalArrays
@@ -194,7 +195,7 @@ GROUPS: dict[str, type] = {  # of every scene of bodies and joints
     "bodies": Bodies, "slots": Slots, "loops": Loops, "points": Points, "planes": Planes, "distances": Distances,
     "drives": Drives, "forces": Forces, "springs": Springs, "torsion_springs": TorsionSprings,
     "contact_pairs": ContactPairs, "contact_laws": ContactLaws, "contact_modes": ContactModes,
-    "near_pairs": NearPairs, "watches": Watches, "signals": SignalArrays, "world": World,
+    "near_pairs": NearPairs, "granules": Granules, "watches": Watches, "signals": SignalArrays, "world": World,
 }  # fmt: skip
 SCRATCH: dict[str, type] = {"rows": Rows, "tree": Tree, "closures": Closures, "solved": Solved}
 

@@ -21,6 +21,7 @@ from mbs_ref.kernels.contact.laws import (
     PAIR_FLAT,
     PAIR_ROUND,
     ROOTS_EACH,
+    drag,
 )
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.shapes import Surface, contact_geometry, on_round, tooth_gap, tooth_wall
@@ -124,10 +125,7 @@ def grip_force(model, work, k, touch, normal):
 def friction_force(model, work, k, touch, normal):
     laws = model.contact_laws
     if laws.friction[k] == FRICTION_SMOOTH:
-        speed = math.sqrt(dot(touch.slip, touch.slip))
-        ratio = speed / laws.creep[k]
-        share = 1.0 / laws.creep[k] if ratio < 1e-8 else math.tanh(ratio) / speed
-        return times(share * (-laws.coefficient[k] * normal), touch.slip)
+        return times(drag(laws, k, normal, math.sqrt(dot(touch.slip, touch.slip))), touch.slip)
     p, q = grip_force(model, work, k, touch, normal)
     return plus(times(p, touch.held[0]), times(q, touch.held[1]))
 

@@ -14,6 +14,7 @@ from mbs_ref import scene as language
 from mbs_ref import scenes
 from mbs_ref.scene import toml as scene_file
 from mbs_ref.scene.celestial import CelestialLoad
+from mbs_ref.scene.contact import Granules, ProgressiveLaw, Wall
 from mbs_ref.scene.messages import Problem
 from mbs_ref.scene.signals import Constant, HalfSine, Harmonic, Polynomial, Table
 from mbs_ref.scene.toml import SceneFileError, dumps, loads, read_scene, write_scene
@@ -73,6 +74,9 @@ LOADS = [
                                      "rest_length": st.none() | non_negative}),
     (language.PointBushing, ends | {"point": pair, "stiffness": non_negative, "damping": non_negative}),
     (language.TorsionSpring, ends | {"stiffness": non_negative, "rest_angle": st.none() | finite}),
+    (Granules, {"radius": st.lists(positive, min_size=1, max_size=3).map(tuple),
+                "law": st.builds(ProgressiveLaw, stiffness=positive, damping=non_negative),
+                "walls": st.lists(st.builds(Wall, point=pair, normal=direction), max_size=2).map(tuple)}),
 ]  # fmt: skip
 scene_strategy = st.builds(
     language.Scene,
