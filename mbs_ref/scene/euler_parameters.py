@@ -65,7 +65,7 @@ def from_matrix(matrix) -> np.ndarray:
         theta[1 + i] = 1.0 + m[i, i] - m[j, j] - m[n, n]
         theta[1 + j] = m[j, i] + m[i, j]
         theta[1 + n] = m[n, i] + m[i, n]
-    theta /= np.linalg.norm(theta)
+    theta /= np.sqrt(np.sum(theta**2))
     return -theta if theta[0] < 0.0 else theta
 
 

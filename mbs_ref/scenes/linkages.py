@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Revolute, Scene, SpatialBody, Universal
-from mbs_ref.scene.base.part import Positive
+from mbs_ref.scene.base.part import Positive, dot
 from mbs_ref.scene.signals import Constant
 
 SHAFT = (0.02, 0.05, 0.05, 0.0, 0.0, 0.0)  # kg m^2
@@ -76,7 +76,7 @@ def pins_of(kind: str, angle: Any) -> dict[str, np.ndarray]:
     pins[end] = pins[start] + length * np.array([np.cos(angle), np.sin(angle)])
     for name, (one, other, near, far, side) in data["meet"].items():
         way = pins[other] - pins[one]
-        square = way @ way
+        square = dot(way, way)
         along = 0.5 * (near**2 - far**2 + square) / square
         pins[name] = pins[one] + along * way + side * np.sqrt(near**2 / square - along**2) * (way[::-1] * [-1.0, 1.0])
     return pins
@@ -84,7 +84,7 @@ def pins_of(kind: str, angle: Any) -> dict[str, np.ndarray]:
 
 def _rod(name: str, one: Any, other: Any, rate: Any, other_rate: Any) -> PlanarBody:
     way, turning = other - one, other_rate - rate
-    square = float(way @ way)
+    square = float(dot(way, way))
     length = math.sqrt(square)
     return PlanarBody(
         name=name, mass=length, inertia=length * square / 12.0, position=tuple((0.5 * (one + other)).tolist()),

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import PointMass, Scene, SpatialBody
-from mbs_ref.scene.base.part import NonNegative, Positive
+from mbs_ref.scene.base.part import NonNegative, Positive, dot
 from mbs_ref.scene.celestial import CelestialLoad, Newton, Oblateness, StandardDrag
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
@@ -78,7 +78,7 @@ def nesc_tumbling_brick(*, duration: Positive = 30.0) -> Scene:
     duration (s). Axes do not turn: z is the Earth's, x points from its centre to the start over the equator. The brick
     falls as the sphere of case 1 does, which turns nothing; the scene stays with its centre of mass.
     """
-    omega = rotation_matrices(np.array(BRICK_LEVEL)) @ np.radians(RATES_DEG)
+    omega = dot(rotation_matrices(np.array(BRICK_LEVEL)), np.radians(RATES_DEG))
     return Scene(
         name="nesc_tumbling_brick",
         description="A brick tumbles freely, 10, 20 and 30 deg/s about its principal axes.",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.scene import GROUND, Revolute, RotationDrive, Scene, SpatialBody
-from mbs_ref.scene.base.part import NonNegative
+from mbs_ref.scene.base.part import NonNegative, dot
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, rotation_matrices
 from mbs_ref.scene.signals import Table
 
@@ -27,14 +27,14 @@ def puma560(*, rate: float = 1.0, acceleration: float = 1.0, gravity: NonNegativ
     bodies, joints = [], []
     names = [GROUND, *(f"link{k}" for k in range(1, 7))]
     for k, link in enumerate(DATA["links"]):
-        centre = frames[k + 1, :3] @ (*link["centre"], 1.0)
+        centre = dot(frames[k + 1, :3], (*link["centre"], 1.0))
         axes, origins = frames[: k + 1, :3, 2], frames[: k + 1, :3, 3]
         rates = rate * PATTERN[: k + 1]
         bodies.append(
             SpatialBody(
                 name=names[k + 1], mass=link["mass"], inertia=(*link["inertia"], 0.0, 0.0, 0.0), position=tuple(centre),
-                orientation=tuple(from_matrix(frames[k + 1, :3, :3])), angular_velocity=tuple(rates @ axes),
-                velocity=tuple(rates @ np.cross(axes, centre - origins)),
+                orientation=tuple(from_matrix(frames[k + 1, :3, :3])), angular_velocity=tuple(dot(axes.T, rates)),
+                velocity=tuple(dot(np.cross(axes, centre - origins).T, rates)),
             )
         )  # fmt: skip
         ends = {"body_a": names[k], "body_b": names[k + 1], "axis": tuple(axes[k])}
@@ -55,6 +55,7 @@ def frames_at(angles: np.ndarray) -> np.ndarray:
     for angle, link in zip(angles, DATA["links"], strict=True):
         step, twist = np.eye(4), from_axis_angle((1.0, 0.0, 0.0), np.radians(link["alpha_deg"]))
         turn = rotation_matrices(from_axis_angle((0.0, 0.0, 1.0), angle))
-        step[:3, :3], step[:3, 3] = turn @ rotation_matrices(twist), turn @ (link["a"], 0.0, link["d"])
-        frames.append(frames[-1] @ step)
+        step[:3, :3] = np.einsum("ij,jk", turn, rotation_matrices(twist))
+        step[:3, 3] = dot(turn, (link["a"], 0.0, link["d"]))
+        frames.append(np.einsum("ij,jk", frames[-1], step))
     return np.array(frames)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from mbs_ref.scene import GROUND, PlanarBody, Prismatic, Revolute, Scene, SpatialBody, Spherical, Universal
-from mbs_ref.scene.base.part import Positive
+from mbs_ref.scene.base.part import Positive, dot, unit
 from mbs_ref.scene.euler_parameters import from_matrix
 
 
@@ -95,12 +95,12 @@ def spatial_slider_crank(
     slide = np.array([reach, 0.0, 0.0])
     pin_rate = np.cross([crank_speed, 0.0, 0.0], pin - PIVOT)
     gap = slide - pin
-    speed = float(gap @ pin_rate) / reach  # d|gap|^2/dt = 0
+    speed = float(dot(gap, pin_rate)) / reach  # d|gap|^2/dt = 0
     gap_rate = np.array([speed, 0.0, 0.0]) - pin_rate
     along = gap / rod_length
     # the universal joint: the first axis in the rod, the second, across it, in the slider
-    first = _unit(np.cross(along, [1.0, 0.0, 0.0]))
-    second = _unit(np.cross([1.0, 0.0, 0.0], first))
+    first = unit(np.cross(along, [1.0, 0.0, 0.0]))
+    second = unit(np.cross([1.0, 0.0, 0.0], first))
     rod_turn = _rod_rate(gap, gap_rate, first, second)
     return Scene(
         name="spatial_slider_crank",
@@ -139,12 +139,8 @@ def spatial_slider_crank(
 def _rod_rate(gap: np.ndarray, gap_rate: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Angular velocity of the rod: omega x gap = gap_rate, and omega has no part along first x second."""
     axis = np.cross(first, second)
-    across = np.cross(gap, gap_rate) / (gap @ gap)
-    return across - gap * float(axis @ across) / float(axis @ gap)
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    return vector / np.linalg.norm(vector)
+    across = np.cross(gap, gap_rate) / dot(gap, gap)
+    return across - gap * float(dot(axis, across)) / float(dot(axis, gap))
 
 
 def _tuple(vector: np.ndarray) -> tuple[float, float, float]:

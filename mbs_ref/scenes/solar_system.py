@@ -138,7 +138,7 @@ def _physics(model: str, level: int) -> list[Any]:
 def oblate_bodies() -> list[Oblateness]:
     """Return the Sun's J2 and the Earth's J2 to J4."""
     ra, dec = np.radians(SUN_POLE_DEG)
-    axis = (float(np.cos(dec) * np.cos(ra)), float(np.cos(dec) * np.sin(ra)), float(np.sin(dec)))
+    axis = (math.cos(dec) * math.cos(ra), math.cos(dec) * math.sin(ra), math.sin(dec))
     return [
         Oblateness(name="sun_j2", body="sun", radius=R_SUN, zonal=(J2_SUN,), axis=axis),
         Oblateness(name="earth_j", body="earth", radius=R_EARTH, zonal=J_EARTH, pole="earth_iau2006"),

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical
-from mbs_ref.scene.base.part import Positive
+from mbs_ref.scene.base.part import Positive, dot
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
 
@@ -38,7 +38,7 @@ def torque_free_top(
         bodies=(
             SpatialBody(
                 name="top", mass=1.0, inertia=(inertia_1, inertia_2, inertia_3, 0.0, 0.0, 0.0),
-                orientation=tuple(start.tolist()), angular_velocity=tuple((rotation_matrices(start) @ omega).tolist()),
+                orientation=tuple(start.tolist()), angular_velocity=tuple(dot(rotation_matrices(start), omega)),
             ),
         ),
     )  # fmt: skip

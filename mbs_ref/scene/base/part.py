@@ -93,6 +93,11 @@ def unit(vector: Any) -> np.ndarray:
     return vector / math.hypot(*vector)
 
 
+def dot(first: Any, second: Any) -> Any:
+    """Return the sum of products along the last axis: to the same bits on every processor, which BLAS does not give."""
+    return np.sum(np.multiply(first, second), axis=-1)
+
+
 def normals(axis: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return two unit vectors that make a right-handed frame with the axis (3,), axis last."""
     axis = unit(axis)
