@@ -6,23 +6,7 @@ by its roundoff, or contacts at rest exactly at d = 0 would chatter: that of a g
 force what the noise makes of it. Functions are in units of their roundoff.
 """
 
-from mbs_ref.kernels.contact.laws import (
-    ENDS,
-    MODE_BEHIND,
-    MODE_CLOSED,
-    MODE_LEAVING,
-    MODE_LIFTED,
-    MODE_OPEN,
-    RATE,
-    RELEASE_CONSTRAINT,
-    RELEASE_FORCE,
-    RELEASE_RIGID,
-    ROOTS_EACH,
-    SPEED,
-    UNKNOWN,
-    VALUE,
-    normal_force,
-)
+from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.jit import jit
 
 SETTLED, ENDLESS, STOP = range(3)
@@ -37,40 +21,40 @@ def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
 
     `closing` and `leaving` are the rates (m/s) of the gap and of the excess `beyond` open ends, `speed` bounds both.
     """
-    g, rate = table[VALUE], table[RATE]
-    i = ROOTS_EACH * k
+    g, rate = table[law.VALUE], table[law.RATE]
+    i = law.ROOTS_EACH * k
     noise = modes.noise[0]
     mode = modes.mode[k]
-    table[SPEED, i] = speed / noise
-    if mode == MODE_OPEN:
+    table[law.SPEED, i] = speed / noise
+    if mode == law.MODE_OPEN:
         g[i] = max(gap, beyond) / noise + 1.0
         rate[i] = (closing if gap >= beyond else leaving) / noise
         return
-    g[i] = (1.0 if mode in (MODE_CLOSED, MODE_LIFTED) else 0.0) - gap / noise
+    g[i] = (1.0 if mode in (law.MODE_CLOSED, law.MODE_LIFTED) else 0.0) - gap / noise
     rate[i] = -closing / noise
-    if mode == MODE_CLOSED and laws.release[k] == RELEASE_FORCE:
+    if mode == law.MODE_CLOSED and laws.release[k] == law.RELEASE_FORCE:
         g[i + 1] = _push(laws, modes, k, gap, closing) + 1.0
-    elif mode == MODE_LIFTED:
+    elif mode == law.MODE_LIFTED:
         g[i + 1] = 1.0 - _push(laws, modes, k, gap, closing)
-    elif mode == MODE_LEAVING:
+    elif mode == law.MODE_LEAVING:
         g[i + 1] = closing / modes.noise[1] + 1.0
     else:
         return
-    table[SPEED, i + 1] = UNKNOWN
+    table[law.SPEED, i + 1] = law.UNKNOWN
 
 
 @jit
 def _push(laws, modes, k, gap, closing):
     """Return the normal force in units of its roundoff."""
     slack = modes.noise[0] * laws.stiffness[k] + modes.noise[1] * modes.dashpot[k]
-    return normal_force(laws, modes, k, -gap, -closing) / slack
+    return law.normal_force(laws, modes, k, -gap, -closing) / slack
 
 
 @jit
 def is_broken(g, k):
     """Return whether a function of contact k is negative."""
-    i = ROOTS_EACH * k
-    return g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0 or g[i + ENDS] < 0.0
+    i = law.ROOTS_EACH * k
+    return g[i] < 0.0 or g[i + 1] < 0.0 or g[i + 2] < 0.0 or g[i + law.ENDS] < 0.0
 
 
 @jit
@@ -84,7 +68,7 @@ def is_endless(modes, k, t, span):
 @jit
 def close(laws, modes, k, speed):
     """Touch down at a closing speed (m/s): it sets the dashpot of the laws that know it."""
-    modes.mode[k] = MODE_CLOSED
+    modes.mode[k] = law.MODE_CLOSED
     modes.dashpot[k] = laws.damping[k]
     if laws.impact_damping[k] != 0.0:
         modes.dashpot[k] += laws.impact_damping[k] * laws.stiffness[k] / max(speed, laws.slowest[k])
@@ -93,25 +77,25 @@ def close(laws, modes, k, speed):
 @jit
 def next_mode(laws, modes, k, g, closing, behind):
     """Change the mode of a contact that has a negative function; return what is left to do."""
-    i = ROOTS_EACH * k
+    i = law.ROOTS_EACH * k
     mode = modes.mode[k]
-    has_left = g[i] < 0.0 or g[i + ENDS] < 0.0
-    if mode == MODE_OPEN or (mode == MODE_LEAVING and not has_left):
+    has_left = g[i] < 0.0 or g[i + law.ENDS] < 0.0
+    if mode == law.MODE_OPEN or (mode == law.MODE_LEAVING and not has_left):
         if behind:
-            modes.mode[k] = MODE_BEHIND
+            modes.mode[k] = law.MODE_BEHIND
             return NOTHING
-        if laws.release[k] == RELEASE_RIGID:
-            modes.mode[k] = MODE_LEAVING
+        if laws.release[k] == law.RELEASE_RIGID:
+            modes.mode[k] = law.MODE_LEAVING
             return IMPACT
-        if laws.release[k] == RELEASE_CONSTRAINT:
-            modes.mode[k] = MODE_CLOSED
+        if laws.release[k] == law.RELEASE_CONSTRAINT:
+            modes.mode[k] = law.MODE_CLOSED
             return NOTHING
         close(laws, modes, k, max(-closing, 0.0))
         return TOUCH
-    if has_left or laws.release[k] == RELEASE_CONSTRAINT:
-        modes.mode[k] = MODE_OPEN
+    if has_left or laws.release[k] == law.RELEASE_CONSTRAINT:
+        modes.mode[k] = law.MODE_OPEN
     elif g[i + 1] < 0.0:
-        modes.mode[k] = MODE_CLOSED if mode == MODE_LIFTED else MODE_LIFTED
+        modes.mode[k] = law.MODE_CLOSED if mode == law.MODE_LIFTED else law.MODE_LIFTED
     else:
         return FRICTION
     return NOTHING

@@ -6,18 +6,7 @@ the slip velocity against it (m/s, not positive) with which it began, a remainde
 
 import math
 
-from mbs_ref.kernels.contact.laws import (
-    ENDS_CAPPED,
-    ENDS_OPEN,
-    FRICTION_SMOOTH,
-    GRIP_BACKWARD,
-    GRIP_FORWARD,
-    GRIP_PROBE,
-    GRIP_STICK,
-    PAIR_FLAT,
-    PAIR_ROUND,
-    PAIR_SPROCKET,
-)
+from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.planar.marks import dot, over, perpendicular, plus, times, turned
 from mbs_ref.kernels.rigid.shapes import Surface, on_round, tooth_gap, tooth_wall
@@ -29,9 +18,9 @@ def _on_line(pairs, k, x, tangent, rolled):
     normal, radius = perpendicular(tangent), pairs.radius[k]
     along, above = dot(x, tangent), dot(x, normal)
     held, beyond = along + rolled, abs(along) - pairs.half[k, 0]
-    if pairs.ends[k] == ENDS_OPEN:
+    if pairs.ends[k] == law.ENDS_OPEN:
         return Surface(above - radius, normal, beyond, radius, held)
-    if pairs.ends[k] == ENDS_CAPPED and beyond > 0.0:
+    if pairs.ends[k] == law.ENDS_CAPPED and beyond > 0.0:
         px = math.copysign(beyond, along)
         distance = math.sqrt(px * px + above * above)
         outward = over(plus(times(px, tangent), times(above, normal)), distance)
@@ -43,10 +32,10 @@ def _on_line(pairs, k, x, tangent, rolled):
 def surface(model, work, k, x):
     pairs = model.contact_pairs
     a, b = pairs.a[k], pairs.b[k]
-    if pairs.kind[k] == PAIR_ROUND:
+    if pairs.kind[k] == law.PAIR_ROUND:
         return on_round(work, pairs, k, x, (0.0, 1.0), 0.0)
     direction = turned(work, b, pairs.axes[k, 0])
-    if pairs.kind[k] == PAIR_SPROCKET:
+    if pairs.kind[k] == law.PAIR_SPROCKET:
         return tooth_wall(pairs, k, x, direction, 0.0)
     motion = work.kinematics.motion
     return _on_line(pairs, k, x, direction, pairs.radius[k] * (motion[a, 3] - motion[b, 3]))
@@ -56,7 +45,7 @@ def surface(model, work, k, x):
 def outwards(model, work, k, x):
     pairs = model.contact_pairs
     direction = turned(work, pairs.b[k], pairs.axes[k, 0])
-    if pairs.kind[k] == PAIR_FLAT:
+    if pairs.kind[k] == law.PAIR_FLAT:
         return times(math.copysign(1.0, dot(x, direction)), direction)
     return tooth_gap(pairs, k, x, direction)
 
@@ -67,12 +56,12 @@ slip = bare(lambda n, u, closing: n[1] * u[0] - n[0] * u[1])
 @bare
 def _friction(laws, modes, k, normal, touch):
     """Return the force on body a along the tangent."""
-    if laws.friction[k] == FRICTION_SMOOTH:
+    if laws.friction[k] == law.FRICTION_SMOOTH:
         return -laws.coefficient[k] * normal * math.tanh(touch.slip / laws.creep[k])
     grip = modes.grip[k]
-    if grip == GRIP_STICK:
+    if grip == law.GRIP_STICK:
         return -laws.grip_stiffness[k] * (touch.held - modes.anchor[k, 0]) - laws.grip_damping[k] * touch.slip
-    if grip == GRIP_PROBE:
+    if grip == law.GRIP_PROBE:
         return modes.anchor[k, 0]
     return -laws.coefficient[k] * normal * grip
 
@@ -117,5 +106,5 @@ def stick(model, y, k, touch, force):
 @jit
 def slide_along(model, k, touch, sign, u):
     modes = model.contact_modes
-    modes.grip[k] = GRIP_BACKWARD if sign * u[0] < 0.0 else GRIP_FORWARD
+    modes.grip[k] = law.GRIP_BACKWARD if sign * u[0] < 0.0 else law.GRIP_FORWARD
     modes.anchor[k, 0] = min(modes.grip[k] * touch.slip, 0.0)

@@ -6,38 +6,11 @@ Four functions a contact: the gap's, the force's (of a constraint, the multiplie
 import numpy as np
 
 from mbs_ref.kernels.border import questions as ask
-from mbs_ref.kernels.contact.laws import (
-    ENDS,
-    FRICTION_STICK_SLIP,
-    GRIP_STICK,
-    MODE_BEHIND,
-    MODE_CLOSED,
-    MODE_LEAVING,
-    MODE_OPEN,
-    MODE_PLAIN,
-    RATE,
-    RELEASE_CONSTRAINT,
-    RELEASE_RIGID,
-    ROOTS_EACH,
-    SPEED,
-    TURN,
-    TURNED,
-    UNKNOWN,
-    VALUE,
-    normal_force,
-)
+from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, NOTHING, TOUCH, close, is_broken, next_mode, normal_roots
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rigid import contact_forces as forces
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.contact_forces import (
-    contact_force,
-    find_near,
-    gap_response,
-    gap_rows,
-    is_behind,
-    is_touching,
-    norm,
-)
 from mbs_ref.kernels.rigid.dynamics import correct_rates, refine, store_solved
 from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
 from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
@@ -59,28 +32,28 @@ def contact_roots(model, work, t, y, duration, table):
         store_solved(work, t, y)  # the step that goes on from here need not ask again
     else:
         core.load_state(model, work, y)
-    is_new = duration >= 0.0 and find_near(model, work, duration)
+    is_new = duration >= 0.0 and forces.find_near(model, work, duration)
     for place in range(near.count[0]):
         k = near.pair[place]
         touch = contact_geometry(model, work, k)
-        i = ROOTS_EACH * k
+        i = law.ROOTS_EACH * k
         leaving = leaving_ends(model, work, k) if touch.beyond > -np.inf else 0.0
-        closed = modes.mode[k] == MODE_CLOSED
+        closed = modes.mode[k] == law.MODE_CLOSED
         speed = _gap_speed(model, work, k, touch)
-        for c in range(ROOTS_EACH):
-            table[TURN, i + c] = core.spin(work, pairs.a[k]) + core.spin(work, pairs.b[k])
-        if modes.mode[k] != MODE_OPEN and touch.beyond > -np.inf:
-            table[VALUE, i + ENDS] = 1.0 - touch.beyond / modes.noise[0]
-            table[RATE, i + ENDS] = -leaving / modes.noise[0]
-            table[SPEED, i + ENDS] = speed / modes.noise[0]
-        if closed and laws.release[k] == RELEASE_CONSTRAINT:
-            table[VALUE, i + 1] = contact_push(work, laws, k) / (modes.noise[2] * contact_mass(model, k)) + 1.0
-            table[SPEED, i + 1] = UNKNOWN
+        for c in range(law.ROOTS_EACH):
+            table[law.TURN, i + c] = core.spin(work, pairs.a[k]) + core.spin(work, pairs.b[k])
+        if modes.mode[k] != law.MODE_OPEN and touch.beyond > -np.inf:
+            table[law.VALUE, i + law.ENDS] = 1.0 - touch.beyond / modes.noise[0]
+            table[law.RATE, i + law.ENDS] = -leaving / modes.noise[0]
+            table[law.SPEED, i + law.ENDS] = speed / modes.noise[0]
+        if closed and laws.release[k] == law.RELEASE_CONSTRAINT:
+            table[law.VALUE, i + 1] = contact_push(work, laws, k) / (modes.noise[2] * contact_mass(model, k)) + 1.0
+            table[law.SPEED, i + 1] = law.UNKNOWN
             continue
         normal_roots(laws, modes, k, touch.gap, touch.closing, touch.beyond, leaving, speed, table)
-        if closed and laws.friction[k] == FRICTION_STICK_SLIP:
-            table[VALUE, i + 2] = grip_margin(model, work, k, touch) + 1.0
-            table[SPEED, i + 2] = UNKNOWN
+        if closed and laws.friction[k] == law.FRICTION_STICK_SLIP:
+            table[law.VALUE, i + 2] = grip_margin(model, work, k, touch) + 1.0
+            table[law.SPEED, i + 2] = law.UNKNOWN
     return is_new
 
 
@@ -89,8 +62,8 @@ def _gap_speed(model, work, k, touch):
     """Return a bound (m/s) on the rate of a gap and of the excess over open ends."""
     pairs = model.contact_pairs
     a, b = pairs.a[k], pairs.b[k]
-    turning = core.spin(work, a) * norm(pairs.center[k])
-    turning += core.spin(work, b) * (norm(touch.arm_b) + pairs.radius[k])
+    turning = core.spin(work, a) * forces.norm(pairs.center[k])
+    turning += core.spin(work, b) * (forces.norm(touch.arm_b) + pairs.radius[k])
     return speed_between(work, a, b) + turning
 
 
@@ -98,7 +71,7 @@ def _gap_speed(model, work, k, touch):
 def _some_constrained(laws, modes):
     closed = 0
     for k in range(laws.slot.shape[0]):
-        closed += laws.slot[k] >= 0 and modes.mode[k] == MODE_CLOSED
+        closed += laws.slot[k] >= 0 and modes.mode[k] == law.MODE_CLOSED
     return closed > 0
 
 
@@ -119,21 +92,21 @@ def contact_transition(model, work, t, y, g, dy):
         core.load_state(model, work, y)
         touch = contact_geometry(model, work, k)
         before = modes.mode[k]
-        due = next_mode(laws, modes, k, g, touch.closing, is_behind(pairs, k, touch.gap))
-        if MODE_BEHIND in (before, modes.mode[k]) or (before == MODE_LEAVING and due == NOTHING):
-            for c in range(ROOTS_EACH):  # nothing touches, so it is not logged
-                g[ROOTS_EACH * k + c] = 0.0
+        due = next_mode(laws, modes, k, g, touch.closing, forces.is_behind(pairs, k, touch.gap))
+        if law.MODE_BEHIND in (before, modes.mode[k]) or (before == law.MODE_LEAVING and due == NOTHING):
+            for c in range(law.ROOTS_EACH):  # nothing touches, so it is not logged
+                g[law.ROOTS_EACH * k + c] = 0.0
         if due == IMPACT:
             _impact(model, work, t, y, k)
         elif due == TOUCH:
             take_grip(model, y, k, touch)
         elif due == FRICTION:
-            slid = modes.grip[k] != GRIP_STICK
+            slid = modes.grip[k] != law.GRIP_STICK
             if change_grip(model, work, k, touch):
                 probe(modes, k)
                 stopped = True
             elif slid:
-                g[ROOTS_EACH * k + 2] = TURNED
+                g[law.ROOTS_EACH * k + 2] = law.TURNED
     if held:
         settle_held(model, work, t, y, g)
     if stopped:
@@ -151,24 +124,24 @@ def start_contacts(model, work, t, y, located):
     for k in range(pairs.kind.shape[0]):
         touch = contact_geometry(model, work, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
-        modes.grip[k] = GRIP_STICK
+        modes.grip[k] = law.GRIP_STICK
         core.start_grip(model, k, touch)
         if not located:
-            modes.mode[k] = MODE_PLAIN
-        elif laws.release[k] == RELEASE_CONSTRAINT:
+            modes.mode[k] = law.MODE_PLAIN
+        elif laws.release[k] == law.RELEASE_CONSTRAINT:
             moves = max(abs(touch.gap) / modes.noise[0], abs(touch.closing) / modes.noise[1])
             rests = touch.beyond <= 0.0 and moves <= AT_REST and laws.restitution[k] == 0.0
-            modes.mode[k] = MODE_CLOSED if rests else MODE_OPEN
+            modes.mode[k] = law.MODE_CLOSED if rests else law.MODE_OPEN
         elif touch.beyond > 0.0 or touch.gap > 0.0:
-            modes.mode[k] = MODE_OPEN
-        elif is_behind(pairs, k, touch.gap):
-            modes.mode[k] = MODE_BEHIND
-        elif laws.release[k] == RELEASE_RIGID:
-            modes.mode[k] = MODE_OPEN
+            modes.mode[k] = law.MODE_OPEN
+        elif forces.is_behind(pairs, k, touch.gap):
+            modes.mode[k] = law.MODE_BEHIND
+        elif laws.release[k] == law.RELEASE_RIGID:
+            modes.mode[k] = law.MODE_OPEN
         else:
             close(laws, modes, k, max(-touch.closing, 0.0))
             take_grip(model, y, k, touch)
-            if laws.friction[k] == FRICTION_STICK_SLIP and is_still(core.slip_of(model, touch)):
+            if laws.friction[k] == law.FRICTION_STICK_SLIP and is_still(core.slip_of(model, touch)):
                 probe(modes, k)
                 resting = True
     if resting:
@@ -183,7 +156,7 @@ def rigid_contact_mobility(model, work, t, y, k):
     ask.fill_rows(model, work, t)
     ask.factor(model, work)
     touch = contact_geometry(model, work, k)
-    on_a, on_b = gap_rows(work, touch)
+    on_a, on_b = forces.gap_rows(work, touch)
     clear(tree.load)
     for c in range(len(core.block(model))):
         tree.load[pairs.a[k], c] += on_a[c]
@@ -192,7 +165,7 @@ def rigid_contact_mobility(model, work, t, y, k):
     load = tree.load.copy()
     ask.solve(model, work, rows.gamma)
     refine(model, work, load)  # where n acts through a joint, all but a small share of it cancels
-    return gap_response(model, work, k, touch)
+    return forces.gap_response(model, work, k, touch)
 
 
 @jit
@@ -215,11 +188,11 @@ def rigid_contact_forces(model, work, t, y, out):
     for k in range(pairs.kind.shape[0]):
         touch = contact_geometry(model, work, k)
         out[k, 0] = -touch.gap
-        place, touching = core.centre(work, pairs.a[k]), is_touching(pairs, laws, modes, k, touch)
-        normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
-        if laws.release[k] == RELEASE_CONSTRAINT:
+        place, touching = core.centre(work, pairs.a[k]), forces.is_touching(pairs, laws, modes, k, touch)
+        normal = law.normal_force(laws, modes, k, -touch.gap, -touch.closing)
+        if laws.release[k] == law.RELEASE_CONSTRAINT:
             normal = contact_push(work, laws, k)
-        force = contact_force(model, work, k, touch, normal)
+        force = forces.contact_force(model, work, k, touch, normal)
         for c in range(len(place)):
             out[k, 1 + c] = force[c] if touching else 0.0
             out[k, 1 + len(place) + c] = place[c] + touch.arm_a[c]

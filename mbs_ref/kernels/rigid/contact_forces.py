@@ -9,15 +9,7 @@ import math
 
 import numpy as np
 
-from mbs_ref.kernels.contact.laws import (
-    FRICTION_NONE,
-    MODE_CLOSED,
-    MODE_PLAIN,
-    PAIR_FLAT,
-    RELEASE_FORCE,
-    drag,
-    normal_force,
-)
+from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.contact.neighbours import refresh_neighbours
 from mbs_ref.kernels.jit import bare, jit
@@ -29,24 +21,24 @@ from mbs_ref.kernels.rigid.shapes import contact_geometry
 @bare
 def is_behind(pairs, k, gap):
     """Return whether a depth is more than the surface is thick."""
-    return pairs.kind[k] == PAIR_FLAT and -gap > pairs.thickness[k]
+    return pairs.kind[k] == law.PAIR_FLAT and -gap > pairs.thickness[k]
 
 
 @bare
 def is_touching(pairs, laws, modes, k, touch):
     """Return whether the contact has a force: by its frozen mode, or in the plain mode by the state."""
-    if modes.mode[k] != MODE_PLAIN:
-        return modes.mode[k] == MODE_CLOSED
+    if modes.mode[k] != law.MODE_PLAIN:
+        return modes.mode[k] == law.MODE_CLOSED
     if touch.gap >= 0.0 or touch.beyond > 0.0 or is_behind(pairs, k, touch.gap):
         return False
-    return laws.release[k] != RELEASE_FORCE or normal_force(laws, modes, k, -touch.gap, -touch.closing) >= 0.0
+    return laws.release[k] != law.RELEASE_FORCE or law.normal_force(laws, modes, k, -touch.gap, -touch.closing) >= 0.0
 
 
 @bare
 def contact_force(model, work, k, touch, normal):
     """Return the force on body a (N) at a normal force (N), with friction in the frozen mode."""
     force = core.times(work, normal, touch.normal)
-    if model.contact_laws.friction[k] == FRICTION_NONE:
+    if model.contact_laws.friction[k] == law.FRICTION_NONE:
         return force
     return core.plus(work, force, core.friction_force(model, work, k, touch, normal))
 
@@ -85,11 +77,11 @@ def rigid_apply_contacts(model, work):
         find_near(model, work, 0.0)
     for place in range(near.count[0]):
         k = near.pair[place]
-        if modes.mode[k] != MODE_CLOSED and modes.mode[k] != MODE_PLAIN:
+        if modes.mode[k] != law.MODE_CLOSED and modes.mode[k] != law.MODE_PLAIN:
             continue
         touch = contact_geometry(model, work, k)
         if is_touching(pairs, laws, modes, k, touch):
-            normal = normal_force(laws, modes, k, -touch.gap, -touch.closing)
+            normal = law.normal_force(laws, modes, k, -touch.gap, -touch.closing)
             force = contact_force(model, work, k, touch, normal)
             exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)
 
@@ -104,13 +96,13 @@ def _repel(work, grains, a, radius, b, n, gap):
     arm_b = core.minus(work, core.plus(work, core.centre(work, a), arm_a), core.centre(work, b))
     u = rate_between(work, b, a, arm_b, arm_a)
     closing = core.dot(work, n, u)
-    normal = normal_force(grains, grains, 0, -gap, -closing)
-    if normal < 0.0 and grains.release[0] == RELEASE_FORCE:
+    normal = law.normal_force(grains, grains, 0, -gap, -closing)
+    if normal < 0.0 and grains.release[0] == law.RELEASE_FORCE:
         return
     force = core.times(work, normal, n)
     if grains.coefficient[0] > 0.0:
         slip = core.minus(work, u, core.times(work, closing, n))
-        scale = drag(grains, 0, normal, magnitude(work, slip))
+        scale = law.drag(grains, 0, normal, magnitude(work, slip))
         force = core.plus(work, force, core.times(work, scale, slip))
     exchange(work, a, arm_a, b, arm_b, force)
 
@@ -165,7 +157,7 @@ def rigid_fill_contact_rows(model, work):
     laws, modes = model.contact_laws, model.contact_modes
     for k in range(laws.slot.shape[0]):
         if laws.slot[k] >= 0:
-            if modes.mode[k] == MODE_CLOSED:
+            if modes.mode[k] == law.MODE_CLOSED:
                 _fill_contact(model, work, k)
             else:
                 _clear(model, work.rows, laws.slot[k])
@@ -214,7 +206,7 @@ def gap_gamma(model, work, k, touch):
     a, b = pairs.a[k], pairs.b[k]
     apart = separation(work, b, a, pairs.origin[k], pairs.center[k])
     surplus = core.dot(work, n, inward(work, b, a, apart))
-    if pairs.kind[k] == PAIR_FLAT:
+    if pairs.kind[k] == law.PAIR_FLAT:
         return core.surplus_of_turning(work, b, n, apart, surplus)
     along = core.dot(work, n, apart.rate)
     across = core.dot(work, apart.rate, apart.rate) - along * along

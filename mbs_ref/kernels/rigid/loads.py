@@ -8,19 +8,7 @@ import numpy as np
 
 from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.questions import apply_contacts, apply_granules
-from mbs_ref.kernels.contact.laws import (
-    MODE_CLOSED,
-    MODE_LIFTED,
-    MODE_LIMITED,
-    MODE_OPEN,
-    MODE_PLAIN,
-    RATE,
-    ROOTS_EACH,
-    SPEED,
-    TURN,
-    UNKNOWN,
-    VALUE,
-)
+from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import norm
@@ -79,11 +67,11 @@ def _clipped(spring, modes, k, stretch, tension):
     It follows from the frozen mode, or from the state where events are not located; a spring that may push has none.
     """
     place = spring.place[k]
-    if place < 0 or modes.mode[place] == MODE_CLOSED:
+    if place < 0 or modes.mode[place] == law.MODE_CLOSED:
         return tension
-    if modes.mode[place] == MODE_PLAIN and stretch > 0.0:
+    if modes.mode[place] == law.MODE_PLAIN and stretch > 0.0:
         return min(max(tension, 0.0), spring.limit[k])
-    return spring.limit[k] if modes.mode[place] == MODE_LIMITED else 0.0
+    return spring.limit[k] if modes.mode[place] == law.MODE_LIMITED else 0.0
 
 
 @bare
@@ -139,23 +127,23 @@ def spring_roots(model, work, table):
     for k in range(spring.place.shape[0]):
         if spring.place[k] < 0:
             continue
-        i = ROOTS_EACH * spring.place[k]
+        i = law.ROOTS_EACH * spring.place[k]
         mode = modes.mode[spring.place[k]]
         stretch, speed, tension = _pull(spring, work, k)
         slack = noise * spring.stiffness[k] + modes.noise[1] * spring.damping[k]
         a, b = spring.a[k], spring.b[k]
-        sign = -1.0 if mode == MODE_OPEN else 1.0
-        table[VALUE, i] = sign * stretch / noise + 1.0
-        table[RATE, i] = sign * speed / noise
-        table[SPEED, i] = distance_speed(work, a, b, spring.point_a[k], spring.point_b[k]) / noise
-        table[TURN, i : i + ROOTS_EACH] = core.spin(work, a) + core.spin(work, b)
-        if mode != MODE_OPEN and spring.damping[k] > 0.0:
-            table[VALUE, i + 1] = (-tension if mode == MODE_LIFTED else tension) / slack + 1.0
-            table[SPEED, i + 1] = UNKNOWN
-        if mode in (MODE_CLOSED, MODE_LIMITED) and spring.limit[k] < np.inf:
+        sign = -1.0 if mode == law.MODE_OPEN else 1.0
+        table[law.VALUE, i] = sign * stretch / noise + 1.0
+        table[law.RATE, i] = sign * speed / noise
+        table[law.SPEED, i] = distance_speed(work, a, b, spring.point_a[k], spring.point_b[k]) / noise
+        table[law.TURN, i : i + law.ROOTS_EACH] = core.spin(work, a) + core.spin(work, b)
+        if mode != law.MODE_OPEN and spring.damping[k] > 0.0:
+            table[law.VALUE, i + 1] = (-tension if mode == law.MODE_LIFTED else tension) / slack + 1.0
+            table[law.SPEED, i + 1] = law.UNKNOWN
+        if mode in (law.MODE_CLOSED, law.MODE_LIMITED) and spring.limit[k] < np.inf:
             below = spring.limit[k] - tension
-            table[VALUE, i + 2] = (below if mode == MODE_CLOSED else -below) / slack + 1.0
-            table[SPEED, i + 2] = UNKNOWN
+            table[law.VALUE, i + 2] = (below if mode == law.MODE_CLOSED else -below) / slack + 1.0
+            table[law.SPEED, i + 2] = law.UNKNOWN
 
 
 @jit
@@ -166,13 +154,13 @@ def spring_transition(model, g):
         place = spring.place[k]
         if place < 0:
             continue
-        i = ROOTS_EACH * place
+        i = law.ROOTS_EACH * place
         if g[i] < 0.0:
-            modes.mode[place] = MODE_CLOSED if modes.mode[place] == MODE_OPEN else MODE_OPEN
+            modes.mode[place] = law.MODE_CLOSED if modes.mode[place] == law.MODE_OPEN else law.MODE_OPEN
         elif g[i + 1] < 0.0:
-            modes.mode[place] = MODE_CLOSED if modes.mode[place] == MODE_LIFTED else MODE_LIFTED
+            modes.mode[place] = law.MODE_CLOSED if modes.mode[place] == law.MODE_LIFTED else law.MODE_LIFTED
         elif g[i + 2] < 0.0:
-            modes.mode[place] = MODE_LIMITED if modes.mode[place] == MODE_CLOSED else MODE_CLOSED
+            modes.mode[place] = law.MODE_LIMITED if modes.mode[place] == law.MODE_CLOSED else law.MODE_CLOSED
 
 
 @jit
@@ -185,10 +173,10 @@ def start_springs(model, work, located):
             continue
         stretch, _, tension = _pull(spring, work, k)
         if not located:
-            modes.mode[place] = MODE_PLAIN
+            modes.mode[place] = law.MODE_PLAIN
         elif stretch <= modes.noise[0]:
-            modes.mode[place] = MODE_OPEN
+            modes.mode[place] = law.MODE_OPEN
         else:
-            modes.mode[place] = MODE_LIFTED if tension < 0.0 else MODE_CLOSED
+            modes.mode[place] = law.MODE_LIFTED if tension < 0.0 else law.MODE_CLOSED
             if tension > spring.limit[k]:
-                modes.mode[place] = MODE_LIMITED
+                modes.mode[place] = law.MODE_LIMITED

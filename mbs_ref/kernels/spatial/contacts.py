@@ -9,20 +9,7 @@ on in the direction that its own acceleration takes.
 
 import math
 
-from mbs_ref.kernels.contact.laws import (
-    ENDS_CAPPED,
-    ENDS_OPEN,
-    FRICTION_SMOOTH,
-    FRICTION_STICK_SLIP,
-    GRIP_FORWARD,
-    GRIP_PROBE,
-    GRIP_STICK,
-    MODE_CLOSED,
-    PAIR_FLAT,
-    PAIR_ROUND,
-    ROOTS_EACH,
-    drag,
-)
+from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.shapes import Surface, contact_geometry, on_round, tooth_gap, tooth_wall
 from mbs_ref.kernels.spatial.marks import dot, minus, over, plus, times, turned
@@ -35,9 +22,9 @@ def _on_plane(pairs, k, x, edges, n):
     (e, f), radius = edges, pairs.radius[k]
     along, across, above = dot(x, e), dot(x, f), dot(x, n)
     past_e, past_f = abs(along) - pairs.half[k, 0], abs(across) - pairs.half[k, 1]
-    if pairs.ends[k] == ENDS_OPEN:
+    if pairs.ends[k] == law.ENDS_OPEN:
         return Surface(above - radius, n, max(past_e, past_f), radius, edges)
-    if pairs.ends[k] == ENDS_CAPPED and (past_e > 0.0 or past_f > 0.0):
+    if pairs.ends[k] == law.ENDS_CAPPED and (past_e > 0.0 or past_f > 0.0):
         p = math.copysign(max(past_e, 0.0), along)
         q = math.copysign(max(past_f, 0.0), across)
         distance = math.sqrt(p * p + q * q + above * above)
@@ -55,10 +42,10 @@ def _edges(work, pairs, k):
 def surface(model, work, k, x):
     pairs = model.contact_pairs
     n = turned(work, pairs.b[k], pairs.axes[k, 2])
-    if pairs.kind[k] == PAIR_FLAT:
+    if pairs.kind[k] == law.PAIR_FLAT:
         return _on_plane(pairs, k, x, _edges(work, pairs, k), n)
     e, f = _edges(work, pairs, k)
-    if pairs.kind[k] == PAIR_ROUND:
+    if pairs.kind[k] == law.PAIR_ROUND:
         return on_round(work, pairs, k, x, n, (e, f))
     wall = tooth_wall(pairs, k, (dot(x, e), dot(x, f)), (1.0, 0.0), (e, f))
     normal = plus(times(wall.normal[0], e), times(wall.normal[1], f))
@@ -70,7 +57,7 @@ def outwards(model, work, k, x):
     pairs = model.contact_pairs
     e, f = _edges(work, pairs, k)
     along, across = dot(x, e), dot(x, f)
-    if pairs.kind[k] != PAIR_FLAT:
+    if pairs.kind[k] != law.PAIR_FLAT:
         gap = tooth_gap(pairs, k, (along, across), (1.0, 0.0))
         return plus(times(gap[0], e), times(gap[1], f))
     if abs(along) - pairs.half[k, 0] >= abs(across) - pairs.half[k, 1]:
@@ -112,9 +99,9 @@ def _slide(laws, modes, k, normal, along, across):
 def grip_force(model, work, k, touch, normal):
     laws, modes = model.contact_laws, model.contact_modes
     along, across = slip_of(model, touch)
-    if modes.grip[k] == GRIP_PROBE:
+    if modes.grip[k] == law.GRIP_PROBE:
         return modes.anchor[k, 0], modes.anchor[k, 1]
-    if modes.grip[k] == GRIP_STICK:
+    if modes.grip[k] == law.GRIP_STICK:
         spring = work.grips.deflection[model.contact_pairs.deflection[k]]
         stiffness, damping = laws.grip_stiffness[k], laws.grip_damping[k]
         return -stiffness * spring[0] - damping * along, -stiffness * spring[1] - damping * across
@@ -124,8 +111,8 @@ def grip_force(model, work, k, touch, normal):
 @bare
 def friction_force(model, work, k, touch, normal):
     laws = model.contact_laws
-    if laws.friction[k] == FRICTION_SMOOTH:
-        return times(drag(laws, k, normal, math.sqrt(dot(touch.slip, touch.slip))), touch.slip)
+    if laws.friction[k] == law.FRICTION_SMOOTH:
+        return times(law.drag(laws, k, normal, math.sqrt(dot(touch.slip, touch.slip))), touch.slip)
     p, q = grip_force(model, work, k, touch, normal)
     return plus(times(p, touch.held[0]), times(q, touch.held[1]))
 
@@ -164,7 +151,7 @@ def stick(model, y, k, touch, force):
 def slide_along(model, k, touch, sign, u):
     modes = model.contact_modes
     speed = math.sqrt(u[0] * u[0] + u[1] * u[1])
-    modes.grip[k] = GRIP_FORWARD
+    modes.grip[k] = law.GRIP_FORWARD
     modes.anchor[k, 0] = sign * u[0] / speed
     modes.anchor[k, 1] = sign * u[1] / speed
 
@@ -178,13 +165,13 @@ def stop_together(model, work, y, g):
     laws, modes = model.contact_laws, model.contact_modes
     load_state(model, work, y)
     for k in range(modes.grip.shape[0]):
-        closed = modes.mode[k] == MODE_CLOSED and laws.friction[k] == FRICTION_STICK_SLIP
-        if not closed or modes.grip[k] != GRIP_FORWARD:
+        closed = modes.mode[k] == law.MODE_CLOSED and laws.friction[k] == law.FRICTION_STICK_SLIP
+        if not closed or modes.grip[k] != law.GRIP_FORWARD:
             continue
         along, across = slip_of(model, contact_geometry(model, work, k))
         if math.sqrt(along * along + across * across) <= TOGETHER * modes.slow[0]:
-            modes.grip[k] = GRIP_PROBE
-            g[ROOTS_EACH * k + 2] = -1.0
+            modes.grip[k] = law.GRIP_PROBE
+            g[law.ROOTS_EACH * k + 2] = -1.0
 
 
 @jit
@@ -201,5 +188,5 @@ def spatial_fill_deflection_rates(model, work, dy):
         place = first + 2 * pairs.deflection[k]
         dy[place] = 0.0
         dy[place + 1] = 0.0
-        if modes.mode[k] == MODE_CLOSED and modes.grip[k] == GRIP_STICK:
+        if modes.mode[k] == law.MODE_CLOSED and modes.grip[k] == law.GRIP_STICK:
             dy[place], dy[place + 1] = slip_of(model, contact_geometry(model, work, k))
