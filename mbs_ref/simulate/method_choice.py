@@ -136,7 +136,7 @@ def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
     allowed = min(now, closed)
     bounded = span / allowed  # steps
     work = bounded * plan.integrator.order * EVALUATION * len(y)  # multiplications of the whole explicit run
-    if bounded <= 2 * len(plan.times) or not WORTH <= work >= FACTORS * len(y) ** 3:
+    if bounded <= 2 * len(plan.times) or work < max(WORTH, FACTORS * len(y) ** 3):
         return plan
     implicit = _implicit(system, plan)
     return plan if implicit is None else _tried(system, plan, implicit, y, allowed, closed < now / LIMITED)
