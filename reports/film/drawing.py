@@ -138,6 +138,10 @@ def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, 
             surfaces.append(_line(motion, contact, motion.point(contact.body_a, contact.center)[0]))
         elif isinstance(contact, SphereOnPlane):
             surfaces += _sides(motion, contact)
+    for grains in motion.scene.loads if motion.scene.dimension == 2 else ():
+        if isinstance(grains, Granules):
+            path, beyond = motion.trajectory.position, max(grains.radius)
+            surfaces += [_wall(np.array(wall.point), wall.normal, path, beyond) for wall in grains.walls]
     circles = dict.fromkeys(circle for part in touching(motion.scene) for circle in _circles(part, motion.scene.bodies))
     return surfaces, [(motion.point(body, center)[0], radius) for body, center, radius in circles]
 
@@ -152,6 +156,14 @@ def _line(motion: Motion, contact: CircleOnLine, center: np.ndarray) -> np.ndarr
         low, high = way.min() - 2.0 * contact.radius, way.max() + 2.0 * contact.radius
         one, two = one + min(low, 0.0) * along, one + np.maximum(high, length) * along
     return np.stack((one, two), axis=1)
+
+
+def _wall(point: np.ndarray, normal: Sequence[float], path: np.ndarray, beyond: float) -> np.ndarray:
+    """Return the ends (n_t, 2, 2) of a wall, as far as the bodies' path (n_t, n_bodies, 2) goes, and beyond (m)."""
+    along = unit((normal[1], -normal[0]))
+    way = (path - point) @ along
+    ends = point + np.outer((way.min() - beyond, way.max() + beyond), along)
+    return np.broadcast_to(ends, (len(path), 2, 2))
 
 
 def _turning(motion: Motion) -> list[tuple[np.ndarray, np.ndarray]]:

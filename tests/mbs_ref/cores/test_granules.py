@@ -206,4 +206,7 @@ def test_grains_are_drawn_as_circles_and_have_no_image_elsewhere():
     assert [radius for _, radius in picture.circles] == [0.05] * 4
     assert np.array_equal(picture.circles[3][0], path.position[:, 3])
     assert not picture.labels
+    floor, left, _ = (surface[-1] for surface in picture.surfaces)
+    assert np.ptp(floor, axis=0)[1] == np.ptp(left, axis=0)[0] == 0.0  # level, upright
+    assert np.all(np.abs(np.ptp(floor, axis=0)[0] - np.ptp(path.position[:, :, 0]) - 0.1) < 1e-12)
     assert "granules" in obstacle(scene, Placement(np.eye(2), np.ones(2)))
