@@ -5,13 +5,15 @@ release rule, and returns the numbers of the solver's kernels. Points are world 
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import cycle
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from mbs_ref.scene.base import part
-from mbs_ref.scene.base.attached import Attached
+from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached
+from mbs_ref.scene.bodies import Body, PointMass
 from mbs_ref.scene.joints import axis_complaints
 
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -454,6 +456,21 @@ class Granules(Attached):
             for field, value in (("point", wall.point), ("normal", wall.normal)):
                 if len(value) != dimension:
                     yield f"walls[{k}].{field} = {value} must have {dimension} components here"
+
+
+def granular_complaints(loads: Sequence[Attached], bodies: Sequence[Body]) -> Iterator[str]:
+    """Yield what is invalid about the granules of a scene as a whole."""
+    groups = {k: load for k, load in enumerate(loads) if isinstance(load, Granules)}
+    if len(groups) > 1:
+        yield f"loads {', '.join(repr(group.name) for group in groups.values())} are all granules; give one"
+    for k, group in groups.items():
+        radius, where = group.radius, f"loads[{k}] ({group.name})"
+        if len(radius) not in (1, len(bodies)):
+            yield f"{where}: radius has {len(radius)} entries; allowed: 1, or {len(bodies)}, one a body"
+        elif group.friction:
+            pairs = zip(bodies, cycle(radius), strict=False)
+            points = [body.name for body, size in pairs if size and isinstance(body, PointMass)]
+            yield from (f"{where}: its friction turns {name!r}, a point mass, {NO_ORIENTATION}" for name in points)
 
 
 Contact = Annotated[

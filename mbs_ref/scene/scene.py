@@ -1,7 +1,7 @@
 """A scene: bodies, joints, loads, contacts and events, checked as a whole."""
 
 from collections import Counter
-from itertools import islice
+from itertools import chain, islice
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -11,7 +11,7 @@ from mbs_ref.display import facts, listing
 from mbs_ref.scene.base.attached import complaints
 from mbs_ref.scene.base.part import Name, Part, Positive, Vector
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
-from mbs_ref.scene.contact import Contact
+from mbs_ref.scene.contact import Contact, granular_complaints
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Joint
 from mbs_ref.scene.loads import Load
@@ -48,7 +48,8 @@ class Scene(Part):
         if "gravity" not in self.model_fields_set:
             vars(self)["gravity"] = (0.0,) * self.dimension
         attached = {"joints": self.joints, "loads": self.loads, "contacts": self.contacts, "events": self.events}
-        errors = list(islice(complaints(self.dimension, self.gravity, self.bodies, attached), MOST_COMPLAINTS))
+        general = complaints(self.dimension, self.gravity, self.bodies, attached)
+        errors = list(islice(chain(general, granular_complaints(self.loads, self.bodies)), MOST_COMPLAINTS))
         if len(errors) == MOST_COMPLAINTS:
             errors.append("and perhaps more: the search ended here")
         if errors:

@@ -197,7 +197,7 @@ def is_coarsened(system: System, plan: Plan, run: Run) -> bool:
     options, unknown = plan.options, any(isinstance(load, UserForce) for load in system.scene.loads)
     controlled = bool(plan.integrator.stability) and not options.step and not options.dense and not unknown
     within = len(run.times) > 2 and TIGHTEST <= options.rtol <= COARSEST / 2.0**plan.integrator.order
-    return controlled and within and not system.event_sources and _is_cut(run)
+    return controlled and within and not system.event_sources and not touching(system.scene) and _is_cut(run)
 
 
 def _is_cut(run: Run) -> bool:

@@ -11,9 +11,10 @@ import numpy as np
 
 from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import GROUND, CoordinateDrive, Scene
+from mbs_ref.scene import GROUND, Body, CoordinateDrive, Scene
 from mbs_ref.scene.base.part import normals, unit
-from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, Granules, PinOnSprocket, SphereOnPlane, SphereOnSphere
+from mbs_ref.scene.traits import touching
 
 ISOMETRIC = np.array([[-1.0, 1.0, 0.0], [-0.5, -0.5, 1.0]]) / np.array([[2.0**0.5], [1.5**0.5]])
 ALIKE = 8  # bodies of one mass, of which one is coloured: a link of a track
@@ -44,7 +45,7 @@ def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
     """Follow every mark of a scene along its motion."""
     motion, paper = Motion(scene, trajectory), _paper(scene)
     centres = trajectory.position @ paper.T
-    apart = not (scene.joints or scene.contacts) and len(scene.bodies) > 1
+    apart = not (scene.joints or touching(scene)) and len(scene.bodies) > 1
     ride, size = _ride(centres)
     if apart or np.ptp(ride, axis=0).max() <= FOLLOWED * size:
         ride = np.zeros_like(ride)
@@ -137,7 +138,11 @@ def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, 
             surfaces.append(_line(motion, contact, motion.point(contact.body_a, contact.center)[0]))
         elif isinstance(contact, SphereOnPlane):
             surfaces += _sides(motion, contact)
-    circles = dict.fromkeys(circle for contact in motion.scene.contacts for circle in _circles(contact))
+    for grains in motion.scene.loads if motion.scene.dimension == 2 else ():
+        if isinstance(grains, Granules):
+            path, beyond = motion.trajectory.position, max(grains.radius)
+            surfaces += [_wall(np.array(wall.point), wall.normal, path, beyond) for wall in grains.walls]
+    circles = dict.fromkeys(circle for part in touching(motion.scene) for circle in _circles(part, motion.scene.bodies))
     return surfaces, [(motion.point(body, center)[0], radius) for body, center, radius in circles]
 
 
@@ -153,12 +158,20 @@ def _line(motion: Motion, contact: CircleOnLine, center: np.ndarray) -> np.ndarr
     return np.stack((one, two), axis=1)
 
 
+def _wall(point: np.ndarray, normal: Sequence[float], path: np.ndarray, beyond: float) -> np.ndarray:
+    """Return the ends (n_t, 2, 2) of a wall, as far as the bodies' path (n_t, n_bodies, 2) goes, and beyond (m)."""
+    along = unit((normal[1], -normal[0]))
+    way = (path - point) @ along
+    ends = point + np.outer((way.min() - beyond, way.max() + beyond), along)
+    return np.broadcast_to(ends, (len(path), 2, 2))
+
+
 def _turning(motion: Motion) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return the ends (n_t, 2) of the spokes of every circle that turns by more than half a turn."""
     scene, turned = motion.scene, motion.trajectory.orientation
     if scene.dimension == 3:
         return []
-    wheels = {wheel for contact in scene.contacts for wheel in _circles(contact) if wheel[2] > 0.0}
+    wheels = {wheel for part in touching(scene) for wheel in _circles(part, scene.bodies) if wheel[2] > 0.0}
     result = []
     for body, center, radius in sorted(wheels):
         k = scene.body_index(body)
@@ -170,13 +183,16 @@ def _turning(motion: Motion) -> list[tuple[np.ndarray, np.ndarray]]:
     return result
 
 
-def _circles(contact) -> list[tuple[str, tuple[float, ...], float]]:
+def _circles(contact, bodies: Sequence[Body]) -> list[tuple[str, tuple[float, ...], float]]:
     """Return the circles and spheres of a contact: body, center (t = 0) and radius (m)."""
     if isinstance(contact, CircleOnLine | SphereOnPlane):
         return [(contact.body_a, contact.center, contact.radius)]
     if isinstance(contact, CircleOnCircle | SphereOnSphere):
         first = (contact.body_a, contact.center_a, contact.radius_a)
         return [first, (contact.body_b, contact.center_b, contact.radius_b)]
+    if isinstance(contact, Granules):
+        radii = np.broadcast_to(contact.radius, len(bodies)).tolist()
+        return [(body.name, body.position, radius) for body, radius in zip(bodies, radii, strict=True)]
     if isinstance(contact, PinOnSprocket):
         return [(contact.body_b, contact.axle, contact.pitch_radius)]
     return []

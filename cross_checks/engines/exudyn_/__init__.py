@@ -40,10 +40,10 @@ class Exudyn(Engine):
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
-        if scene.contacts and method.name in EXPLICIT_CONTACT:
+        if method.name in EXPLICIT_CONTACT:
+            sentence = f"load {{!r}}: {method.name} does not yet support {{}}"
+            reasons += [Refusal(sentence.format(load.name, load.type), False) for load in scene.loads]
             reasons += general_contact_refusals(scene) if method.name == CONTACT else pair_contact_refusals(scene)
-        elif method.name in EXPLICIT_CONTACT:
-            reasons += [Refusal("loads are not yet supported", False)] if scene.loads else []
         else:
             reasons += shared_refusals(scene)
         if method.name.startswith(TREE):

@@ -8,10 +8,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cross_checks import engines
+from cross_checks import engines, writers
+from cross_checks.engine import Engine
 from mbs_ref import scenes
 from mbs_ref.observables import rows
 from mbs_ref.scene import GROUND, Force, PlanarBody, Scene, SpatialBody, SpringDamper, Torque
+from mbs_ref.scene.contact import CircleOnLine, SphereOnPlane, SpringDamperLaw
 from mbs_ref.scene.signals import Table
 from mbs_ref.trajectory import Status
 from tests.cross_checks.engines.engine_runs import distance, run
@@ -118,3 +120,51 @@ def test_a_rope_pulls_and_never_pushes():
             scene = Scene(name="rope", bodies=(body,), loads=(rope,))
             result = run(name, method, scene, step=1e-3, t_end=1.0, samples=2)
             assert result.position[-1, 0, 0] - 2.0 == pytest.approx(end, abs=1e-4)
+
+
+def _grains(contact: bool, space: bool = False) -> Scene:
+    """Return grains that press against each other from the start, perhaps above a floor of another kind."""
+    scene = scenes.make("granular_column", grains=4, across=2, search=True, stiffness=1e3, damping=0.0, space=space)
+    center, law = scene.bodies[0].position, SpringDamperLaw(stiffness=1e3)
+    given = {"name": "floor", "body_a": "g0", "body_b": GROUND, "center": center, "radius": 0.01, "law": law}
+    line, plane = {"point_1": (0.0, 0.0), "point_2": (1.0, 0.0)}, {"point": (0.0,) * 3, "normal": (0.0, 0.0, 1.0)}
+    floor = SphereOnPlane(**given, **plane) if space else CircleOnLine(**given, **line, extent="line")
+    group = scene.loads[0].model_copy(update={"radius": (0.06,)})
+    return scene.model_copy(update={"loads": (group,), "contacts": (floor,) if contact else ()})
+
+
+def installed() -> list[Engine]:
+    found = []
+    for name in engines.names():
+        try:
+            found.append(engines.get(name))
+        except engines.EngineMissing:
+            continue
+    return found
+
+
+@pytest.mark.parametrize("contact", [False, True])
+def test_granules_act_in_every_method_that_does_not_refuse_them(contact):
+    scene = _grains(contact)
+    settings = {"t_end": 0.01, "samples": 2, "estimate": "off", "reactions": False}
+    true = run("mbs_ref", "dop853", scene, **settings)
+    pushed = distance(true, run("mbs_ref", "dop853", scene.model_copy(update={"loads": ()}), **settings))
+    assert pushed > 1e-3
+    for engine in installed():
+        for method in engine.able(scene):
+            path = run(engine.name, method.name, scene, step=1e-4, rtol=1e-6, **settings)
+            assert distance(path, true) < 0.1 * pushed, (engine.name, method.name)
+
+
+@pytest.mark.parametrize("space", [False, True])
+@pytest.mark.parametrize("contact", [False, True])
+def test_what_has_no_granules_of_its_own_refuses_them_by_name(contact, space):
+    scene = _grains(contact, space)
+    for engine in installed():
+        named = "granules" not in engine.part_types
+        for method in engine.methods():
+            if named or method.name in ("contact_rk44", "pair_contact_rk44"):
+                assert "granules" in engine.refusal(scene, method), (engine.name, method.name)
+    for form in writers.forms():
+        with pytest.raises((writers.NotWritable, engines.EngineMissing), match=r"granules|needs the package"):
+            writers.write(scene, form)
