@@ -2,6 +2,7 @@
 
 import math
 import os
+import time
 import weakref
 from collections.abc import Callable
 from pathlib import Path
@@ -18,12 +19,13 @@ from mbs_ref.scene.traits import python_parts
 
 Get = Callable[[str], Engine]  # the registry's, which here and there finds the engine
 
-
 STATED = ("package", "part_types", "as_shipped", "default_method", "checks_start")  # what an adapter declares of itself
 
 
 class Elsewhere(Engine):
     """Answers as the engine does in its own environment. A Python function of the user's cannot travel there."""
+
+    spent_s = 0.0  # of processor time, by the runs of all such engines
 
     def __init__(self, name: str, home: Path, get: Get) -> None:
         self.get = get
@@ -40,16 +42,18 @@ class Elsewhere(Engine):
         return self._version
 
     def refusals(self, scene: Scene) -> list[Refusal]:
-        return _stay(self.name, scene) or self._ask(_answer, self.name, "refusals", scene)
+        return _stay(self.name, scene) or self._ask(_answer, self.name, "refusals", scene)[0]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
-        return _stay(self.name, scene) or self._ask(_answer, self.name, "method_refusals", scene, method)
+        return _stay(self.name, scene) or self._ask(_answer, self.name, "method_refusals", scene, method)[0]
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         if _stay(self.name, scene):
             return super().run(scene, settings, times)  # says why not
         try:
-            return self._ask(_answer, self.name, "run", scene, settings, times)
+            path, cpu_s = self._ask(_answer, self.name, "run", scene, settings, times)
+            Elsewhere.spent_s += cpu_s
+            return path
         except Lost as lost:
             return stopped(scene, Status.ENGINE_ERROR, f"{self.name} did not come back: {lost}")
 
@@ -61,6 +65,11 @@ class Elsewhere(Engine):
             self._process = os.getpid()
             weakref.finalize(self, self._call.close)
         return self._call(function, self.get, *arguments)
+
+
+def processor_time() -> float:
+    """Return the processor time (s) of this process and of its runs in other environments."""
+    return time.process_time() + Elsewhere.spent_s
 
 
 def _stay(name: str, scene: Scene) -> list[Refusal]:
@@ -75,5 +84,6 @@ def _about(get: Get, name: str) -> tuple[dict[str, Any], tuple[Method, ...], str
     return stated, engine.methods(), engine.version(), source_digest(type(engine).__module__)
 
 
-def _answer(get: Get, name: str, method: str, *arguments: Any) -> Any:
-    return getattr(get(name), method)(*arguments)
+def _answer(get: Get, name: str, method: str, *arguments: Any) -> tuple[Any, float]:
+    began = time.process_time()
+    return getattr(get(name), method)(*arguments), time.process_time() - began

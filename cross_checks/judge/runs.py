@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks import engines
+from cross_checks.engines.elsewhere import processor_time
 from cross_checks.isolation.parent import Caller, Lost, direct
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.measure import component_errors, error_of, unjudged
@@ -94,9 +95,9 @@ class Runs:
 
 def make(scene: Scene, engine: str, settings: Settings, times: np.ndarray) -> Run:
     """Make a run, held against no truth; one that Ctrl-C cut short is none."""
-    wall, cpu = time.perf_counter(), time.process_time()
+    wall, cpu = time.perf_counter(), processor_time()
     record, path = complete(judged_run(scene, engine, settings, times, truth=NOT_COMPARED))
-    share = (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9)
+    share = (processor_time() - cpu) / max(time.perf_counter() - wall, 1e-9)
     return Run(replace(record, times=record.times | {"cpu_share": share}), path, machine() if path else "")
 
 

@@ -1,12 +1,12 @@
 """Choose which settings of a method to run: the next run is the one that is worth most, by the convergence model.
 
 A run is worth the odds that it reaches a target from within WINDOW, less what its steps cost. An error below the
-window is worth LIKELY, the odds with which a coarser run follows it. A target is given up where no setting within the
-work limit may reach it. Further runs follow only while the verdict is not settled: a finer one, halfway to the finest
-setting where a plateau or a limit of its own may hide the law. A method is classified as wrong only after a run plainly
-finer than all others, even beyond the work limit. Work is counted in steps, the same for every engine, so that the
-choice does not depend on how busy a machine is. A limit of processor time may end the search for a target as well;
-where it leaves the verdict open, nothing is limited.
+window costs more than need be: it is worth LIKELY, the odds from which a cheaper run is made. A target is given
+up where no setting within the work limit may reach it. Further runs follow only while the verdict is not settled: a
+finer one, halfway to the finest setting where a plateau or a limit of its own may hide the law. A method is classified
+as wrong only after a run plainly finer than all others, even beyond the work limit. Work is counted in steps, the same
+for every engine, so that the choice does not depend on how busy a machine is. A limit of processor time may end the
+search for a target as well; where the verdict within it is open or wrong, nothing is limited.
 """
 
 import math

@@ -148,7 +148,7 @@ def search(
 ) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
     """Search the method's settings for every target; return all runs and what became of each target.
 
-    Unless `settle`, no run is made for the verdict. Where `runs.longest` leaves it open, nothing is limited.
+    Unless `settle`, no run is made for the verdict. One open or wrong within `runs.longest` is sought without it.
     """
     tried = Tried(runs, scene, engine, method, truth, most_steps)
     if not tried.begin(first_knob(scene, method)):
@@ -157,9 +157,9 @@ def search(
         return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
     if isinstance(truth, Truth):
         tried.reach(sorted(targets, reverse=True))
-    if settle and tried.settle().verdict is Verdict.NOT_SHOWN and runs.longest < math.inf:
+    if settle and tried.settle().verdict in {Verdict.NOT_SHOWN, *WRONG} and runs.longest < math.inf:
         return search(replace(runs, longest=math.inf), scene, engine, method, truth, targets, most_steps)
-    return tried, [_result(tried, target) for target in sorted(targets, reverse=True)]
+    return tried, [_result(tried, target, settle) for target in sorted(targets, reverse=True)]
 
 
 def first_knob(scene: Scene, method: Method) -> float:
@@ -172,8 +172,8 @@ def first_knob(scene: Scene, method: Method) -> float:
     return step
 
 
-def _result(tried: Tried, target: float) -> TargetResult:
-    """Return what became of a target, from all runs within the work limit."""
+def _result(tried: Tried, target: float, settled: bool) -> TargetResult:
+    """Return what became of a target, from all runs within the work limit and a verdict that is settled or not."""
     good = tried.good
     records = [tried.records[point.knob] for point in good if tried.is_within(point)]
     if isinstance(tried.truth, NoTruth):
@@ -186,9 +186,10 @@ def _result(tried: Tried, target: float) -> TargetResult:
         why = f"the best error is {best:.1e}, and the truth is known to {tried.uncertainty:.1e}"
         return TargetResult(target, "unjudged", None, why)
     omitted, verdict = tried.omitted(target - tried.uncertainty), tried.verdict()
-    is_open = verdict.verdict not in WRONG and bool(good) and tried.knobs[-1] == good[-1].knob
-    if is_open and omitted is not None and omitted.reaches > 1.0 - FAILING:
-        return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
+    if omitted is not None and (finest := tried.knobs[-1]) == good[-1].knob:
+        is_possible = verdict.verdict not in WRONG and omitted.reaches > 1.0 - FAILING
+        if is_possible or (not settled and omitted.setting < finest):
+            return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
     return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}", omitted)
 
 

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cross_checks import engines
+from cross_checks.engines.elsewhere import processor_time
 from cross_checks.isolation.parent import Caller, Isolated, Lost
 from cross_checks.isolation.workers import Report
 from cross_checks.judge.ladder import grid
@@ -188,23 +189,22 @@ def measured(store: Store, call: Caller, scene: Scene, record: Record, again: bo
 
 
 def time_loops(scene: Scene, engine: str, settings: Settings, held: Sequence[float] = ()) -> tuple[list[float], float]:
-    """Return the loop times (s), of which `held` are the first, and the share of a processor that the runs got.
+    """Return the loop times (s), of which `held` are the first, and the share of a processor that the new runs got.
 
-    A short run warms up.
+    A first run whose loop takes WARMED (0.2 s) or less warms caches up and is discarded.
     """
-    samples = [Sample(loop_s) for loop_s in held] or [sample(scene, engine, settings)]
-    samples = samples if samples[0].loop_s > WARMED else []
-    while not is_enough([one.loop_s for one in samples]):
-        samples.append(sample(scene, engine, settings))
-    return [one.loop_s for one in samples], float(np.mean([one.cpu_share for one in samples]))
+    made = [] if held else [one for one in [sample(scene, engine, settings)] if one.loop_s > WARMED]
+    while not is_enough(loops := [*held, *(one.loop_s for one in made)]):
+        made.append(sample(scene, engine, settings))
+    return loops, float(np.mean([one.cpu_share for one in made] or [1.0]))
 
 
 def sample(scene: Scene, engine: str, settings: Settings) -> Sample:
     """Return the time (s) of a run's loop, and the share of a processor that the run got."""
     solver, times = engines.get(engine), grid(scene)
-    wall, cpu = time.perf_counter(), time.process_time()
+    wall, cpu = time.perf_counter(), processor_time()
     loop = float(solver.run(scene, settings, times).timing.loop_s)
-    return Sample(loop, (time.process_time() - cpu) / max(time.perf_counter() - wall, 1e-9))
+    return Sample(loop, (processor_time() - cpu) / max(time.perf_counter() - wall, 1e-9))
 
 
 def is_enough(loops: list[float]) -> bool:

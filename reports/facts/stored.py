@@ -90,7 +90,7 @@ def settled_answers(
 ) -> Iterator[Answer]:
     """Yield the settled answer to every question; the store keeps those in which the machine had no part.
 
-    Unless `full`, no run is made for a target alone that would take longer than LONGEST.
+    Unless `full`, no run for a target alone takes longer than LONGEST where the verdict is neither open nor wrong.
     """
     runs = Runs(store, call or Isolated(TIMEOUT), longest=longest(full))
     for answer in answers(runs, wanted, progress=report):

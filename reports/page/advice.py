@@ -3,7 +3,7 @@
 from collections import Counter
 from dataclasses import dataclass
 
-from cross_checks.judge.bounds import LONGEST, MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.vocabulary import OURS, SILENT
 from cross_checks.records.numbers import count, short
 from cross_checks.records.record import Record
@@ -81,7 +81,7 @@ def _span(runs: list[Record]) -> str:
 
 MISSED = {
     "not-reached": "its own limit keeps it from {target} on {scenes}",
-    "not-tried": "{target} would take more than {steps:,} steps or {longest:g} s on {scenes}",
+    "not-tried": "{target} would take more than {steps:,} steps, or more time than the report allows, on {scenes}",
     "cannot": "at no setting tried does it run to the end on {scenes}",
     "unjudged": "no truth judges {target} on {scenes}",
 }
@@ -97,7 +97,7 @@ def _limit(data: ReportData, engine: str) -> str:
     for answer, sentence in MISSED.items():
         where = ", ".join(scene for scene, own in answers.items() if own == answer)
         if where:
-            parts.append(sentence.format(target=short(MIDDLE), scenes=where, steps=MOST_STEPS, longest=LONGEST))
+            parts.append(sentence.format(target=short(MIDDLE), scenes=where, steps=MOST_STEPS))
     cannot = ", ".join(scene for scene in data.scenes if scene not in able)
     if cannot:
         parts.append(f"it cannot model {cannot}")

@@ -194,6 +194,9 @@ def test_a_long_loop_is_timed_once_and_a_short_one_after_a_first_that_warms_up(m
     clock = iter([Sample(timing.WARMED, 0.1), Sample(0.5, 0.8), Sample(0.2, 1.0), Sample(0.4, 0.6), Sample(9.0)])
     loops, share = timing.time_loops(*[None] * 3)  # type: ignore[arg-type]
     assert (loops, share) == ([0.5, 0.2, 0.4], pytest.approx(0.8))
+    clock = iter([Sample(0.5, 0.88), Sample(0.5, 0.88)])
+    loops, share = timing.time_loops(*[None] * 3, held=[0.5])  # type: ignore[arg-type]
+    assert (loops, share) == ([0.5] * 3, pytest.approx(0.88))  # what was timed before makes no busy machine idle
 
 
 def test_the_least_of_the_turns_counts_and_long_runs_take_one():

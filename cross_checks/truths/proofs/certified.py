@@ -108,6 +108,7 @@ def varied(scene: Scene, seed: int) -> Scene:
     return scene
 
 
-def kept(folder: Path) -> list[Scene]:
-    """Return the scenes whose logs a folder keeps."""
-    return [Scene.model_validate(logs.read(file)["scene"]) for file in sorted(folder.glob(f"*{SUFFIX}"))]
+def kept(folder: Path) -> list[tuple[Scene, np.ndarray, float]]:
+    """Return the scenes whose logs a folder keeps, with the times (s) and the radius of each log."""
+    found = map(logs.read, sorted(folder.glob(f"*{SUFFIX}")))
+    return [(Scene.model_validate(log["scene"]), np.array(log["times"]), log["radius"]) for log in found]

@@ -35,8 +35,8 @@ def command(
 
     Where no truth is certified, unlike engines compute a consensus truth; answers are provisional until that is
     accurate enough. Runs are stored and never repeated; they use all processors, each in a process of its own: one
-    that hangs, crashes or eats memory costs its own cell. No run is made for a target alone that would compute for more
-    than 15 s; its cell states the time. Any signal ends the command with what is known so far.
+    that hangs, crashes or eats memory costs its own cell. A target alone is worth no run of more than 15 s, unless the
+    verdict is open or wrong; the cell states the time. Any signal ends the command with what is known so far.
     Exit code 1 where a method is wrong where it does not declare that it is known to be.
     """
     for option, given in (("-p", parameters), ("--keep", keep_rates)):

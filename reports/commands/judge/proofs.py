@@ -21,7 +21,7 @@ COLUMNS = (*NUMBERS, "distance", "turned", "uncertainty")
 @inputs.PARAMETERS
 @inputs.SHARD
 @click.option("--seed", type=int, metavar="N", help="Parameters off by at most a tenth, at random.")
-@click.option("--again", is_flag=True, help="Check the kept logs again, of all scenes and parameters, instead.")
+@click.option("--again", is_flag=True, help="Check all stored logs instead, at their own radius and times.")
 @bound("--radius", 1e-18, RADIUS)
 @bound("--limit", 60.0, LIMIT)
 @click.option("--write", is_flag=True, help="Store the enclosures of certified scenes: their truths are then proven.")
@@ -33,30 +33,32 @@ def command(
     """Prove scenes and compare their truths. Without SCENE, all that proofs cover.
 
     The radius is for scenes up to 1 m; of larger ones it is multiplied by their length in m.
-    Logs of complete proofs are kept beside the store of runs, in the folder `proofs`; a scene whose log is kept is not
-    proven again: its log is checked. Exit code 1 where a truth is outside its enclosure by more than its uncertainty,
-    or where a kept log is refused.
+    Logs of complete proofs are stored beside the store of runs, in the folder `proofs`; a scene whose log is there is
+    not proven again: its log is checked. Exit code 1 where a truth is outside its enclosure by more than its
+    uncertainty, or where a stored log is refused.
     """
+    if again and (scene or parameters or seed is not None):
+        raise click.UsageError("--again checks every stored log as it is; give it no SCENE, -p or --seed")
     need_flint()
     from cross_checks.truths.proofs.certified import examine, kept, varied
     from cross_checks.truths.proofs.checker.balls import Refused
 
     folder = default_path().parent / "proofs"
     try:
-        found = kept(folder) if again else _covered() if scene is None else [inputs.scene(scene, parameters)]
+        given = [] if again else _covered() if scene is None else [inputs.scene(scene, parameters)]
+        built = given if seed is None else [varied(made, seed) for made in given]
+        aims = [(made, ladder.grid(made), radius * max(1.0, scales_of(made).length)) for made in built]
+        chosen = inputs.shard(kept(folder) if again else aims, shard)
     except Refused as error:
         raise Failed(str(error)) from error
-    chosen = inputs.shard(found, shard)
     rows = []
     with progress("prove") as report:
-        for done, made in enumerate(chosen):
+        for done, (made, times, aim) in enumerate(chosen):
             report(done, len(chosen), made.name)
-            built = made if seed is None else varied(made, seed)
-            aim = radius * max(1.0, scales_of(built).length)
-            row, truth = examine(built, ladder.grid(built), aim, limit, folder)
+            row, truth = examine(made, times, aim, limit, folder)
             rows.append(row)
-            if write and truth is not None and certificate.stored(built) is not None:
-                stored_poses.save(built, ladder.grid(built), truth)
+            if write and truth and certificate.stored(made) and times.tolist() == ladder.grid(made).tolist():
+                stored_poses.save(made, times, truth)
     if as_json:
         echo_json(rows)
     else:

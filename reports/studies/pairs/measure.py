@@ -251,7 +251,7 @@ def _timed(store: Store, scene: Scene, data: ReportData, targets: Sequence[float
     offers = [reaching(data, data.scenes[0], engine, target) for engine in data.engines for target in targets]
     runs = list({(run.engine, str(run.settings)): run for offered in offers for run in near(offered)}.values())
     held = [stored_times(store, scene, run) for run in runs]
-    first = [Sample(loop_time(run), float(own is not None and not is_busy(own)))
+    first = [Sample(loop_time(own or run), float(own is not None and not is_busy(own)))
              for run, own in zip(runs, held, strict=True)]  # fmt: skip
     times = least_times([partial(_loop, scene, run) for run in runs], first)
     return tuple(replace(run, times=run.times | {"loop_s": time}) for run, time in zip(runs, times, strict=True))

@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from cross_checks import engines
+from cross_checks.engines.elsewhere import processor_time
 from cross_checks.isolation import environments
 from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.runs import Runs
@@ -58,10 +59,13 @@ class Toy(Engine):
 ENGINE = Toy
 '''
 SOLVER = """
-import os, signal
+import os, signal, time
 __version__ = "2.0"
 def only_in_version_2(): pass
-def fallen(t): return -0.5 * 9.81 * t * t
+def fallen(t):
+    began = time.process_time()
+    while time.process_time() < began + 0.1: pass
+    return -0.5 * 9.81 * t * t
 def crash(): os.kill(os.getpid(), signal.SIGKILL)
 """
 SCENE = scenes.make("pendulum")
@@ -98,7 +102,9 @@ def test_runs_go_to_the_engines_own_packages_and_one_that_dies_costs_itself(toy)
     assert import_module("toy_solver").__version__ == "1.0"
     found = engines.get("toy")
     assert (found.version(), found.part_types >= {"point_mass"}) == ("2.0", True)
+    own = processor_time()
     assert found.run(SCENE, Settings(), TIMES).position[-1, 0].tolist() == [0.0, -0.5 * 9.81]
+    assert processor_time() - own >= 0.1  # s that the engine computes
     lost = found.run(SCENE, Settings(rtol=0.5), TIMES)
     assert (lost.status, "SIGKILL" in lost.message) == ("engine-error", True)
     assert found.run(SCENE, Settings(), TIMES).ok

@@ -267,6 +267,32 @@ def test_a_target_alone_is_worth_no_run_that_takes_long():
     assert [answer.answer for answer in answers] == ["reached", "reached", "not-tried"]
 
 
+def test_a_method_that_is_wrong_within_a_limit_of_time_is_judged_without_one():
+    """Errors that stay, rise and then fall: affordable runs after the confirming one show the plateau alone."""
+    runs = MadeUp(lambda h: 0.022 if 6.55e-3 <= h < 2.09e-2 else 0.23 * min(1.0, (h / 6.55e-3) ** 1.78), a_step=1e-3)
+    runs.longest, method = 0.56, Method("trapezoidal", "fixed", 2, "made up")
+    limited = Tried(runs, SCENE, "made", method, TRUTH)
+    limited.begin(first_knob(SCENE, method))
+    limited.reach([1e-3, 1e-6, 1e-9])
+    assert limited.settle().verdict is Verdict.WRONG_LIMIT
+    tried, answers = search(runs, SCENE, "made", method, TRUTH)
+    assert tried.verdict().verdict is Verdict.CONVERGING
+    assert "not-reached" not in {answer.answer for answer in answers}
+
+
+@pytest.mark.parametrize(("settle", "answer"), [(True, "not-reached"), (False, "not-tried")])
+def test_a_verdict_that_is_not_settled_denies_no_target(settle, answer):
+    tried, answers = search(MadeUp(lambda r: 1e-5 + r), SCENE, "made", ADAPTIVE, TRUTH, (1e-6, 1e-9), settle=settle)
+    assert tried.verdict().verdict is Verdict.WRONG_LIMIT
+    assert {one.answer for one in answers} == {answer}
+
+
+def test_a_tolerance_that_cannot_be_tightened_denies_its_target():
+    runs = MadeUp(lambda r: 1e-2, blows=lambda r: r > 4.0 * TIGHTEST)
+    _, (answer,) = search(runs, SCENE, "made", ADAPTIVE, TRUTH, (1e-6,), settle=False)
+    assert (min(runs.asked), answer.answer) == (TIGHTEST, "not-reached")
+
+
 @pytest.mark.parametrize("most", [300, 3000])
 def test_a_search_keeps_within_the_steps_that_it_is_allowed(most):
     runs = MadeUp(lambda h: h)

@@ -426,12 +426,26 @@ def test_a_kept_log_is_checked_again(tmp_path):
     assert first["truth"] == "inside"
     same = ("truth", "radius", "steps", "prover_s", "log_bytes")  # prover_s, too: the log is that of the first
     assert [again[key] for key in same] == [first[key] for key in same]
-    assert [one.name for one in kept(tmp_path)] == ["pendulum"]
+    ((made, times, aim),) = kept(tmp_path)
+    assert (made.name, times.tolist(), aim >= first["radius"]) == ("pendulum", list(TIMES), True)
     (file,) = tmp_path.iterdir()
     log = logs.read(file)
     log["steps"][1][2][0][1] += 1 << 110
     logs.write(log, file)
     assert (examined()["truth"], str(file) in examined()["reason"]) == ("refused", True)
+
+
+def test_stored_logs_are_checked_at_their_own_radius_and_times(tmp_path, monkeypatch):
+    monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "runs.sqlite"))
+    examine(scenes.make("pendulum"), np.array(TIMES), 1e-9, 60.0, tmp_path / "proofs")
+    (file,) = (tmp_path / "proofs").iterdir()
+    stored = file.read_bytes()
+    done = CliRunner().invoke(main, ["proofs", "--again", "--radius", "1e-25", "--json"])
+    (row,) = json.loads(done.stdout)
+    assert (done.exit_code, row["truth"], row["t_end"], file.read_bytes()) == (0, "inside", TIMES[-1], stored)
+    for given in (["pendulum"], ["-p", "length=2"], ["--seed", "1"]):
+        refused = CliRunner().invoke(main, ["proofs", "--again", *given])
+        assert (refused.exit_code, "--again" in refused.output) == (2, True)
 
 
 def test_a_proof_without_a_step_is_no_defect():

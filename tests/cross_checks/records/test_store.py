@@ -12,7 +12,7 @@ import time
 import numpy as np
 import pytest
 
-from cross_checks.prices import timing
+from cross_checks.records import machine
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
 from mbs_ref.trajectory import Trajectory
@@ -119,6 +119,6 @@ def test_one_thread_at_a_time_reads_or_writes():
 def test_two_processors_of_one_name_are_two_machines(monkeypatch):
     names = set()
     for made in ("fast", "slow"):
-        monkeypatch.setattr(timing, "processor", lambda made=made: made)
-        names.add(timing.machine.__wrapped__())
+        monkeypatch.setattr(machine, "processor", lambda made=made: made)
+        names.add(machine.machine.__wrapped__())
     assert len(names) == 2

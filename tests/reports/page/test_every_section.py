@@ -17,7 +17,7 @@ from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.extreme import Axis, Extreme
 from cross_checks.extremes.fate import Fate, Point
-from cross_checks.judge.bounds import LONGEST, MOST_STEPS, TARGETS
+from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.capabilities import Ability, Capability
 from cross_checks.judge.vocabulary import ANSWERS, MEANINGS, OURS, REFUSED, SILENT, Cell, TargetResult, Verdict
 from cross_checks.records import numbers
@@ -250,7 +250,8 @@ def test_advice_where_targets_are_missed(seed):
         for answer, labels in parts.items():
             words = {"not-reached": "Its own limit keeps it from 1e-6 on {}.",
                      "unjudged": "No truth judges 1e-6 on {}.",
-                     "not-tried": f"1e-6 would take more than {MOST_STEPS:,} steps or {LONGEST:g} s on {{}}.",
+                     "not-tried": f"1e-6 would take more than {MOST_STEPS:,} steps, or more time than the report "
+                                  "allows, on {}.",
                      "cannot": "At no setting tried does it run to the end on {}."}  # fmt: skip
             sentence = words[answer].format(", ".join(labels))
             assert sentence in text

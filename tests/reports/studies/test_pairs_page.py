@@ -13,6 +13,7 @@ from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
+from mbs_ref import scenes
 from reports.facts import cheapest
 from reports.facts.cheapest import Entry
 from reports.page.render import render
@@ -66,6 +67,15 @@ def test_no_run_is_made_that_cannot_be_the_cheapest(monkeypatch, offered):
     measure._cells(Runs(longest=5.0), request.built()[0], OURS, request)
     near = cheapest.NEAR * 0.3
     assert limits == {"dop853": 5.0, "rk4": near, "euler": near}  # rk4 was the cheapest at one alone
+
+
+def test_a_long_run_that_was_searched_on_a_busy_machine_has_its_quiet_time(monkeypatch):
+    run = Record("pendulum", {}, OURS, "rk4", {}, "success", times={"loop_s": 3.0})
+    quiet = replace(run, times={"loop_s": 1.2, "loop_runs": 3.0})
+    monkeypatch.setattr(measure, "reaching", lambda *given: [run])
+    monkeypatch.setattr(measure, "stored_times", lambda *given: quiet)
+    (timed,) = measure._timed(Store(), scenes.make("pendulum"), report_data(), (FEW,))
+    assert timed.times["loop_s"] == 1.2
 
 
 def test_an_engine_that_cannot_run_the_scene_gives_its_reason(tmp_path: Path, offered):
