@@ -82,7 +82,7 @@ def _exudyn(request: dict[str, float], snippet: str) -> np.ndarray:
     time.numberOfSteps, time.endTime = 900, 900 * request["step"]
     options.solution.sensors.writePeriod = request["step"]
     assert system.SolveDynamic(options, solverType=exu.DynamicSolverType.RK44)
-    return system.GetSensorStoredData(sensor)[:, 3] - 2.0 * RADIUS
+    return np.asarray(system.GetSensorStoredData(sensor), dtype=float)[:, 3] - 2.0 * RADIUS
 
 
 def _figures(gaps: np.ndarray, step: float, speed: float) -> dict[str, float]:
