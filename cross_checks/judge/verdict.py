@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, SCATTER
+from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, ROUNDED, SCATTER
 from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
@@ -79,7 +79,7 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Jud
 
 def above_rounding(ladder: Ladder) -> int:
     """Return the level after which rounding explains all errors: the best of those that it explains, else the last."""
-    allowed = SCATTER * ladder.rounding
+    allowed = ROUNDED * ladder.rounding
     first = len(ladder)
     while first > 0 and ladder.errors[first - 1] <= allowed[first - 1]:
         first -= 1
@@ -114,7 +114,7 @@ def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) 
 
 def _approach(last: str, shown: Posterior, documented: float, slow: float) -> Judgement:
     ladder, error = shown.ladder, float(shown.ladder.errors[-1])
-    least = max(error / SCATTER, SCATTER * float(ladder.rounding[-1]))
+    least = max(error / SCATTER, ROUNDED * float(ladder.rounding[-1]))
     doubts = {
         "that it converges to another limit": shown.odds_of_limit(error / SCATTER),
         "that errors stall": shown.odds_of_stall(least),
