@@ -23,7 +23,7 @@ REPORT = ["report", "--scene", "pendulum", "--engine", "mbs_ref", "-o"]
 
 
 def swept(place: Path) -> list[Any]:
-    """Return the keys of the records; a torn line is named, skipped and made again."""
+    """Return the keys of the records; a torn line is named, skipped and computed again."""
     records, problems = read(place / "out") if (place / "out").exists() else ([], [])
     assert all("no record" in problem for problem in problems)
     return sorted(key_of(record) for record in records)

@@ -53,8 +53,8 @@ def test_a_change_is_named_by_its_own_job(monkeypatch, tmp_path):
     made = entries([1.0, 2.0, 3.0, 4.0])
     history.append(tmp_path / "h.jsonl", made)
     monkeypatch.setattr(history, "change_points", lambda values: [2])
-    told = json.loads(run("history", "--file", str(tmp_path / "h.jsonl"), "--json").stdout)
-    assert told["chain"]["changes"] == [asdict(made[2])["made"]]
+    printed = json.loads(run("history", "--file", str(tmp_path / "h.jsonl"), "--json").stdout)
+    assert printed["chain"]["changes"] == [asdict(made[2])["made"]]
 
 
 def test_a_sweep_goes_on_without_doubles_and_an_interrupted_one_keeps_what_is_not_timed(monkeypatch, tmp_path):
