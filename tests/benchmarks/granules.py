@@ -112,7 +112,7 @@ def mujoco(scene: Scene, step: float, end: float) -> np.ndarray:
     for body in scene.bodies:
         frame = spec.worldbody.add_body(pos=body.position)
         frame.add_freejoint()
-        frame.explicitinertial, frame.mass, frame.inertia = True, mass, body.inertia[:3]
+        frame.explicitinertial, frame.mass, frame.inertia = True, mass, np.asarray(body.inertia)[:3]
         frame.ipos, frame.iquat = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
         size = (part.radius[0], 0.0, 0.0)
         frame.add_geom(type=mj.mjtGeom.mjGEOM_SPHERE, size=size, solref=(-2.0 * STIFFNESS / mass, 0.0), **shared)
