@@ -16,6 +16,7 @@ freedom; below two widths they fall as the distance itself, for a vector is shor
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,7 +32,8 @@ REPEATING = 0.2  # probability that runs of a stalled method may end in the same
 REPEATED = 0.5  # ... and that a run then ends where the one before did
 LATE = 0.15  # probability that the first run is not on the law; halves with every further run
 FADE = {"fixed": 0.5, "adaptive": 2.0}  # decades of the setting over which a plateau becomes less likely by e
-WIDTHS = np.array([0.03, 0.12, 0.12, 0.35, 0.7])  # sigma: scatter about the law, decades
+REAL = np.float32  # of the sums over the grid: odds need three figures
+WIDTHS = np.array([0.03, 0.12, 0.12, 0.35, 0.7], REAL)  # sigma: scatter about the law, decades
 ALIGNED = np.array([True, True, False, False, False])  # whether z keeps its direction
 SCATTER = {"fixed": (0.35, 0.25, 0.20, 0.15, 0.05), "adaptive": (0.05, 0.15, 0.30, 0.35, 0.15)}
 UNUSUAL = 0.02  # probability that the error at the reference setting may be anything
@@ -39,7 +41,8 @@ SPAN = 19.0  # decades over which a stray run's error may lie
 
 AMPLITUDES = np.arange(-18.0, 6.0, 0.25)  # log10 of the law at the finest run
 DISTANCES = np.arange(-10.0, 0.8, 0.125)  # log10 of d
-LEVELS = np.arange(-16.0, 4.0, 0.25)  # log10 of the level at which errors stall
+LEVELS = np.arange(-16.0, 4.0, 0.25, REAL)  # log10 of the level at which errors stall
+LOG_10 = math.log(10.0)
 TINY = 1e-18  # over the scene's scales: an error or gap below is below any rounding
 COMMON = 1e-2  # of the smallest error: rounding above this matters, and its size and growth are uncertain
 KNOWN = 0.25  # of the order, or of 1: a wider interval shows no order
@@ -121,7 +124,7 @@ def posterior(ladder: Ladder) -> Posterior:
 def _log_sum(logs: Any, axis: int | tuple[int, ...] | None = None) -> np.ndarray:
     """Return the log of a sum of exponentials."""
     logs = np.asarray(logs)
-    largest = np.maximum(np.max(logs, axis=axis, keepdims=True), -1e300)  # finite, for a sum of zeros
+    largest = np.maximum(np.max(logs, axis=axis, keepdims=True), -1e30)  # finite, for a sum of zeros
     with np.errstate(divide="ignore"):
         return np.log(np.sum(np.exp(logs - largest), axis=axis)) + np.squeeze(largest, axis=axis)
 
@@ -129,8 +132,8 @@ def _log_sum(logs: Any, axis: int | tuple[int, ...] | None = None) -> np.ndarray
 def density(value: np.ndarray, centre: np.ndarray, width: np.ndarray | float) -> np.ndarray:
     """Return the log density of a log10 distance per decade."""
     z = (value - centre) / width
-    short = np.minimum(value - centre + 2.0 * width, 0.0) * np.log(10.0)
-    return np.log(0.375 / width) - 2.5 * np.log1p(0.25 * z * z) + short
+    short = np.minimum(value - centre + 2.0 * width, 0.0) * LOG_10
+    return np.log(0.375 / width) - 2.5 * np.log(1.0 + 0.25 * z * z) + short
 
 
 def _derived(value: np.ndarray, first: np.ndarray, second: np.ndarray, floor: np.ndarray | float = 0.0) -> np.ndarray:
@@ -140,9 +143,19 @@ def _derived(value: np.ndarray, first: np.ndarray, second: np.ndarray, floor: np
     return density(value, 0.5 * np.log10(square + np.square(floor) + TINY**2), width)
 
 
+def _on_grid(values: Any) -> np.ndarray:
+    """Return values of modes or runs for every point of the grid, (..., 1, 1)."""
+    return np.asarray(values, REAL)[..., None, None]
+
+
+def _tails(logs: np.ndarray) -> np.ndarray:
+    """Return the sums from each run on; runs are the third axis from the end."""
+    return np.flip(np.cumsum(np.flip(logs, -3), -3), -3)
+
+
 def _mix(log_density: np.ndarray, share: float) -> np.ndarray:
     """Return a log density with a share of strays, which may lie anywhere."""
-    return np.logaddexp(np.log1p(-share) + log_density, np.log(share / SPAN))
+    return np.log((1.0 - share) * np.exp(log_density) + share / SPAN)
 
 
 def _grid(expected: float) -> np.ndarray:
@@ -166,7 +179,7 @@ def saturated(log_amplitude: np.ndarray, bound: float) -> np.ndarray:
 
 
 class _Data:
-    """Log densities of each datum under the law, on the grid of orders (p), amplitudes (b) and modes (m)."""
+    """Log densities of each datum under the law, for modes (m) and runs (i) on the grid of orders (p), amplitudes (b)."""
 
     def __init__(
         self, ladder: Ladder, orders: np.ndarray | None = None, amplitudes: np.ndarray = AMPLITUDES
@@ -177,22 +190,23 @@ class _Data:
         self.orders, self.amplitudes = _grid(ladder.order) if orders is None else orders, amplitudes
         log_order = _order_prior(self.orders, ladder.order)
         self.log_setting = np.log10(ladder.settings)
-        reach = self.orders[:, None] * (self.log_setting - self.log_setting[-1])  # (p, i)
-        amplitude = saturated(self.amplitudes[None, :, None] + reach[:, None, :], ladder.bound)  # (p, b, i)
+        reach = self.orders * (self.log_setting - self.log_setting[-1])[:, None]  # (i, p)
+        amplitude = saturated(self.amplitudes + reach[..., None], ladder.bound).astype(REAL)  # (i, p, b)
         self.hidden = ONE_FIGURE * ladder.uncertainty  # a smaller error is only known to lie below
         self.errors = np.fmax(ladder.errors, max(TINY, self.hidden))
-        self.log_error = np.log10(self.errors)
+        self.log_error = np.log10(self.errors).astype(REAL)
         self.is_hidden = ladder.errors <= self.hidden
         self.gaps = self._neighbours()
-        self.log_gap = np.log10(self.gaps)
+        self.log_gap = np.log10(self.gaps).astype(REAL)
         to_finest = np.maximum(ladder.gaps[: max(n - 2, 0), -1], np.maximum(ladder.rounding[-1], TINY))
-        self.log_far = np.log10(to_finest)  # (n - 2,) of the gaps to the finest run
-        self.far_by_gaps = self._far_by_gaps()
-        self.prior = log_order[:, None, None] + self._amplitude_prior()[:, :, None] + np.log(SCATTER[ladder.kind])
+        self.log_far = np.log10(to_finest).astype(REAL)  # (n - 2,) of the gaps to the finest run
+        self.far_by_gaps = self._far_by_gaps().astype(REAL)
+        prior = log_order[:, None] + self._amplitude_prior() + np.log(SCATTER[ladder.kind])[:, None, None]
+        self.prior = prior.astype(REAL)[:, None]  # (m, 1, p, b)
         self.amplitude = amplitude
-        self.by_law = self._errors_by_law(amplitude)  # (p, b, m, i)
-        self.gaps_by_law = self._gaps_by_law(amplitude)  # (p, b, m, i) of i and i + 1
-        self.gaps_by_errors = self._gaps_by_errors()  # (m, i)
+        self.by_law = self._errors_by_law(amplitude)  # (m, i, p, b)
+        self.gaps_by_law = self._gaps_by_law(amplitude)  # (m, i, p, b) of i and i + 1
+        self.gaps_by_errors = self._gaps_by_errors().astype(REAL)  # (m, i)
 
     def _neighbours(self) -> np.ndarray:
         """Return the gaps between neighbours (n - 1,), no smaller than rounding."""
@@ -206,22 +220,24 @@ class _Data:
         return np.log((1.0 - UNUSUAL) * usual / usual.sum(axis=1, keepdims=True) + UNUSUAL / len(self.amplitudes))
 
     def _errors_by_law(self, amplitude: np.ndarray) -> np.ndarray:
-        known = np.hypot(self.ladder.rounding, self.ladder.uncertainty)
-        centre = np.log10(np.hypot(amplitude, known) + TINY)[:, :, None, :]
-        value = density(self.log_error, centre, WIDTHS[:, None])
-        below = np.minimum(0.0, (np.log10(self.hidden + TINY) - centre) / WIDTHS[:, None])
-        return _mix(np.where(self.is_hidden, -2.5 * np.log1p(0.25 * below**2), value), STRAY)
+        known = np.square(self.ladder.rounding) + self.ladder.uncertainty**2
+        centre = 0.5 * np.log10(np.square(amplitude) + _on_grid(known) + TINY**2)
+        value = density(_on_grid(self.log_error), centre, _on_grid(WIDTHS)[:, None])
+        if self.is_hidden.any():
+            below = np.minimum(0.0, (math.log10(self.hidden + TINY) - centre) / _on_grid(WIDTHS)[:, None])
+            value = np.where(_on_grid(self.is_hidden) > 0.0, -2.5 * np.log(1.0 + 0.25 * below**2), value)
+        return _mix(value, STRAY)
 
     def _gaps_by_law(self, amplitude: np.ndarray) -> np.ndarray:
         """Return densities of the gaps to the next run by the law, and of those to the finest run by two gaps."""
-        coarse, fine = amplitude[..., :-1], amplitude[..., 1:]
-        rounding = self._rounding(slice(None, -1), slice(1, None))
+        coarse, fine = amplitude[:-1], amplitude[1:]
+        least = _on_grid(np.square(self._rounding(slice(None, -1), slice(1, None)))) + TINY**2
         turned = coarse * fine * np.square(fine / self.ladder.bound)  # motions far apart have unrelated directions
-        along = np.sqrt(np.square(coarse - fine) + turned + rounding**2)
-        across = np.sqrt(coarse**2 + fine**2 + rounding**2)
-        centre = np.where(ALIGNED[:, None], along[:, :, None, :], across[:, :, None, :])
-        next_one = _mix(density(self.log_gap, np.log10(centre + TINY), WIDTHS[:, None]), 2.0 * STRAY)
-        return next_one + self.far_by_gaps
+        along = 0.5 * np.log10(np.square(coarse - fine) + turned + least)
+        across = 0.5 * np.log10(np.square(coarse) + np.square(fine) + least)
+        centre = np.stack([along if aligned else across for aligned in ALIGNED])
+        next_one = _mix(density(_on_grid(self.log_gap), centre, _on_grid(WIDTHS)[:, None]), 2.0 * STRAY)
+        return next_one + _on_grid(self.far_by_gaps)
 
     def _rounding(self, first: slice, second: slice) -> np.ndarray:
         return np.hypot(self.ladder.rounding[first], self.ladder.rounding[second])
@@ -306,18 +322,17 @@ def _weighed(logs: dict[str, float]) -> tuple[float, dict[str, float]]:
 def _right(data: _Data) -> tuple[float, np.ndarray]:
     """Return the log evidence that the method converges to the truth, and the posterior of order and amplitude."""
     terms = data.by_law.copy()
-    terms[..., :-1] += data.gaps_by_errors
-    tails = np.cumsum(terms[..., ::-1], axis=-1)[..., ::-1]  # (p, b, m, i): from run i on
+    terms[:, :-1] += _on_grid(data.gaps_by_errors)
     starts = [data.late(first) for first in range(data.n)]
     if data.n > 2:  # a plateau of two runs or more, then the law
         ends = [data.plateau(count) + data.across[count - 1] + np.log(LATE) for count in range(2, data.n)]
         starts[2:] = np.logaddexp(starts[2:], ends).tolist()
-    return _summed(data.prior[..., None] + tails + np.array(starts))
+    return _summed(data.prior + _tails(terms) + _on_grid(starts))
 
 
 def _limit(data: _Data) -> tuple[float, np.ndarray, np.ndarray]:
     """Return the log evidence of a limit off the truth, the posterior of order and amplitude, and of its distance."""
-    n, finest = data.n, data.amplitude[0, :, -1]
+    finest = data.amplitude[-1, 0]
     known = float(np.hypot(data.ladder.rounding[-1], data.ladder.uncertainty))
     distance = 10.0**DISTANCES
     last = _derived(data.log_error[-1], finest[:, None], distance[None, :], known)  # (b, d)
@@ -326,11 +341,10 @@ def _limit(data: _Data) -> tuple[float, np.ndarray, np.ndarray]:
     to_finest = np.maximum(data.ladder.gaps[:-1, -1], np.maximum(data.ladder.rounding[-1], TINY))
     others = _mix(_derived(data.log_error[:-1], data.errors[-1], to_finest, known), STRAY)
     others = np.where(data.is_hidden[:-1], -np.log(SPAN), others)
-    gaps = np.zeros((*data.by_law.shape[:3], n))
-    gaps[..., :-1] = data.gaps_by_law + others
-    tails = np.cumsum(gaps[..., ::-1], axis=-1)[..., ::-1]
-    starts = np.array([data.late(first) for first in range(n)])
-    weight = _log_sum(data.prior[..., None] + tails + starts, axis=(2, 3))  # (p, b)
+    gaps = np.zeros_like(data.by_law)
+    gaps[:, :-1] = data.gaps_by_law + _on_grid(others)
+    starts = [data.late(first) for first in range(data.n)]
+    weight = _log_sum(data.prior + _tails(gaps) + _on_grid(starts), axis=(0, 1))  # (p, b)
     by_distance = _log_sum(weight, axis=0)[:, None] + last - np.log(len(DISTANCES))
     total = float(_log_sum(by_distance))
     law = np.exp(weight + (_log_sum(last, axis=1) - np.log(len(DISTANCES)))[None, :] - total)
@@ -344,27 +358,25 @@ def _stalled(data: _Data) -> tuple[float, np.ndarray]:
     Directions are random, or there are few of them, and runs that take the same one are equal.
     """
     n = data.n
-    widths = np.array([0.12, 0.35, 0.7, 1.5])
-    drift = np.array([0.0, -0.5, -1.0])  # order of the level in the setting: errors may grow with refinement
+    widths = np.array([0.12, 0.35, 0.7, 1.5], REAL)
+    drift = np.array([0.0, -0.5, -1.0], REAL)  # order of the level in the setting: errors may grow with refinement
     tilt = drift[:, None] * (data.log_setting - data.log_setting[-1])  # (order, i)
-    centre = np.log10(saturated(LEVELS[:, None, None] + tilt, data.ladder.bound))  # (l, order, i)
-    alone = density(data.log_error, centre[:, :, None, :], widths[:, None])  # (l, order, width, i)
-    per_run = np.stack([alone, alone], axis=3)  # (l, order, width, repeats, i)
-    per_run[..., :-1] += [data.across, _mix(data.across, REPEATED)]
-    tails = np.cumsum(per_run[..., ::-1], axis=-1)[..., ::-1]
+    centre = np.log10(saturated(LEVELS + tilt[..., None], data.ladder.bound)).astype(REAL)  # (order, i, l)
+    alone = density(data.log_error[:, None], centre[:, None], widths[:, None, None])  # (order, width, i, l)
+    per_run = np.stack([alone, alone], axis=2)  # (order, width, repeats, i, l)
+    per_run[..., :-1, :] += np.array([data.across, _mix(data.across, REPEATED)])[..., None]
     prior = np.log(np.array([0.7, 0.2, 0.1]))[:, None, None] + np.log([1.0 - REPEATING, REPEATING])
-    prior -= np.log(len(widths) * len(LEVELS))
-    heads = np.cumsum(data.by_law[..., :-1] + data.gaps_by_errors, axis=-1)
-    before = [0.0] + [float(_log_sum(data.prior + heads[..., k])) for k in range(n - 1)]
-    start = np.array(before) - np.log(n)
-    logs = _log_sum(tails + prior[..., None] + start, axis=(1, 2, 3, 4))
+    prior -= np.log(len(widths) * len(LEVELS) * n)
+    heads = np.cumsum(data.by_law[:, :-1] + _on_grid(data.gaps_by_errors), axis=1)
+    before = np.append(0.0, _log_sum(data.prior + heads, axis=(0, 2, 3)))
+    logs = _log_sum(_tails(per_run[..., None])[..., 0] + prior[..., None, None] + before[:, None], axis=(0, 1, 2, 3))
     total = float(_log_sum(logs))
     return total, np.exp(logs - total)
 
 
 def _by_gaps(data: _Data) -> tuple[float, np.ndarray]:
     """Return the log evidence that gaps follow the law, and the posterior of order and amplitude."""
-    return _summed(data.prior + data.gaps_by_law.sum(axis=-1))
+    return _summed(data.prior + data.gaps_by_law.sum(axis=1, keepdims=True))
 
 
 def _without_truth(data: _Data) -> tuple[float, Posterior]:
@@ -378,6 +390,6 @@ def _without_truth(data: _Data) -> tuple[float, Posterior]:
 
 
 def _summed(logs: np.ndarray) -> tuple[float, np.ndarray]:
-    """Return the log of a sum over the grid, and the probabilities of order and amplitude (p, b)."""
+    """Return the log of a sum over modes, runs and grid, and the probabilities of order and amplitude (p, b)."""
     total = float(_log_sum(logs))
-    return total, np.exp(_log_sum(logs, axis=tuple(range(2, logs.ndim))) - total)
+    return total, np.exp(_log_sum(logs, axis=(0, 1)) - total)
