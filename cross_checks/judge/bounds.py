@@ -15,7 +15,6 @@ DOUBTFUL = 0.1  # odds below which nothing is expected: no failure of a method, 
 LEVELS = 3  # of runs at least that a verdict rests on: the law has three unknowns, D, C and p
 RESOLVED = 0.1  # of the scene: a larger error shows no approach
 SCATTER = 3.0  # ratio of errors that scatter alone explains: a smaller ratio shows neither fall nor growth
-ROUNDED = 5.0  # times what rounding may add to an error: a smaller error states nothing about the method
 WINDOW = 10.0  # a chosen error lies within this factor below its target
 PRICE = 0.1  # worth of a decade of steps
 FINER = {"fixed": 4.0, "adaptive": 100.0}  # ratio to a plainly finer setting, required of a failure beyond MOST_STEPS

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, ROUNDED, SCATTER
+from cross_checks.judge.bounds import AGREEMENT, DOUBTFUL, FAILING, LEVELS, RESOLVED, SCATTER
 from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
-from cross_checks.judge.convergence.model import Posterior, posterior
+from cross_checks.judge.convergence.model import ROUNDED, Posterior, posterior
 from cross_checks.judge.vocabulary import REFUSED, Verdict
 from cross_checks.truths.truth import ONE_FIGURE
 
@@ -71,7 +71,7 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Jud
     if error <= max(AGREEMENT, ONE_FIGURE * uncertainty):
         return Judgement(Verdict.BELOW_TRUTH, f"{error:.1e} at {last}; the truth is known to {uncertainty:.1e}")
     if len(ladder) >= LEVELS:
-        wrong = _wrong(good, shown, limit, stall + slow)
+        wrong = _wrong(good, shown, limit, stall + shown.weights["right"] * slow)
         if wrong is not None:
             return wrong
     return _approach(last, shown, documented, slow)
@@ -119,11 +119,11 @@ def _approach(last: str, shown: Posterior, documented: float, slow: float) -> Ju
         "that it converges to another limit": shown.odds_of_limit(error / SCATTER),
         "that errors stall": shown.odds_of_stall(least),
         "that outputs or events set all steps so far": shown.weights["plateau"],
-        "that the error hardly falls": slow,
+        "that the error hardly falls": (shown.weights["right"] + shown.weights["limit"]) * slow,
     }
     odds = sum(doubts.values())
     is_best = error <= SCATTER * float(np.min(ladder.errors))
-    if len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
+    if len(ladder) > LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
         pace = f"falling with order {shown.order:.2g}"
         pace += f", below half of {documented:.2g}" if shown.order < 0.5 * documented else ""
         return Judgement(Verdict.CONVERGING, f"{error:.1e} at {last}, {pace}", _capped(odds))

@@ -47,6 +47,7 @@ TINY = 1e-18  # over the scene's scales: an error or gap below is below any roun
 COMMON = 1e-2  # of the smallest error: rounding above this matters, and its size and growth are uncertain
 KNOWN = 0.25  # of the order, or of 1: a wider interval shows no order
 ROUNDINGS = ((0.03, 1.0), (0.3, 1.0), (3.0, 1.0), (0.1, 0.5), (1.0, 0.5), (10.0, 0.5))  # factor, power of the steps
+ROUNDED = max(factor for factor, _ in ROUNDINGS)  # rounding may explain an error up to so many times its stated size
 
 
 @dataclass(frozen=True)
@@ -69,8 +70,8 @@ class Posterior:
         return self.weights["stalled"] * float(self.level[np.log10(max(above, TINY)) < LEVELS].sum())
 
     def odds_of_order_below(self, order: float) -> float:
-        """Return the probability that the method converges to the truth, with less than an order."""
-        return self.weights["right"] * float(self.law.sum(axis=1)[self.orders < order].sum())
+        """Return the probability that a law with less than an order holds, if one holds."""
+        return float(self.law.sum(axis=1)[self.orders < order].sum())
 
     @property
     def limit_distance(self) -> float:

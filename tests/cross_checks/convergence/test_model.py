@@ -75,7 +75,8 @@ def test_errors_at_random_heights_stall():
         4.0, 0.1, -3.0,
     )  # fmt: skip
     shown = posterior(random)
-    assert shown.odds_of_stall(1e-6) + shown.odds_of_order_below(0.5) > 0.95
+    slow = shown.weights["right"] * shown.odds_of_order_below(0.5)
+    assert shown.odds_of_stall(1e-6) + slow > 0.95
 
 
 def test_predictions_follow_the_law():

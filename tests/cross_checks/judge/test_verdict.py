@@ -46,8 +46,9 @@ def verdict(errors, gaps=(), order=1.0, uncertainty=1e-14, **facts) -> Judgement
         ([1e-2, 1e-4, 1e-7, 1e-9], [1e-2, 1e-4, 1e-7], 4.0, Verdict.AGREES),
         ([1e-3, 2e-7], [1e-3], 4.0, Verdict.AGREES),  # one in agreement, reached at the order: odds 0.05
         ([1e-2, 2e-7, 3e-6, 1e-9, 1e-10], [1e-2, 3e-6, 3e-6, 1e-9], 4.0, Verdict.AGREES),  # once by luck
-        ([4e-1, 1e-1, 2.5e-2], [3e-1, 7.5e-2], 2.0, Verdict.CONVERGING),
-        ([0.4, 0.2, 0.1], [0.2, 0.1], 1.0, Verdict.CONVERGING),  # halving is no settling
+        ([4e-1, 1e-1, 2.5e-2], [3e-1, 7.5e-2], 2.0, Verdict.NOT_SHOWN),  # three unknowns fit any three levels
+        ([4e-1, 1e-1, 2.5e-2, 6e-3], [3e-1, 7.5e-2, 2e-2], 2.0, Verdict.CONVERGING),
+        ([0.4, 0.2, 0.1, 0.05], [0.2, 0.1, 0.05], 1.0, Verdict.CONVERGING),  # halving is no settling
         ([9.0, 7.0, 4.8], [2.0, 2.2], 1.0, Verdict.NOT_SHOWN),  # falls, and is nowhere near
         ([9e-2, 7e-2, 6e-2], [2e-2, 1.5e-2], 2.0, Verdict.NOT_SHOWN),  # odds of 0.74 of an order below a half
         ([2.0, 2.0, 2.0], [1e-2, 1e-3], 2.0, Verdict.WRONG_LIMIT),
