@@ -18,9 +18,9 @@ from cross_checks.conformance.questions import Question, rungs
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method
 from cross_checks.engine.plan import initial_sample
-from cross_checks.judge.bounds import AGREEMENT, FAILING, RESOLVED, SCATTER, TARGETS
+from cross_checks.judge.bounds import AGREEMENT, EVEN, FAILING, RESOLVED, SCATTER, TARGETS
 from cross_checks.judge.convergence.ladder import Ladder
-from cross_checks.judge.convergence.model import Posterior, posterior
+from cross_checks.judge.convergence.model import ROUNDED, Posterior, posterior
 from cross_checks.judge.ladder import knob_of
 from cross_checks.judge.runs import gap
 from cross_checks.judge.tried import facts_of
@@ -31,10 +31,8 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
 
 MORE = 7  # halvings of the finest step while no run resolves the motion
-LIKELY = 0.5  # odds from which a failure to converge is a finding; FAILING where forces jump, and errors scatter
 GOOD = 1e-8  # of the scene: a deviation that need not shrink any more ...
 SLOPE = 1e-5  # ... and of the largest rate, where slopes are differences of samples
-READ = 10  # roundings by which the first sample may miss the initial state: reading a pose in single precision
 EXPLAINED = 2.0  # times the gap to the two runs before: a method of order 1/2 or more is nearer than that to its limit
 SPARSE = 20  # the one inner sample of those runs
 ALOUD = "none: it stops before the end and says so, which is an answer"
@@ -82,7 +80,8 @@ class _Rungs:
 
     @property
     def bar(self) -> float:
-        return LIKELY if self.question.is_smooth else FAILING
+        """The odds from which a failure to converge is a finding; higher where forces jump, and errors scatter."""
+        return EVEN if self.question.is_smooth else FAILING
 
     @cached_property
     def errors(self) -> list[float]:
@@ -166,10 +165,8 @@ def _always(rising: _Rungs) -> Iterator[tuple[str, str]]:
     scene, method, runs = rising.question.scene, rising.method, rising.runs
     odd = [run.setting for run in runs if not np.array_equal(run.path.times, rising.question.times)]
     yield "asked times", f"{odd[0]}: samples are not at the requested times" if odd else ""
-    off, allowed = (
-        relative(scene, runs[-1].path.upto(1), initial_sample(scene))[0],
-        max(TARGETS[-1], method.rounding(READ)),
-    )
+    off = relative(scene, runs[-1].path.upto(1), initial_sample(scene))[0]
+    allowed = max(TARGETS[-1], ROUNDED * method.roundoff)  # a pose may be read in single precision
     wrong = [f"{part} by {miss:.1e} of its scale" for part, miss in zip(NAMES, off, strict=True) if miss > allowed]
     yield "start", f"the first sample is off: {', '.join(wrong)}" if wrong else ""
     misses = [figures.slope_misses(scene, run.path, method.roundoff) for run in runs]

@@ -19,15 +19,13 @@ import numpy as np
 
 from cross_checks.engine import Method
 from cross_checks.extremes.extreme import Case, Measured
-from cross_checks.judge.bounds import RESOLVED, TARGETS
+from cross_checks.judge.bounds import EVEN, RESOLVED, TARGETS
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import posterior
 from cross_checks.judge.convergence.prediction import odds_below
 from cross_checks.judge.tried import facts_of
 from cross_checks.records.record import CANNOT
 from mbs_ref import Status, Trajectory
-
-EVEN = 0.5  # odds from which a statement counts as true
 
 
 class Fate(StrEnum):

@@ -21,7 +21,7 @@ from cross_checks.records.record import Record
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
 from mbs_ref import Scene
 
-USEFUL = 1e-3 / ONE_FIGURE  # of the scene: a truth that is known so well shows which methods are within 1e-3
+USEFUL = TARGETS[0] / ONE_FIGURE  # of the scene: a truth that is known so well shows which methods reach that target
 SEARCH = 1.0  # s that a search is expected to take, compared with the levels of a consensus
 
 

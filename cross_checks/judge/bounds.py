@@ -11,12 +11,12 @@ AGREEMENT = 1e-6  # of the scene: an error at or below this is agreement
 # Thresholds. None refers to a scene or an engine; `python -m tests.cross_checks.convergence.searched` calibrates them.
 FAILING = 0.95  # odds of a failure from which a method is classified as wrong; a truth's uncertainty has them, too
 LIKELY = 0.3  # odds with which another run for a target already reached, or missed by LEVELS runs, is worth making
-DOUBTFUL = 0.1  # odds below which nothing is expected: no failure of a method, and no target of a setting
-LEVELS = 3  # of runs at least that a verdict rests on: the law has three unknowns, D, C and p
+DOUBTFUL = 0.1  # odds below which nothing is expected: no target, no failure, nothing of a decade of steps
+EVEN = 0.5  # odds from which a statement is more likely true than not: of a finding of conformance, of a run's fate
+LEVELS = 3  # of runs that determine the law's unknowns D, C and p; a failure rests on them, an approach on one more
 RESOLVED = 0.1  # of the scene: a larger error shows no approach
 SCATTER = 3.0  # ratio of errors that scatter alone explains: a smaller ratio shows neither fall nor growth
 WINDOW = 10.0  # a chosen error lies within this factor below its target
-PRICE = 0.1  # worth of a decade of steps
 FINER = {"fixed": 4.0, "adaptive": 100.0}  # ratio to a plainly finer setting, required of a failure beyond MOST_STEPS
 MOST_RUNS = 12  # of one method where a failure is likely and not certain; half of it in other cases
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from cross_checks import engines as registry
-from cross_checks.engine import Engine, Method
+from cross_checks.engine import Method
 from cross_checks.engine.plan import broken_start
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.consensus import ENOUGH, working_truth
@@ -69,21 +69,14 @@ def judged(
 
 def refusal_of(scene: Scene, engine: str, method: Method | None, targets: Sequence[float] = TARGETS) -> Cell | None:
     """Return the cell of a method that cannot run the scene, with every reason; None where it can."""
-    name, reason = refused(scene, engine, method)
-    if not reason:
-        return None
-    verdict = Verdict.ENGINE_MISSING if method is None else Verdict.CANNOT
+    name, verdict, reason = "", Verdict.ENGINE_MISSING, f"engine {engine!r} is not installed"
+    if method is not None:
+        broken = broken_start(scene, Settings().initial_tolerance)  # the scene's fault, not an engine's
+        reason = "; ".join(filter(None, (registry.get(engine).refusal(scene, method), broken)))
+        name, verdict = method.name, Verdict.CANNOT
     missed = tuple(TargetResult(target, "cannot", None, reason) for target in targets)
-    return Cell(scene.name, dict(scene.parameters), engine, name, verdict, reason, targets=missed)
-
-
-def refused(scene: Scene, engine: str, method: Method | None) -> tuple[str, str]:
-    """Return the method's name and why it is not run; empty where it is."""
-    if method is None:
-        return "", f"engine {engine!r} is not installed"
-    solver: Engine = registry.get(engine)
-    broken = broken_start(scene, Settings().initial_tolerance)  # the scene's fault, not an engine's
-    return method.name, "; ".join(filter(None, (solver.refusal(scene, method), broken)))
+    cell = Cell(scene.name, dict(scene.parameters), engine, name, verdict, reason, targets=missed)
+    return cell if reason else None
 
 
 def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:

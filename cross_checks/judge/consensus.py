@@ -28,7 +28,7 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import BRIEF, Late, Pool
-from cross_checks.judge.bounds import AGREEMENT
+from cross_checks.judge.bounds import AGREEMENT, TARGETS
 from cross_checks.judge.convergence.prediction import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
@@ -44,7 +44,7 @@ LEVELS: tuple[dict[str, tuple[float, ...]], ...] = (
     {"adaptive": (1e-12, 1e-14)},
 )  # tolerances, and steps over the duration, by the kind of a method; each level begins where the one before ends
 DEARER = 4.0  # expected cost of a level over that of the one before: the ratio of its steps
-WORST = 1e-3  # of the scene: engines further apart agree on nothing
+WORST = TARGETS[0]  # of the scene: engines further apart agree on nothing
 ENOUGH = AGREEMENT / ONE_FIGURE  # of the scene: a truth that is known so well shows agreement
 PER_ENGINE = 2  # methods of each
 BETWEEN = 4  # output times of a run between two of the judges'

@@ -156,7 +156,7 @@ class Search(ABC):
             served.append(target)
         if not served:
             return None
-        best = int(np.argmax(np.where(able, worth - bounds.PRICE * steps, -np.inf)))
+        best = int(np.argmax(np.where(able, worth - bounds.DOUBTFUL * steps, -np.inf)))
         near = [t for t in served if odds_below(shown, knobs[best : best + 1], t)[0] > bounds.DOUBTFUL]
         return float(knobs[best]), near or served[:1]
 
@@ -312,7 +312,7 @@ class Search(ABC):
         least = self.finest if self.kind == "adaptive" else 1e-8 * self.good[-1].knob
         knobs = np.geomspace(self.coarsest, least, 121)
         odds = self._odds_to_run(knobs) * odds_below(shown, knobs, target)
-        place = int(np.argmax(odds >= min(0.5, odds.max())))
+        place = int(np.argmax(odds >= min(bounds.EVEN, odds.max())))
         knob = float(knobs[place])
         low, middle, high = error_range(shown, knob)
         steps = float(self.steps(knobs[place : place + 1])[0])

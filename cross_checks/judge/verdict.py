@@ -55,12 +55,14 @@ def judge(
     return _with_failures(points, judged)
 
 
-def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Judgement:
+def _by_error(good: Sequence[Point], shown: Posterior, documented: float, levels: int = 0) -> Judgement:
+    """Return the verdict by errors; of so many `levels`, rounding explains those that the posterior does not hold."""
     ladder = shown.ladder
+    levels = max(levels, len(ladder))
     place = above_rounding(ladder)
     if place < len(ladder) - 1:
         coarser = [point for point in good if point.knob >= ladder.settings[place]]
-        judged = _by_error(coarser, posterior(ladder.take(slice(place + 1))), documented)
+        judged = _by_error(coarser, posterior(ladder.take(slice(place + 1))), documented, levels)
         return judged._replace(reason=f"{judged.reason}; rounding may explain the errors of finer runs")
     last, error, uncertainty = good[-1].setting, float(ladder.errors[-1]), ladder.uncertainty
     bar = AGREEMENT + uncertainty  # a limit farther from the truth is off the motion by more than AGREEMENT
@@ -74,7 +76,7 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float) -> Jud
         wrong = _wrong(good, shown, limit, stall + shown.weights["right"] * slow)
         if wrong is not None:
             return wrong
-    return _approach(last, shown, documented, slow)
+    return _approach(last, shown, documented, slow, levels > LEVELS)
 
 
 def above_rounding(ladder: Ladder) -> int:
@@ -112,7 +114,8 @@ def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) 
     return Judgement(Verdict.DIVERGED, f"the error does not fall: still {error:.1e} at {last}", odds)
 
 
-def _approach(last: str, shown: Posterior, documented: float, slow: float) -> Judgement:
+def _approach(last: str, shown: Posterior, documented: float, slow: float, tested: bool) -> Judgement:
+    """Return whether errors approach zero: as many runs as unknowns fit any law, and one more has `tested` it."""
     ladder, error = shown.ladder, float(shown.ladder.errors[-1])
     least = max(error / SCATTER, ROUNDED * float(ladder.rounding[-1]))
     doubts = {
@@ -123,7 +126,7 @@ def _approach(last: str, shown: Posterior, documented: float, slow: float) -> Ju
     }
     odds = sum(doubts.values())
     is_best = error <= SCATTER * float(np.min(ladder.errors))
-    if len(ladder) > LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
+    if tested and len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
         pace = f"falling with order {shown.order:.2g}"
         pace += f", below half of {documented:.2g}" if shown.order < 0.5 * documented else ""
         return Judgement(Verdict.CONVERGING, f"{error:.1e} at {last}, {pace}", _capped(odds))

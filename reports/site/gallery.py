@@ -5,7 +5,7 @@ from pathlib import Path
 
 from cross_checks import engines
 from cross_checks.judge.capabilities import Capability, capabilities
-from cross_checks.judge.cell import refused, truth_of
+from cross_checks.judge.cell import refusal_of, truth_of
 from cross_checks.judge.consensus import LEVELS
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
@@ -156,7 +156,7 @@ def _searched(runs: Runs, scene: Scene, name: str, truth: Truth) -> list[Record]
         method = engines.get(name).method(None)
     except engines.EngineMissing:
         return []
-    if refused(scene, name, method)[1]:
+    if refusal_of(scene, name, method):
         return []
     most = max(1, WORK // len(scene.bodies))
     return list(search(runs, scene, name, method, truth, TARGETS, most)[0].records.values())

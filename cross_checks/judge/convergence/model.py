@@ -150,8 +150,10 @@ def _on_grid(values: Any) -> np.ndarray:
 
 
 def _tails(logs: np.ndarray) -> np.ndarray:
-    """Return the sums from each run on; runs are the third axis from the end."""
-    return np.flip(np.cumsum(np.flip(logs, -3), -3), -3)
+    """Return the sums from each run on, in place; runs are the third axis from the end."""
+    for run in range(logs.shape[-3] - 2, -1, -1):
+        logs[..., run, :, :] += logs[..., run + 1, :, :]
+    return logs
 
 
 def _mix(log_density: np.ndarray, share: float) -> np.ndarray:
@@ -180,7 +182,7 @@ def saturated(log_amplitude: np.ndarray, bound: float) -> np.ndarray:
 
 
 class _Data:
-    """Log densities of each datum under the law, for modes (m) and runs (i) on the grid of orders (p), amplitudes (b)."""
+    """Log densities of each datum under the law: of modes (m), runs (i), and a grid of orders (p), amplitudes (b)."""
 
     def __init__(
         self, ladder: Ladder, orders: np.ndarray | None = None, amplitudes: np.ndarray = AMPLITUDES

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cross_checks.judge.convergence.model import AMPLITUDES, DISTANCES, FADE, LEVELS, TINY, Posterior, saturated
+from cross_checks.judge.convergence.model import AMPLITUDES, DISTANCES, FADE, LEVELS, REAL, TINY, Posterior, saturated
 from mbs_ref import Trajectory
 
 FAR = {"fixed": 0.25, "adaptive": 0.4}  # decades: scatter of an error far from all runs
@@ -20,7 +20,7 @@ def odds_below(posterior: Posterior, settings: np.ndarray, error: float | np.nda
     """
     weights, goal = posterior.weights, np.atleast_1d(np.log10(error))
     weight, predicted, scatter = _predicted(posterior, settings)
-    by_law = weight @ probability_below((goal[..., None, :] - predicted) / scatter)
+    by_law = weight @ probability_below(((goal[..., None, :] - predicted) / scatter).astype(REAL))
     near_limit = np.append(0.0, np.cumsum(posterior.distance))[np.searchsorted(DISTANCES, goal)]
     stalled = np.append(0.0, np.cumsum(posterior.level))[np.searchsorted(LEVELS, goal)]
     odds = by_law * (weights["right"] + weights["limit"] * near_limit) + weights["stalled"] * stalled

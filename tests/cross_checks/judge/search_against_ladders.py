@@ -16,7 +16,7 @@ from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS, WINDOW
-from cross_checks.judge.cell import refused, tasks, truth_of
+from cross_checks.judge.cell import refusal_of, tasks, truth_of
 from cross_checks.judge.ladder import label, rungs
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
@@ -73,7 +73,7 @@ def compared(runs: Runs, name: str, parameters: dict) -> Iterator[Compared]:
     scene = scenes.make(name, **parameters)
     truth = truth_of(runs, scene)
     for engine, method in tasks(engines.names()):
-        if method is not None and not refused(scene, engine, method)[1]:
+        if method is not None and not refusal_of(scene, engine, method):
             yield _compared(runs, scene, engine, method, truth)
 
 
