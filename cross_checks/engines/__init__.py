@@ -13,6 +13,7 @@ from importlib import import_module
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
+from threading import RLock
 from types import ModuleType
 
 from cross_checks.engine import Engine
@@ -22,6 +23,7 @@ from mbs_ref.scene.messages import suggest
 
 GROUP = "mbs_ref.engines"
 ADAPTERS = "MBS_REF_ADAPTERS"  # an environment variable, so that child processes know the same engines
+_IMPORTING = RLock()  # held while an adapter is imported, so that no other thread uses it half made
 
 
 class EngineMissing(ImportError):
@@ -104,7 +106,9 @@ def _elsewhere(name: str, home: Path) -> Engine:
 
 def _create_from_file(path: Path, name: str) -> Engine:
     try:
-        return getattr(sys.modules[_load(path)], "ENGINE")()  # noqa: B009 - the adapter's contract, not an attribute
+        with _IMPORTING:
+            module = sys.modules[_load(path)]
+        return getattr(module, "ENGINE")()  # noqa: B009 - the adapter's contract, not an attribute
     except ModuleNotFoundError as error:
         if not _is_of(error.name, _declared_package(path)):
             raise
@@ -131,7 +135,8 @@ def _load(path: Path) -> str:
 def _create(module_name: str, name: str, attribute: str | None = None) -> Engine:
     """Import the adapter and create its engine: the class an entry point names, else the module's ENGINE."""
     try:
-        module = sys.modules.get(module_name) or _imported(module_name)
+        with _IMPORTING:
+            module = sys.modules.get(module_name) or _imported(module_name)
         return getattr(module, attribute or "ENGINE")()
     except ModuleNotFoundError as error:
         if not _is_of(error.name, _package(module_name)):

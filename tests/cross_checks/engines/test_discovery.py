@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import EntryPoint
 
 import pytest
@@ -87,3 +88,10 @@ def test_any_other_failed_import_is_a_broken_adapter(tmp_path, monkeypatch):
     with pytest.raises(ModuleNotFoundError, match="other_thing") as caught:
         engines.get("strange")
     assert not isinstance(caught.value, engines.EngineMissing)
+
+
+def test_threads_that_need_an_adapter_at_once_wait_for_its_import(tmp_path, monkeypatch):
+    """A search once met the half-imported adapter of a reference engine, and ended with an AttributeError."""
+    an_adapter(tmp_path, monkeypatch, "import time\ntime.sleep(0.2)\nclass Strange:\n    name = 'strange'\n")
+    with ThreadPoolExecutor(2) as pool:
+        assert [made.name for made in pool.map(engines.get, ["strange", "strange"])] == ["strange", "strange"]
