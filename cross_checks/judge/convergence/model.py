@@ -41,7 +41,7 @@ SPAN = 19.0  # decades over which a stray run's error may lie
 
 AMPLITUDES = np.arange(-18.0, 6.0, 0.25)  # log10 of the law at the finest run
 DISTANCES = np.arange(-10.0, 0.8, 0.125)  # log10 of d
-LEVELS = np.arange(-16.0, 4.0, 0.25, REAL)  # log10 of the level at which errors stall
+LEVELS = np.arange(-16.0, 4.0, 0.25).astype(REAL)  # log10 of the level at which errors stall
 LOG_10 = math.log(10.0)
 TINY = 1e-18  # over the scene's scales: an error or gap below is below any rounding
 COMMON = 1e-2  # of the smallest error: rounding above this matters, and its size and growth are uncertain
@@ -87,15 +87,12 @@ class Posterior:
         orders = self.orders[p] * ratio ** np.linspace(-2.0, 2.0, 61)
         amplitudes = AMPLITUDES[b] + np.linspace(-0.5, 0.5, 41)
         data = _Data(self.ladder, orders, amplitudes)
-        weight = (self.law_of(data) ** 4).sum(axis=1)
+        if np.isfinite(self.ladder.errors).all():
+            law = self.weights["right"] * _right(data)[1] + self.weights["limit"] * _limit(data)[1]
+        else:
+            law = _by_gaps(data)[1]
+        weight = ((law / law.max()) ** 4).sum(axis=1)
         return float(weight @ orders / weight.sum())
-
-    def law_of(self, data: _Data) -> np.ndarray:
-        """Return the probabilities (n_p, n_b) of order and amplitude on the grid of the data, sum 1."""
-        if not np.isfinite(self.ladder.errors).all():
-            return _by_gaps(data)[1]
-        law = self.weights["right"] * _right(data)[1] + self.weights["limit"] * _limit(data)[1]
-        return law / law.sum()
 
     @property
     def observed_order(self) -> float | None:
@@ -199,7 +196,8 @@ class _Data:
         self.errors = np.fmax(ladder.errors, max(TINY, self.hidden))
         self.log_error = np.log10(self.errors).astype(REAL)
         self.is_hidden = ladder.errors <= self.hidden
-        self.gaps = self._neighbours()
+        self.rounding = np.hypot(ladder.rounding[:-1], ladder.rounding[1:])  # (n - 1,) of the gap to the next run
+        self.gaps = np.maximum(np.diagonal(ladder.gaps, 1), np.maximum(self.rounding, TINY))  # (n - 1,) likewise
         self.log_gap = np.log10(self.gaps).astype(REAL)
         to_finest = np.maximum(ladder.gaps[: max(n - 2, 0), -1], np.maximum(ladder.rounding[-1], TINY))
         self.log_far = np.log10(to_finest).astype(REAL)  # (n - 2,) of the gaps to the finest run
@@ -210,11 +208,6 @@ class _Data:
         self.by_law = self._errors_by_law(amplitude)  # (m, i, p, b)
         self.gaps_by_law = self._gaps_by_law(amplitude)  # (m, i, p, b) of i and i + 1
         self.gaps_by_errors = self._gaps_by_errors().astype(REAL)  # (m, i)
-
-    def _neighbours(self) -> np.ndarray:
-        """Return the gaps between neighbours (n - 1,), no smaller than rounding."""
-        rounding = self._rounding(slice(None, -1), slice(1, None))
-        return np.maximum(np.diagonal(self.ladder.gaps, 1), np.maximum(rounding, TINY))
 
     def _amplitude_prior(self) -> np.ndarray:
         """Return log probabilities (p, b): the error at the reference setting is typical within decades."""
@@ -234,7 +227,7 @@ class _Data:
     def _gaps_by_law(self, amplitude: np.ndarray) -> np.ndarray:
         """Return densities of the gaps to the next run by the law, and of those to the finest run by two gaps."""
         coarse, fine = amplitude[:-1], amplitude[1:]
-        least = _on_grid(np.square(self._rounding(slice(None, -1), slice(1, None)))) + TINY**2
+        least = _on_grid(np.square(self.rounding)) + TINY**2
         turned = coarse * fine * np.square(fine / self.ladder.bound)  # motions far apart have unrelated directions
         along = 0.5 * np.log10(np.square(coarse - fine) + turned + least)
         across = 0.5 * np.log10(np.square(coarse) + np.square(fine) + least)
@@ -242,17 +235,13 @@ class _Data:
         next_one = _mix(density(_on_grid(self.log_gap), centre, _on_grid(WIDTHS)[:, None]), 2.0 * STRAY)
         return next_one + _on_grid(self.far_by_gaps)
 
-    def _rounding(self, first: slice, second: slice) -> np.ndarray:
-        return np.hypot(self.ladder.rounding[first], self.ladder.rounding[second])
-
     def _gaps_by_errors(self) -> np.ndarray:
         """Return densities (m, i) of the gaps from run i to the next and to the finest run, by their errors."""
-        rounding = self._rounding(slice(None, -1), slice(1, None))
-        next_one = self._apart(self.log_gap, self.errors[:-1], self.errors[1:], rounding)
+        next_one = self._apart(self.log_gap, self.errors[:-1], self.errors[1:], self.rounding)
         both = self.is_hidden[:-1] & self.is_hidden[1:]
         next_one = np.where(both, -np.log(SPAN), next_one)
         if self.n > 2:
-            rounding = self._rounding(slice(None, -2), slice(-1, None))
+            rounding = np.hypot(self.ladder.rounding[:-2], self.ladder.rounding[-1])
             far = self._apart(self.log_far, self.errors[:-2], self.errors[-1], rounding)
             hidden = self.is_hidden[:-2] & self.is_hidden[-1]
             next_one[:, :-1] += np.where(hidden, -np.log(SPAN), far)
