@@ -19,8 +19,9 @@ run: only every second output ends a step, and tolerances are 2^p times as large
 limit its steps, the tighter companion follows.
 
 If the companion takes no more steps, the difference is negligible, or the run comes close to a singular pose, the
-tolerance does not control the steps with the largest errors; a third run is then two decades tighter. If a companion does not reach the end, a coarser one replaces
-it, whose errors are the larger ones, so that d bounds them. If that fails too, another method is used.
+tolerance does not control the steps with the largest errors; a third run is then two decades tighter. If a companion
+does not reach the end, a coarser one replaces it, whose errors are the larger ones, so that d bounds them. If that
+fails too, another method is used.
 """
 
 import math
@@ -194,9 +195,8 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion
 
 def is_coarsened(system: System, plan: Plan, run: Run) -> bool:
     """Return whether the companion of a run has steps of twice the size, because outputs determine the steps."""
-    options, unknown = plan.options, any(isinstance(load, UserForce) for load in system.scene.loads)
+    options, unknown = plan.options, run.near_singular or any(isinstance(load, UserForce) for load in system.scene.loads)
     controlled = bool(plan.integrator.stability) and not options.step and not options.dense and not unknown
-    controlled = controlled and not run.near_singular
     within = len(run.times) > 2 and TIGHTEST <= options.rtol <= COARSEST / 2.0**plan.integrator.order
     return controlled and within and not system.event_sources and not touching(system.scene) and _is_cut(run)
 

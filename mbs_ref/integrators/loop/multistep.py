@@ -134,9 +134,7 @@ class MultistepLeg:
 
     def _leap(self) -> None:
         """Pass a singular pose."""
-        landing = leap(
-            self.system, self.options, self.run, self.t, self.now, self.times, self.reached, self.states
-        )  # fmt: skip
+        landing = leap(self.system, self.options, self.run, self.t, self.now, self.times, self.reached, self.states)
         self.t, self.now, self.reached = landing.t, landing.y, landing.reached
         if landing.failed is not None:
             self.ending = Ending(landing.failed.status, landing.failed.message)
