@@ -195,7 +195,7 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion
 
 def is_coarsened(system: System, plan: Plan, run: Run) -> bool:
     """Return whether the companion of a run has steps of twice the size, because outputs determine the steps."""
-    options, unknown = plan.options, run.near_singular or any(isinstance(load, UserForce) for load in system.scene.loads)
+    options, unknown = plan.options, run.near_singular or any(isinstance(x, UserForce) for x in system.scene.loads)
     controlled = bool(plan.integrator.stability) and not options.step and not options.dense and not unknown
     within = len(run.times) > 2 and TIGHTEST <= options.rtol <= COARSEST / 2.0**plan.integrator.order
     return controlled and within and not system.event_sources and not touching(system.scene) and _is_cut(run)
