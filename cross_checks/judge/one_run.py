@@ -75,6 +75,8 @@ def checked_run(
 def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:
     try:
         return run()
+    except MemoryError as error:
+        return "out-of-memory", f"memory is exhausted: {error}; request fewer samples and repeat"
     except ENGINE_FAILURES as error:
         return str(Status.ENGINE_ERROR), f"{type(error).__name__}: {error}"
     except ValueError as error:

@@ -18,9 +18,10 @@ Where outputs end nearly all steps of an explicit method, a companion with steps
 run: only every second output ends a step, and tolerances are 2^p times as large. Then e = d / (2^p - 1). If tolerances
 limit its steps, the tighter companion follows.
 
-If the companion takes no more steps, or the difference is negligible, the tolerance does not control the steps with the
-largest errors; a third run is then two decades tighter. If a companion does not reach the end, a coarser one replaces
-it, whose errors are the larger ones, so that d bounds them. If that fails too, another method is used.
+If the companion takes no more steps, the difference is negligible, or the run comes close to a singular pose, the
+tolerance does not control the steps with the largest errors; a third run is then two decades tighter. If a companion
+does not reach the end, a coarser one replaces it, whose errors are the larger ones, so that d bounds them. If that
+fails too, another method is used.
 """
 
 import math
@@ -183,7 +184,7 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion
     compared = [_compared(system, plan, own, _first(system, plan), first)]
     if plan.options.step and compared[0].has_ended:
         compared[0] = _by_observed_order(system, plan, own, compared[0])
-    if compared[0].is_uninformative:
+    if compared[0].is_uninformative or (own.run.near_singular and not plan.options.step):
         compared.append(_compared(system, plan, own, _tighter(plan, DECADE**2 * _tolerance_ratio(plan))))
     if not compared[-1].has_ended and compared[-1].status is not Status.INTERRUPTED:
         compared.append(_compared(system, plan, own, _coarser(plan)))
@@ -194,7 +195,7 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion
 
 def is_coarsened(system: System, plan: Plan, run: Run) -> bool:
     """Return whether the companion of a run has steps of twice the size, because outputs determine the steps."""
-    options, unknown = plan.options, any(isinstance(load, UserForce) for load in system.scene.loads)
+    options, unknown = plan.options, run.near_singular or any(isinstance(x, UserForce) for x in system.scene.loads)
     controlled = bool(plan.integrator.stability) and not options.step and not options.dense and not unknown
     within = len(run.times) > 2 and TIGHTEST <= options.rtol <= COARSEST / 2.0**plan.integrator.order
     return controlled and within and not system.event_sources and not touching(system.scene) and _is_cut(run)

@@ -107,6 +107,7 @@ class Run(NamedTuple):
     message: str
     loop_s: float  # s in the integrator
     carried_share: float  # of the simulated time, integrated by DOP853 in place of a multistep method
+    near_singular: bool  # steps came close to a singular pose
 
 
 class LegPlan(NamedTuple):
@@ -143,9 +144,8 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
         times, states, compliance = np.append(times, stuck), np.vstack((states, y)), np.append(compliance, 0.0)
     elif status is not Status.SUCCESS:
         message += f"; the last good output is at t = {times[-1]:.9g} s"
-    carried_s = sum(leg.carried_s for leg in legs)
-    share = carried_s / stuck if carried_s else 0.0
-    return Run(times, states, compliance, counts, status, message, loop_s, share)
+    share = float(run.carried) / stuck if run.carried else 0.0
+    return Run(times, states, compliance, counts, status, message, loop_s, share, bool(run.near_singular))
 
 
 def finite_part(system: System, run: Run) -> Run:

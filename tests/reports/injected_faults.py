@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import errno
 import io
+import linecache
 import os
 import sqlite3
 import sys
@@ -64,6 +65,9 @@ class Gate:
                 return
             frame = frame.f_back
         if frame is None:
+            return
+        code = linecache.getline(frame.f_code.co_filename, frame.f_lineno)
+        if kind == "import" and "import" not in code:  # a pickled function names its module, which is loaded
             return
         place = Place(kind, os.path.relpath(frame.f_code.co_filename, ROOT), frame.f_lineno)
         self.passed[place] = None

@@ -66,6 +66,8 @@ def leap(
         failed = leg.status not in (Status.SUCCESS, Status.TOO_MANY_STEPS)
         if failed or reached == len(times) or not is_near_singular(system, float(own.t), now):
             break
+    run.carried += own.t - t
+    run.near_singular += own.near_singular
     run.steps += own.steps
     run.rejected += own.rejected
     run.rhs_calls += own.rhs_calls
@@ -77,7 +79,6 @@ class Crossing:
 
     def __init__(self, system: System, options: Options, run: Progress, y: np.ndarray) -> None:
         self.system, self.options, self.run, self.y = system, options, run, y
-        self.carried = 0.0  # s
         self.failed: Leg | None = None  # of DOP853
 
     def past(self, code: int, outputs: Outputs) -> int:
@@ -85,9 +86,8 @@ class Crossing:
         if code != NEAR_SINGULAR:
             return code
         run, y = self.run, self.y
-        begin, reached = float(run.t), int(run.next_output)
-        landing = leap(self.system, self.options, run, begin, y, outputs.times, reached, outputs.states)
-        self.carried += landing.t - begin
+        reached = int(run.next_output)
+        landing = leap(self.system, self.options, run, float(run.t), y, outputs.times, reached, outputs.states)
         y[:] = landing.y
         run.t, run.next_output, run.h = landing.t, landing.reached, 0.0
         self.failed = landing.failed
@@ -96,7 +96,5 @@ class Crossing:
         return DONE if landing.reached == len(outputs.times) else RUNNING
 
     def finish(self, leg: Leg) -> Leg:
-        """Return the leg with what DOP853 did in it."""
-        if self.failed is not None:
-            leg = replace(leg, status=self.failed.status, message=self.failed.message)
-        return replace(leg, carried_s=self.carried)
+        """Return the leg; where DOP853 failed in it, with its status and message."""
+        return replace(leg, status=self.failed.status, message=self.failed.message) if self.failed else leg

@@ -83,6 +83,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         if stepping.stands_still(attempt):
             return leg.STEP_TOO_SMALL
         restore = projects and ((rejected and pivot < NEAR_SINGULAR) or regularity(work) < NEAR_SINGULAR)
+        run.near_singular += 1 if restore else 0
         pivot = fill_stages(model, work, tableau, attempt.t, attempt.h, y, stages, restore, tolerance)
         run.rhs_calls += last - 1
         if adaptive and not attempt.searching:  # a shorter step than an accepted one needs no error estimate

@@ -59,6 +59,7 @@ PROGRESS = np.dtype(
         ("h", float),  # s, next step
         ("h_before", float),  # s, step before
         ("span", float),  # s, of the leg
+        ("carried", float),  # s, passed by DOP853 where the method could not (loop/crossing.py)
         ("compliance", float),  # largest |C| since the last sample
         ("steps", np.int64),
         ("rejected", np.int64),
@@ -68,6 +69,7 @@ PROGRESS = np.dtype(
         ("events", np.int64),
         ("event_source", np.int64),  # of the last event
         ("switches", np.int64),  # between a method's families
+        ("near_singular", np.int64),  # explicit steps so close to a singular pose that their stages are projected
         ("needs_tangent", np.int64),  # 1 once corrections with the mass matrix alone have failed
     ]
 )
@@ -99,7 +101,6 @@ class Leg:
     reached: int
     status: Status
     message: str = ""
-    carried_s: float = 0.0  # of its time, passed by DOP853 where the method could not (loop/crossing.py)
 
 
 class Pace:

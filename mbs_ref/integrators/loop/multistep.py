@@ -78,7 +78,6 @@ class MultistepLeg:
         self.drift = 0.0  # |C| at the last step, over the scene's length
         self.pace = leg.Pace(self.t, float(times[-1]), options.max_steps, LOOK_EVERY)
         self.ending: Ending | None = None
-        self.carried = 0.0  # s, passed by DOP853
         self._settle()
 
     def goes_on(self) -> bool:
@@ -135,10 +134,7 @@ class MultistepLeg:
 
     def _leap(self) -> None:
         """Pass a singular pose."""
-        landing = leap(
-            self.system, self.options, self.run, self.t, self.now, self.times, self.reached, self.states
-        )  # fmt: skip
-        self.carried += landing.t - self.t
+        landing = leap(self.system, self.options, self.run, self.t, self.now, self.times, self.reached, self.states)
         self.t, self.now, self.reached = landing.t, landing.y, landing.reached
         if landing.failed is not None:
             self.ending = Ending(landing.failed.status, landing.failed.message)
@@ -160,4 +156,4 @@ class MultistepLeg:
         self.run.t = self.t
         self.y[:] = self.now
         status, message = self.ending or (Status.SUCCESS, "")
-        return leg.Leg(self.states, self.worst, self.reached, status, message, self.carried)
+        return leg.Leg(self.states, self.worst, self.reached, status, message)

@@ -152,7 +152,7 @@ def _complete(plan: Plan, runs: Runs, k: int, states: np.ndarray, loop_s: float)
     """Return run k, which reached its end; no state breaks a constraint."""
     steps, rejected, cut, calls = (int(count[k]) for count in (runs.steps, runs.rejected, runs.cut, runs.rhs_calls))
     counts = Counts(steps, rejected, cut, calls, 0, 0)
-    return Run(plan.times, states, np.zeros(len(states)), counts, Status.SUCCESS, reached(plan), loop_s, 0.0)
+    return Run(plan.times, states, np.zeros(len(states)), counts, Status.SUCCESS, reached(plan), loop_s, 0.0, False)
 
 
 class Checked(NamedTuple):

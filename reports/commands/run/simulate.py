@@ -80,7 +80,7 @@ def command(
         _show_path(chosen_scene, trajectory, record, plot)
     if record.status == "engine-missing":
         raise console.EngineAbsent(record.message)
-    if record.status == "interrupted":
+    if record.status in ("interrupted", "out-of-memory"):
         raise console.Incomplete(record.message)
     if record.status not in ("success", "stop-event"):
         raise console.Failed(f"{record.status}: {record.message}")

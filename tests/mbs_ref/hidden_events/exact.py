@@ -321,6 +321,8 @@ def truth(world: World, resolution: float) -> Truth:
 
     Raises Undecided where they are not: a run with errors of that size cannot know.
     """
+    if resolution >= 1.0:  # thresholds moved by as much may lie beyond all of the motion, on both sides
+        raise Undecided("errors as large as the world")
     low, events, high = (solve(world, sign * resolution * world.extent) for sign in (-1.0, 0.0, 1.0))
     if any(sorted(e.name for e in other) != sorted(e.name for e in events) for other in (low, high)):
         raise Undecided("which events occur depends on less than the resolution")
