@@ -141,13 +141,23 @@ def _slip_rates(model, work, t, y, dy, force, step, rates):
             rates[k, c] = (rates[k, c] - before[k, c]) / (2.0 * step)
 
 
+@bare
+def _within_cones(model, loads, force):
+    """Return whether every contact bears its force."""
+    for k in range(len(loads)):
+        if not _size(force[k]) <= model.contact_laws.static[k] * loads[k]:
+            return False
+    return True
+
+
 @jit
 def _hold(model, work, t, y, dy, loads, force):
     """Fill `force` (n_contacts, tangents) with the friction (N) that keeps the contacts under probe from slipping.
 
     Conjugate gradients (Hestenes and Stiefel 1952). Where it is not unique, as under the corners of one block,
     preconditioning by the normal `loads` (n_contacts,) shares it in proportion to them: sum |F|^2 / N is least.
-    The slip rates of a turning block have a small part that no force changes; forces within the block are not sought.
+    The slip rates of a turning block have a small part that no force changes; forces within the block are therefore
+    sought only as far as they stay inside every cone of friction.
     """
     step = DIFFERENCE * _stick_time(model)
     base, change = np.zeros_like(force), np.zeros_like(force)
@@ -166,9 +176,9 @@ def _hold(model, work, t, y, dy, loads, force):
         curvature = np.sum(direction * change)
         mobility = curvature / np.sum(direction**2 / np.maximum(weight, 1e-300))
         stiffest = max(stiffest, mobility)
-        if not mobility > INTERNAL * stiffest:
-            break
         length = square / curvature
+        if not mobility > INTERNAL * stiffest and not _within_cones(model, loads, force + length * direction):
+            break
         force += length * direction
         residual -= length * change
         before = square
