@@ -10,8 +10,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cross_checks.metrics import contact_figures as figures
+from cross_checks.metrics.errors import reaction_error
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.contact_gap import gap_of
 from mbs_ref.trajectory import Trajectory
 
 RNG = np.random.default_rng(12)
@@ -82,3 +84,29 @@ def test_contacts_closed_from_the_start_have_figures_and_those_that_never_touch_
 def _height(scene: Any, contact: Any) -> float:
     """Return how far a corner lies above the centre of its block, both as drawn (m)."""
     return contact.center[1] - scene.bodies[0].position[1]
+
+
+def test_a_flight_is_continued_from_the_sample_beside_the_surface():
+    """Its accelerations are those between two samples, its place and speed those of the nearer one."""
+    scene = scenes.make("bouncing_ball")
+    times = 0.1 * np.arange(6.0)
+    gap, v = np.array([0.35, 0.22, 0.05, -0.1, 0.05, 0.22]), np.array([-1.0, -1.2, -2.0, 0.1, 2.0, 1.2])
+    rate, still = np.stack((np.zeros(6), v), axis=1)[:, None], np.zeros((6, 1))
+    path, contact = Trajectory(times, np.zeros((6, 1, 2)), still, rate, still), scene.contacts[0]
+    path.position[:, 0, 1] = gap - gap_of(Motion(scene, path), contact)[0]
+    for pair, near, ahead in (((1, 2), 2, 1.0), ((4, 5), 4, -1.0)):
+        a = float(np.diff(v[list(pair)])[0] / 0.1)
+        (after,) = (t for t in np.roots([0.5 * a, v[near], gap[near]]) if 0.0 < ahead * t < 0.1)
+        found = figures._at_surface(Motion(scene, path), contact, pair, 3)
+        assert found is not None
+        assert found[:2] == pytest.approx((v[near] + a * after, times[near] + after))
+    low = replace(path, position=path.position - np.array([0.0, 1.0]))
+    assert figures._at_surface(Motion(scene, low), contact, (1, 2), 3) is None  # it begins inside
+
+
+def test_torques_of_joints_in_space_count():
+    one = {"pin": RNG.normal(size=(4, 6))}
+    for column in range(6):
+        other = {"pin": one["pin"].copy()}
+        other["pin"][2, column] += 7.0
+        assert reaction_error(one, other) == pytest.approx(7.0)

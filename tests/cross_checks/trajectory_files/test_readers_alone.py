@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from cross_checks.metrics import every
+from cross_checks.trajectory_files import library, mistakes
 from cross_checks.trajectory_files.column_map import OWN, _named
 from cross_checks.trajectory_files.columns import _checked
 from cross_checks.trajectory_files.formats import FileError
@@ -19,6 +20,7 @@ from cross_checks.trajectory_files.mistakes import case as cases
 from cross_checks.trajectory_files.mistakes.frames import _turned
 from cross_checks.trajectory_files.mistakes.terms import _factors
 from cross_checks.trajectory_files.motion import DescribedMotion, _Reader
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from tests.cross_checks.trajectory_files.test_figures_of_judgements import SCENE, irregular
 
@@ -122,3 +124,50 @@ def test_a_lagging_clock_shows_the_motion_of_earlier_times(monkeypatch):
         assert part[inside, 0, 0] == pytest.approx(seen[inside])
         assert np.isnan(part[~inside]).all()
         assert not inside.all()
+
+
+def made_case(error: float) -> Any:
+    return SimpleNamespace(error=error)
+
+
+@pytest.mark.parametrize(("left", "named"), [
+    ({"a": (0, 0.2)}, None),  # a fifth of the error may be chance
+    ({"a": (1, 2e-3), "b": (0, 5e-3), "c": (0, 9e-2)}, "b"),  # of two that leave as little, the one without a number
+    ({"a": (1, 1e-4), "b": (0, 5e-3)}, "a"),
+])  # fmt: skip
+def test_the_simplest_mistake_that_explains_an_error_is_named(monkeypatch, left, named):
+    found = [cases.Explanation(name, made_case(error), numbers) for name, (numbers, error) in left.items()]
+    monkeypatch.setattr(mistakes, "_every", lambda case: found if case.error == 1.0 else [])
+    monkeypatch.setattr(mistakes, "integration_errors", lambda case: "")
+    said = mistakes.suspicions(made_case(1.0), 1e-5)
+    assert [sentence.split(":")[0] for sentence in said] == ([] if named is None else [named])
+
+
+def test_a_single_part_of_a_large_scene_is_tried_alone(monkeypatch):
+    monkeypatch.setitem(_factors.__globals__, "MOST", 0)
+    said = [hypothesis.say(np.array([2.0])) for hypothesis in _factors(scenes.make("bouncing_ball"))]
+    assert any("'ball'" in sentence for sentence in said)
+    assert not any("of every" in sentence for sentence in said)
+
+
+def test_the_rows_of_a_consensus_are_those_of_the_requested_times(monkeypatch):
+    times = np.array([0.4, 1.1, 2.0])
+    asked: list[np.ndarray] = []
+
+    def consensus(runs: Any, scene: Any, why: str) -> Truth:
+        asked.append(runs.times)
+        place = np.tile(runs.times[:, None, None], (1, 2, 2))
+        return Truth(place, place[..., 0], 1e-9, "agreed", "")
+
+    @dataclass
+    class Known:
+        times: Any = None
+
+        def truth(self, scene, times):
+            return NoTruth("none is certified")
+
+    monkeypatch.setattr(library, "working_truth", consensus)
+    found = library.truth_at(Known(), SCENE)(times)  # type: ignore[arg-type]
+    assert isinstance(found, Truth)
+    assert asked[0].tolist() == [0.0, *times]
+    assert found.position[:, 0, 0].tolist() == times.tolist()
