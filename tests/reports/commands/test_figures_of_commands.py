@@ -14,6 +14,7 @@ from click.testing import CliRunner
 
 from benchmarks import history
 from benchmarks.trees import regression
+from cross_checks.extremes.fate import Fate
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records.record import Error, Record
@@ -22,15 +23,18 @@ from mbs_ref.scene.scales import scales_of
 from reports import gather
 from reports.commands.choose import pick
 from reports.commands.engines import doctor
-from reports.commands.judge import check, judge, proofs
-from reports.commands.maintenance import compare
+from reports.commands.explore import extremes as extremes_command
+from reports.commands.judge import certify, check, judge, proofs
+from reports.commands.maintenance import compare, nightly
 from reports.commands.maintenance.history import command as history_command
 from reports.commands.publish import rerun, show
 from reports.commands.run import ensemble
 from reports.facts import compiling
 from reports.facts.cheapest import Standing
 from reports.page import slug
-from reports.terminal.console import NothingSelected, number
+from reports.poses_file import csv_table
+from reports.studies.papers import measure as papers
+from reports.terminal.console import Failed, NothingSelected, number
 from tests.reports.page.test_shown_figures import irregular
 
 CHANCE = random.Random(8)
@@ -98,8 +102,9 @@ def test_the_last_job_of_a_series_is_the_last_one(monkeypatch, tmp_path):
     assert re.search(r"one\s+3\s+7\s+u7\s+v7\s+day 1", found.output), found.output
 
 
-def test_a_change_of_level_is_one_of_ratios_and_listed_in_order():
+def test_a_change_of_level_is_one_of_ratios_and_listed_in_order(monkeypatch):
     """A series at a thousandth of the size has the same changes."""
+    monkeypatch.setattr(history, "SHUFFLES", 100)
     rng = np.random.default_rng(2)
     levels = np.repeat([4.0, 1.0, 0.1], 7)
     values = levels * np.exp(0.02 * rng.standard_normal(len(levels)))
@@ -222,6 +227,7 @@ def test_a_part_of_a_report_leaves_out_what_comes_last(monkeypatch, part):
     stages = [(name, lambda self, data, name=name: asked.append(name) or data) for name in ("a", "b", "last")]
     monkeypatch.setattr(gather, "STAGES", stages)
     monkeypatch.setattr(gather, "stored", dict)
+    monkeypatch.setattr(gather, "environment", dict)
 
     def judged(self, data):
         yield from ()
@@ -253,3 +259,85 @@ def test_the_command_of_a_record_repeats_every_setting_and_parameter(settings):
         given = {word[2:]: float(words[k + 1]) for k, word in enumerate(words) if word[2:] in ("step", "rtol", "atol")}
         assert given == settings
     assert "-p" not in slug.command(record, "own.toml").split()
+
+
+@pytest.mark.parametrize(("error", "gap", "ends"), [(Error(2e-7, "exact", 3e-7, None), 1e-9, True),
+                                                    (Error(2e-6, "exact", 3e-7, None), 1e-9, False),
+                                                    (Error(2e-7, "exact", 3e-7, None), 1e-2, False)])  # fmt: skip
+def test_a_run_afresh_meets_the_bounds_or_fails(capsys, error, gap, ends):
+    again = replace(run_of(1.0), error=error, measures={"compliance_position": gap})
+    bounds = pick.Bounds(1e-6, 1e-3, None)
+    stated = f"{error.value + error.uncertainty:.2e}, joints open by {gap:.2e}"
+    if ends:
+        pick._check(again, bounds)
+        assert stated in capsys.readouterr().err
+        return
+    with pytest.raises(Failed, match="the bounds are not met") as failed:
+        pick._check(again, bounds)
+    assert stated in str(failed.value)
+
+
+def test_extremes_count_cells_by_fate_and_every_failure_that_was_caught(capsys, monkeypatch):
+    from cross_checks import extremes as families
+
+    axis = SimpleNamespace(name="a", label=str, labels=(), unit="m")
+    monkeypatch.setattr(families, "named", lambda name: SimpleNamespace(axis=axis))
+    fates = [*Fate, Fate.CANNOT, Fate.CANNOT, Fate.STOPPED]
+    cells: Any = [SimpleNamespace(fate=fate, family="f", extreme="x", engine="e", method=f"m{k}", last=0.5, reason="r",
+                                  points=[SimpleNamespace(caught=(k + j) % 3 == 0) for j in range(5)])
+                  for k, fate in enumerate(fates)]  # fmt: skip
+    extremes_command._show(cells)
+    shown = capsys.readouterr().out
+    for fate in Fate:
+        assert f"{fate} {fates.count(fate)}" in shown
+    assert f"detected: {sum(p.caught for c in cells for p in c.points)}" in shown
+
+
+@pytest.mark.parametrize(("verdicts", "code"), [(["holds", "no truth"], 0), (["holds", "new"], 0), (["no truth"], 5),
+                                                (["holds", "departs"], 1)])  # fmt: skip
+def test_certificates_fail_where_a_truth_departs(monkeypatch, verdicts, code):
+    rows = iter({"file": f"{k}.json", "verdict": verdict} for k, verdict in enumerate(verdicts))
+    monkeypatch.setattr(certify, "every_truth", lambda: [scenes.make("pendulum")] * len(verdicts))
+    monkeypatch.setattr(certify, "_examined", lambda *given: next(rows))
+    found = invoked(certify.command, "--json").exception
+    assert {0: type(None), 1: Failed, 5: NothingSelected}[code] is type(found) or getattr(found, "code", 0) == code
+
+
+def test_changes_of_trends_are_those_of_the_series_in_time(monkeypatch, tmp_path):
+    drawn: list[Any] = []
+    entries = [SimpleNamespace(value=v) for v in (1.0, 2.0, 7.0)]
+    monkeypatch.setattr(nightly.history, "read", lambda file: (entries, []))
+    monkeypatch.setattr(nightly.history, "series", lambda entries: {"one": entries})
+    monkeypatch.setattr(nightly.history, "new_levels", lambda result: {})
+    monkeypatch.setattr(nightly.history, "change_points", list)
+    monkeypatch.setattr(nightly, "write_trends", lambda result, changes, file: drawn.append(changes))
+    nightly._report_history(tmp_path, tmp_path)
+    assert drawn == [{"one": [1.0, 2.0, 7.0]}]
+
+
+def test_each_law_is_about_the_own_value_of_what_it_varies(monkeypatch):
+    own = {"a": 2.0, "b": 5.0}
+    source: Any = SimpleNamespace(target=lambda name: SimpleNamespace(own=own[name]))
+    monkeypatch.setattr(ensemble, "Variants", lambda *given: given)
+    monkeypatch.setattr(ensemble.ensembles, "read_law", lambda law, value: (law, value))
+    monkeypatch.setattr(ensemble.ensembles, "design", lambda laws, count, seed: laws)
+    (_, laws) = ensemble._planned(source, ("a=+-1%", "b=+-2%"), (), None, 0)
+    assert laws == {"a": ("+-1%", 2.0), "b": ("+-2%", 5.0)}
+
+
+def test_columns_of_a_csv_stand_under_their_heads():
+    text = csv_table({"t": [0.0, 0.5], "x": [1.0, None], "word": ["a", "b, c"]})
+    assert text == 't,x,word\n0.0,1.0,a\n0.5,,"b, c"\n'
+
+
+def test_coordinates_are_compared_by_places_and_by_time(monkeypatch):
+    monkeypatch.setattr(papers, "_loop", lambda scene, coordinates: coordinates)
+    monkeypatch.setattr(papers, "simulate", lambda *given: SimpleNamespace(ok=True))
+    monkeypatch.setattr(papers, "farthest", lambda scene, *runs: [0.1, 0.2, 0.3, 0.4])
+    monkeypatch.setattr(papers, "compare", lambda one, other: SimpleNamespace(ratio=f"{other} over {one}"))
+    monkeypatch.setattr(papers, "compile_scene", lambda scene, kind: SimpleNamespace(n_positions=len(kind)))
+    found = papers.coordinates()
+    for name in papers.TREES:
+        assert found[f"coordinates.{name}.apart"] == 0.1
+        assert found[f"coordinates.{name}.time"] == "relative over cartesian"
+        assert (found[f"coordinates.{name}.cartesian"], found[f"coordinates.{name}.relative"]) == (9, 8)

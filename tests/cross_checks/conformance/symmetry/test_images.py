@@ -16,7 +16,7 @@ from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import gap_of
 from mbs_ref.scene import Force, PlanarBody, Scene, SpatialBody
-from mbs_ref.scene.celestial import Relativity
+from mbs_ref.scene.celestial import Newton, Relativity
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.signals import Table
 
@@ -104,7 +104,6 @@ def test_masses_of_attracting_bodies_follow_the_order_of_the_bodies():
     scene = scenes.make("outer_solar_system")
     order = tuple(reversed(range(len(scene.bodies))))
     seen = image(scene, Placement(np.eye(3), np.zeros(3), order=order))
-    for one, other in zip(scene.loads, seen.loads, strict=True):
-        if getattr(one, "gm", None):
-            assert other.gm == one.gm[::-1]
-            assert len(set(one.gm)) > 1
+    before, after = ([load.gm for load in own.loads if isinstance(load, Newton)] for own in (scene, seen))
+    assert after == [gm[::-1] for gm in before if gm]
+    assert after
