@@ -136,18 +136,7 @@ def _slip_rates(model, work, t, y, dy, force, step, rates):
     before = np.zeros_like(rates)
     slip_velocities(model, work, y - step * dy, before)
     slip_velocities(model, work, y + step * dy, rates)
-    for k in range(rates.shape[0]):
-        for c in range(rates.shape[1]):
-            rates[k, c] = (rates[k, c] - before[k, c]) / (2.0 * step)
-
-
-@bare
-def _within_cones(model, loads, force):
-    """Return whether every contact bears its force."""
-    for k in range(len(loads)):
-        if not _size(force[k]) <= model.contact_laws.static[k] * loads[k]:
-            return False
-    return True
+    rates[:] = (rates - before) / (2.0 * step)
 
 
 @jit
@@ -156,8 +145,7 @@ def _hold(model, work, t, y, dy, loads, force):
 
     Conjugate gradients (Hestenes and Stiefel 1952). Where it is not unique, as under the corners of one block,
     preconditioning by the normal `loads` (n_contacts,) shares it in proportion to them: sum |F|^2 / N is least.
-    The slip rates of a turning block have a small part that no force changes; forces within the block are therefore
-    sought only as far as they stay inside every cone of friction.
+    Slip rates of a turning block have a part that no force changes: forces within it are sought inside the cones alone.
     """
     step = DIFFERENCE * _stick_time(model)
     base, change = np.zeros_like(force), np.zeros_like(force)
@@ -177,9 +165,11 @@ def _hold(model, work, t, y, dy, loads, force):
         mobility = curvature / np.sum(direction**2 / np.maximum(weight, 1e-300))
         stiffest = max(stiffest, mobility)
         length = square / curvature
-        if not mobility > INTERNAL * stiffest and not _within_cones(model, loads, force + length * direction):
+        after = force + length * direction
+        beyond = np.any(np.sum(after**2, axis=1) > (model.contact_laws.static * loads) ** 2)
+        if not mobility > INTERNAL * stiffest and beyond:
             break
-        force += length * direction
+        force[:] = after
         residual -= length * change
         before = square
         square = np.sum(residual * (weight * residual))
