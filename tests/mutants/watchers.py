@@ -31,7 +31,13 @@ JUDGE = ("tests/cross_checks/judge", "tests/cross_checks/records", "tests/cross_
 # the longest prefix of a defect's file decides
 WATCHERS: dict[str, tuple[str, ...]] = {
     "benchmarks": ("tests/benchmarks",),
-    "reports": ("tests/reports/page/test_recomputed_pages.py", "tests/reports/page", "tests/reports"),
+    "reports": (
+        "tests/reports/commands/test_figures_of_commands.py",
+        "tests/reports/studies/test_more_figures.py",
+        "tests/reports/page/test_recomputed_pages.py",
+        "tests/reports/page",
+        "tests/reports",
+    ),
     "mbs_ref": ("tests/mbs_ref",),
     "mbs_ref/kernels": (*PLANE, "tests/mbs_ref/cores/test_spatial.py"),
     "mbs_ref/kernels/particles": SKY,
@@ -71,6 +77,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "cross_checks/conformance": (
         "tests/cross_checks/conformance/test_clocks.py",
         "tests/cross_checks/conformance/test_figures_alone.py",
+        "tests/cross_checks/conformance/test_probes_alone.py",
         "tests/cross_checks/conformance",
         "tests/benchmarks/test_repeatability.py",
     ),

@@ -136,9 +136,7 @@ def _slip_rates(model, work, t, y, dy, force, step, rates):
     before = np.zeros_like(rates)
     slip_velocities(model, work, y - step * dy, before)
     slip_velocities(model, work, y + step * dy, rates)
-    for k in range(rates.shape[0]):
-        for c in range(rates.shape[1]):
-            rates[k, c] = (rates[k, c] - before[k, c]) / (2.0 * step)
+    rates[:] = (rates - before) / (2.0 * step)
 
 
 @jit
@@ -147,7 +145,7 @@ def _hold(model, work, t, y, dy, loads, force):
 
     Conjugate gradients (Hestenes and Stiefel 1952). Where it is not unique, as under the corners of one block,
     preconditioning by the normal `loads` (n_contacts,) shares it in proportion to them: sum |F|^2 / N is least.
-    The slip rates of a turning block have a small part that no force changes; forces within the block are not sought.
+    Slip rates of a turning block have a part that no force changes: forces within it are sought inside the cones alone.
     """
     step = DIFFERENCE * _stick_time(model)
     base, change = np.zeros_like(force), np.zeros_like(force)
@@ -166,10 +164,12 @@ def _hold(model, work, t, y, dy, loads, force):
         curvature = np.sum(direction * change)
         mobility = curvature / np.sum(direction**2 / np.maximum(weight, 1e-300))
         stiffest = max(stiffest, mobility)
-        if not mobility > INTERNAL * stiffest:
-            break
         length = square / curvature
-        force += length * direction
+        after = force + length * direction
+        beyond = np.any(np.sum(after**2, axis=1) > (model.contact_laws.static * loads) ** 2)
+        if not mobility > INTERNAL * stiffest and beyond:
+            break
+        force[:] = after
         residual -= length * change
         before = square
         square = np.sum(residual * (weight * residual))

@@ -122,3 +122,11 @@ def test_two_processors_of_one_name_are_two_machines(monkeypatch):
         monkeypatch.setattr(machine, "processor", lambda made=made: made)
         names.add(machine.machine.__wrapped__())
     assert len(names) == 2
+
+
+def test_new_times_of_a_run_replace_those_before(tmp_path):
+    with Store(tmp_path / "runs.sqlite") as store:
+        for loops in ([3.0, 2.0], [1.5]):
+            store.keep_timings("run", "box", loops)
+        store.keep_timings("run", "other", [9.0])
+        assert store.timings("run", "box") == [1.5]

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from cross_checks.conformance.symmetry import restart
-from cross_checks.conformance.symmetry.placement import Placement, image
+from cross_checks.conformance.symmetry.placement import Placement, dimension, image
 from cross_checks.conformance.symmetry.violation import _reordered
+from cross_checks.engine.plan import initial_sample
 from mbs_ref import scenes
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.contact_gap import gap_of
 from mbs_ref.scene import Force, PlanarBody, Scene, SpatialBody
-from mbs_ref.scene.celestial import Relativity
+from mbs_ref.scene.celestial import Newton, Relativity
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.signals import Table
 
@@ -78,3 +82,28 @@ def test_a_force_that_varies_is_not_carried_over_a_cut_and_a_constant_one_is():
     varied = steady.model_copy(update={"loads": (steady.loads[0].model_copy(update={"factor": ramp}),)})
     assert restart.obstacle(steady, back=False) == ""
     assert restart.obstacle(varied, back=False) == "signals are not carried over a cut"
+
+
+@pytest.mark.parametrize("matrix", [QUARTER, QUARTER * [[1.0], [-1.0]]], ids=["turned", "mirrored"])
+def test_a_ball_is_on_the_free_side_of_the_image_of_a_line(matrix):
+    scene = scenes.make("bouncing_ball")
+    placement = Placement(matrix, np.array([0.3, -0.7]), length=2.0)
+    seen = image(scene, placement)
+    (before,), (after,) = (gap_of(Motion(one, initial_sample(one)), one.contacts[0])[0] for one in (scene, seen))
+    assert after == pytest.approx(2.0 * before)
+
+
+def test_moduli_of_soil_have_the_powers_of_their_formula():
+    """p = (k_c / b + k_phi) z^n in Pa: k_c in kg m^-n s^-2, k_phi in kg m^-(n + 1) s^-2."""
+    soil = SimpleNamespace(type="soil", exponent=0.7)
+    assert dimension(soil, "cohesive") == pytest.approx((1.0, -0.7, -2.0))
+    assert dimension(soil, "frictional") == pytest.approx((1.0, -1.7, -2.0))
+
+
+def test_masses_of_attracting_bodies_follow_the_order_of_the_bodies():
+    scene = scenes.make("outer_solar_system")
+    order = tuple(reversed(range(len(scene.bodies))))
+    seen = image(scene, Placement(np.eye(3), np.zeros(3), order=order))
+    before, after = ([load.gm for load in own.loads if isinstance(load, Newton)] for own in (scene, seen))
+    assert after == [gm[::-1] for gm in before if gm]
+    assert after

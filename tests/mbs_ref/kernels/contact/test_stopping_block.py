@@ -41,3 +41,12 @@ def test_a_block_that_spins_stops_where_smooth_friction_stops_it(velocity, spin)
     smooth = RegularisedCoulomb(coefficient=FRICTION, speed=1e-4)
     for ours, limit in zip(end(block(STICKS, velocity, spin)), end(block(smooth, velocity, spin)), strict=True):
         assert ours == pytest.approx(limit, abs=1e-6)
+
+
+@pytest.mark.parametrize(("mass", "angle"), [(40.0, 0.1745), (7.0, 0.1745), (40.0, 0.28)])
+def test_an_undamped_block_on_an_incline_is_held_to_roundoff(mass, angle):
+    """Its corners are not sunk alike: what turns it by rounding alone is balanced by forces within the block."""
+    scene = scenes.make("incline", mass=mass, angle=angle, damping=0.0)
+    path = simulate(scene, Settings(method="dop853", rtol=1e-12, estimate="off", reactions=False))
+    assert np.abs(path.position - path.position[0]).max() < 1e-13
+    assert np.abs(path.angular_velocity).max() < 1e-10

@@ -1,0 +1,114 @@
+"""Ratios and choices of the benchmark suites and of the comparison of trees, from made-up times."""
+
+from __future__ import annotations
+
+import io
+import json
+from statistics import median
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.suites import bench_batch, bench_growth, bench_peers
+from benchmarks.trees import regression, worker
+from cross_checks.prices.timing import Sample
+from mbs_ref.settings import Settings
+
+
+def test_ours_is_held_against_the_fastest_peer(monkeypatch):
+    """Loops and whole calls of one of ours and two peers: the least of all turns counts."""
+    made = {"mbs_ref a": [(3.0, 9.0), (2.0, 8.0)], "mbs_ref b": [(4.0, 7.0), (5.0, 6.0)],
+            "quick": [(8.0, 12.0), (7.0, 11.0)], "slow": [(90.0, 99.0), (80.0, 98.0)]}  # fmt: skip
+    turns = {name: iter(times) for name, times in made.items()}
+    runs = {name: lambda name=name: next(turns[name]) for name in made}
+    monkeypatch.setattr(bench_peers, "loop", lambda *given: (np.zeros((1, 2)), (1.0, 1.0)))
+    monkeypatch.setattr(bench_peers, "entrants", lambda *given: runs)
+    benchmark = SimpleNamespace(extra_info={}, pedantic=lambda turn, **more: (turn(), turn()))
+    bench_peers.test_over_the_best_peer(benchmark, "chain 3")
+    assert benchmark.extra_info["of_loop"] == pytest.approx(2.0 / 7.0)
+    assert benchmark.extra_info["of_call"] == pytest.approx(6.0 / 11.0)
+
+
+def test_the_coarsest_tolerance_that_reaches_the_error(monkeypatch):
+    monkeypatch.setattr(bench_batch, "_batch", lambda starts, settings, lanes: settings.rtol)
+    monkeypatch.setattr(bench_batch, "_ends", lambda rtol: rtol)
+    monkeypatch.setattr(bench_batch, "farthest", lambda scene, one, other: [one.position * bench_batch.ERROR * 3e6])
+    assert bench_batch._coarsest_of_ours(None, 0.0, False).rtol == 1e-7  # type: ignore[arg-type]
+
+
+def test_the_first_call_of_a_growth_compiles_and_is_left_out(monkeypatch):
+    clock = iter(np.cumsum(np.append(0.0, np.random.default_rng(1).uniform(0.1, 2.0, 200))).tolist())
+    seen: list[float] = []
+
+    def now() -> float:
+        seen.append(next(clock))
+        return seen[-1]
+
+    system = SimpleNamespace(initial_state=lambda: np.zeros(2))
+    monkeypatch.setattr(bench_growth, "time", SimpleNamespace(process_time=now))
+    monkeypatch.setattr(bench_growth, "compiled", lambda *given: (None, system, None))
+    for name in ("simulate", "start_run", "run_legs"):
+        monkeypatch.setattr(bench_growth, name, lambda *given: None)
+    found = bench_growth.times("pendulum_chain", 3, Settings())
+    spans = np.diff(seen)[::2]
+    assert found == pytest.approx((median(spans[2::2]), median(spans[3::2])))
+
+
+def tree(name: str, reached: bool, asked: list[Any]) -> Any:
+    rungs = [{"status": "success", "error": 1e-9 if reached else 1.0, "settings": {"step": name}}]
+    return SimpleNamespace(climb=lambda **case: rungs, time=lambda **case: asked.append((name, case)) or Sample(1.0))
+
+
+def test_each_tree_is_timed_at_its_own_setting_and_the_one_that_fails_is_named(monkeypatch):
+    asked: list[Any] = []
+    monkeypatch.setattr(regression, "compare", lambda one, other, seed: (one(), other()) and _Timing)
+    monkeypatch.setattr(regression, "_sentence", lambda *given: "")
+    regression.examine(tree("a", True, asked), tree("b", True, asked), regression.CASES[0])
+    assert [(name, case["settings"]) for name, case in asked] == [("a", {"step": "a"}), ("b", {"step": "b"})]
+    for ours, theirs, name in ((False, True, "baseline"), (True, False, "current tree")):
+        found = regression.examine(tree("a", ours, asked), tree("b", theirs, asked), regression.CASES[0])
+        assert found.sentence.startswith(f"no setting of the {name} reaches")
+
+
+_Timing: Any = SimpleNamespace(pace="same")
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_a_tree_that_loads_other_packages_is_refused(monkeypatch, tmp_path, elsewhere):
+    (tmp_path / "mbs_ref").mkdir()
+    (tmp_path / "mbs_ref" / "__init__.py").write_text("")
+    loaded = tmp_path / "other" if elsewhere else tmp_path
+    child = SimpleNamespace(stdout=io.StringIO(json.dumps({"tree": str(loaded)}) + "\n"))
+    monkeypatch.setattr(regression.subprocess, "Popen", lambda *given, **more: child)
+    if not elsewhere:
+        assert regression.Tree(tmp_path).folder == tmp_path.resolve()
+        return
+    with pytest.raises(RuntimeError, match="were loaded instead of"):
+        regression.Tree(tmp_path)
+
+
+def test_a_worker_answers_what_it_is_asked(monkeypatch):
+    said: list[Any] = []
+    lines = [json.dumps({"do": name, "x": k}) for k, name in enumerate(("climb", "time", "rate"))]
+    monkeypatch.setattr(worker, "_say", lambda answers, answer: said.append(answer))
+    monkeypatch.setattr(worker, "os", SimpleNamespace(fdopen=lambda *given: None, dup=lambda n: n, dup2=lambda *n: None,
+                                                      path=worker.os.path))  # fmt: skip
+    monkeypatch.setattr(worker.sys, "stdin", io.StringIO("\n".join(lines) + "\n"))
+    for name, answer in (("climb", "a"), ("timed", "b"), ("rate", "c")):
+        monkeypatch.setattr(worker, name, lambda x, answer=answer: f"{answer}{x}")
+    worker.main()
+    assert said[1:] == ["a0", "b1", "c2"]
+
+
+def test_a_rate_is_the_time_of_one_body_of_one_right_hand_side(monkeypatch):
+    """A clock that shows 3 us for each of four bodies' right-hand sides, and 1 s more for nothing else."""
+    spent = [0.0]
+
+    def run(count: int) -> None:
+        spent[0] += 12e-6 * count
+
+    monkeypatch.setattr(worker, "_rated", {("chain", "{}"): (run, 4)})
+    monkeypatch.setattr(worker, "time", SimpleNamespace(process_time=lambda: spent[0]))
+    assert worker.rate("chain", {}, 0.5) == {"ns_per_body": pytest.approx(3000.0)}
