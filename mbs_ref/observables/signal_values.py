@@ -22,22 +22,9 @@ def _evaluate(pieces: list[Segment], times: np.ndarray, *, rate: bool) -> np.nda
     result = np.empty(len(times), dtype=np.result_type(times, float))
     for k, piece in enumerate(pieces):
         here = chosen == k
-        result[here] = _rate(piece, times[here]) if rate else _value(piece, times[here])
+        tau = times[here] - (piece.start if np.isfinite(piece.start) else 0.0)  # from -inf on only constants occur
+        angle, coefficients = piece.omega * tau + piece.phase, np.asarray(piece.coefficients)
+        wave = piece.amplitude * piece.omega * np.cos(angle) if rate else piece.amplitude * np.sin(angle)
+        polynomial = np.polynomial.polynomial.polyder(coefficients) if rate else coefficients
+        result[here] = np.polynomial.polynomial.polyval(tau, polynomial) + wave
     return result
-
-
-def _local(piece: Segment, times: np.ndarray) -> np.ndarray:
-    return times - (piece.start if np.isfinite(piece.start) else 0.0)  # from -inf on only constants occur
-
-
-def _value(piece: Segment, times: np.ndarray) -> np.ndarray:
-    tau = _local(piece, times)
-    polynomial = np.polynomial.polynomial.polyval(tau, piece.coefficients)
-    return polynomial + piece.amplitude * np.sin(piece.omega * tau + piece.phase)
-
-
-def _rate(piece: Segment, times: np.ndarray) -> np.ndarray:
-    tau = _local(piece, times)
-    slope = np.polynomial.polynomial.polyder(piece.coefficients)
-    polynomial = np.polynomial.polynomial.polyval(tau, slope)
-    return polynomial + piece.amplitude * piece.omega * np.cos(piece.omega * tau + piece.phase)

@@ -33,6 +33,12 @@ class Segment(NamedTuple):
         polynomial = sum(c * tau**k for k, c in enumerate(self.coefficients))
         return polynomial + self.amplitude * math.sin(self.omega * tau + self.phase)
 
+    def rate(self, t: float) -> float:
+        """Return the derivative at time t (s)."""
+        tau = t - self.start if math.isfinite(self.start) else 0.0
+        polynomial = sum(k * c * tau ** (k - 1) for k, c in enumerate(self.coefficients) if k)
+        return polynomial + self.amplitude * self.omega * math.cos(self.omega * tau + self.phase)
+
     def integral(self, initial: float) -> Segment:
         """Return the antiderivative that equals `initial` at the segment's start."""
         raised = [c / (k + 1) for k, c in enumerate(self.coefficients)]
@@ -130,10 +136,10 @@ def breakpoints(signal: Signal) -> list[float]:
     return [piece.start for piece in signal.segments()[1:]]
 
 
-def _value_at(pieces: list[Segment], t: float) -> float:
-    later = [piece for piece in pieces if piece.start <= t]
-    piece = later[-1] if later else pieces[0]
-    return piece.value(t)
+def piece_at(pieces: list[Segment], t: float) -> Segment:
+    """Return the segment that contains the time t (s), at a jump the later one."""
+    begun = [piece for piece in pieces if piece.start <= t]
+    return begun[-1] if begun else pieces[0]
 
 
 def _integrate(pieces: list[Segment]) -> list[Segment]:
@@ -143,7 +149,7 @@ def _integrate(pieces: list[Segment]) -> list[Segment]:
         anchored = piece if math.isfinite(piece.start) else _anchored(piece, pieces[k + 1 :])
         joint = result[-1].value(anchored.start) if result else 0.0
         result.append(anchored.integral(joint))
-    shift = _value_at(result, 0.0)
+    shift = piece_at(result, 0.0).value(0.0)
     return [p._replace(coefficients=(p.coefficients[0] - shift, *p.coefficients[1:])) for p in result]
 
 
@@ -160,7 +166,7 @@ def motion_segments(signal: Signal, level: Level) -> list[Segment]:
     pieces = signal.segments()
     for _ in range({"position": 0, "velocity": 1, "acceleration": 2}[level]):
         pieces = _integrate(pieces)
-    offset = _value_at(pieces, 0.0)
+    offset = piece_at(pieces, 0.0).value(0.0)
     first = pieces[0]
     if not math.isfinite(first.start):
         pieces = [_anchored(first, pieces[1:]), *pieces[1:]]
