@@ -7,9 +7,8 @@ from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
+from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs, granules
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
-from mbs_ref.cores.granules import granules
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import declared, empty, floats, ints
