@@ -104,6 +104,10 @@ class Builder(ABC):
     def direction(self, name: str, world: Any) -> np.ndarray:
         """Return a world direction at t = 0 in the axes of a body of this name."""
 
+    @abstractmethod
+    def groups(self) -> Any:
+        """Return the arrays of the scene."""
+
     def angle(self, name: str) -> float:
         """Return a planar body's angle at t = 0, rad."""
         return 0.0

@@ -11,14 +11,14 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from mbs_ref.cores.builder import Place
+from mbs_ref.cores.builder import Builder, Place
 from mbs_ref.cores.events import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_of_tree
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.scene import GROUND, UserConstraint, UserForce
+from mbs_ref.scene import GROUND, Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
 MOST_AT_ONCE = 1_000_000  # numbers of reactions that are made together: 8 MB
@@ -45,12 +45,19 @@ class Reporting(NamedTuple):
 class JointedSystem(ContactSystem):
     """A system whose `groups` and `scratch` hold constraint rows in slots; `place` gives each joint's."""
 
+    BUILDER: ClassVar[type[Builder]]
     RATES: ClassVar[int]  # of a body
     SHARED: ClassVar[int]  # numbers a body in each array that a user's force law sees
     n_bodies: int
     place: Mapping[int, Place]  # of each joint's rows
 
     # --- set-up -----------------------------------------------------------------------------------
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.n_bodies = scene, len(scene.bodies)
+        self.builder = self.BUILDER(scene)
+        self.place = self.builder.place
+        self._allocate(self.builder.groups())
 
     def _allocate(self, groups: Any) -> None:
         """Take groups that no run has changed, keep a copy of what a run changes, and make room for one."""
@@ -116,11 +123,9 @@ class JointedSystem(ContactSystem):
         return UserRow(joint.formula(), joint.name, at.slot, at.row, at.side, bodies, (arms[0], arms[1]))
 
     def arm_of(self, joint: Any, end: str) -> np.ndarray:
-        """Return where a joint holds one of its ends, body axes, m; from the origin on ground."""
-        mark, body = joint.mark(end), self.scene.body_index(getattr(joint, end))
-        if body >= 0:
-            return self._arm(mark, body)
-        return np.zeros(self.scene.dimension) if mark is None else np.array(mark, dtype=float)
+        """Return where a joint holds one of its ends, body axes, m; from the origin on ground, zero without a mark."""
+        mark = joint.mark(end)
+        return np.zeros(self.scene.dimension) if mark is None else self.builder.point(getattr(joint, end), mark)
 
     @abstractmethod
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> Sequence[Taylor]:
@@ -218,7 +223,22 @@ class JointedSystem(ContactSystem):
         """Return which rows to keep where dependent ones cannot be borne: as many as the mechanism's own rank."""
         return np.arange(len(self.rows()))
 
-    # --- multipliers ----------------------------------------------------------------------------------
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        jacobian, mass = self.jacobian(t, y), self.mass_matrix()
+        is_full = mass.ndim == 2
+        scaled = np.linalg.solve(np.linalg.cholesky(mass), jacobian.T).T if is_full else jacobian / np.sqrt(mass)
+        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+
+    # --- forces ---------------------------------------------------------------------------------------
+
+    @abstractmethod
+    def mass_matrix(self) -> np.ndarray:
+        """Return M in scene order and world axes at the state last evaluated, or its diagonal: kg and kg m^2."""
+
+    def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return force and torque (n_bodies, rates; N, N m) of gravity and every load, in space with -omega x J omega."""
+        self.derivative(t, y)
+        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
     def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
@@ -231,15 +251,16 @@ class JointedSystem(ContactSystem):
         result = self.scratch.rows.multiplier.copy()
         if not len(self.groups.loops.slot) or self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
             return result
-        unbalanced = self._unbalanced(t, y, dy)
+        force, acceleration, mass = (
+            self.applied_forces(t, y).ravel(),
+            self.accelerations(t, y).ravel(),
+            self.mass_matrix(),
+        )
+        unbalanced = force - (mass @ acceleration if mass.ndim == 2 else mass * acceleration)
         found = np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
         for value, (_, slot, row) in zip(found, self.rows(), strict=True):
             result[slot, row] = value
         return result
-
-    @abstractmethod
-    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
-        """Return Q - M a of the last derivative dy, in scene order."""
 
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         if not len(times):
@@ -285,19 +306,14 @@ class JointedSystem(ContactSystem):
         last = ["body_b" if "body_b" in vars(part) else "body" for part in parts]
         fields = np.where(mirrored, "body_a", last).tolist()
         bodies = [self.scene.body_index(getattr(part, name)) for part, name in zip(parts, fields, strict=True)]
-        marks = [part.mark(name) for part, name in zip(parts, fields, strict=True)]
         slot, first, side, count = np.array([(*at,) for at in places], dtype=np.int64).reshape(-1, 4).T.copy()
         return Reporting(
             names=tuple(part.name for part in parts),
             rows=JointRows(slot, np.where(mirrored, side, 1 - side), first, count),
             sign=np.where(mirrored, 1.0, -1.0)[:, None],
             body=np.array(bodies, dtype=int),
-            arm=np.array([self._arm(mark, body) for mark, body in zip(marks, bodies, strict=True)]),
+            arm=np.array([self.arm_of(part, name) for part, name in zip(parts, fields, strict=True)]),
         )
-
-    @abstractmethod
-    def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
-        """Return a mark on a body from its centre of mass in body axes, m; zero where there is none."""
 
     @property
     @abstractmethod

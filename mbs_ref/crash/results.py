@@ -6,6 +6,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from mbs_ref.cores.planar import PlanarSystem
+from mbs_ref.cores.system import Poses
 from mbs_ref.crash import injury
 from mbs_ref.crash.stops import STOP, stop_load, tension
 from mbs_ref.observables.attachment import Motion, twist_of
@@ -38,15 +39,12 @@ def body_forces(scene: Scene, trajectory: Trajectory) -> BodyForces:
     Contact forces follow from the state alone: their laws must need no located events.
     """
     system = PlanarSystem(scene)
-    q = np.concatenate((trajectory.position, trajectory.orientation[:, :, None]), axis=2)
-    v = np.concatenate((trajectory.velocity, trajectory.angular_velocity[:, :, None]), axis=2)
-    system.start_contacts(0.0, np.concatenate((q[0].ravel(), v[0].ravel())), located=False)
-    external, acceleration = np.zeros_like(q), np.zeros_like(q)
-    for k, t in enumerate(trajectory.times):
+    states = system.states_of(Poses.of(trajectory))
+    system.start_contacts(0.0, states[0], located=False)
+    external, acceleration = np.zeros((2, len(states), len(scene.bodies), 3))
+    for k, (t, y) in enumerate(zip(trajectory.times, states, strict=True)):
         system.set_mode_time(t)
-        external[k] = system.applied_forces(t, q[k], v[k])
-        dy = system.derivative(t, np.concatenate((q[k].ravel(), v[k].ravel())))
-        acceleration[k] = dy[q[k].size :].reshape(-1, 3)
+        external[k], acceleration[k] = system.applied_forces(t, y), system.accelerations(t, y)
     constraint = system.mass_matrix().reshape(-1, 3) * acceleration - external
     return BodyForces(external, constraint, acceleration)
 

@@ -109,7 +109,7 @@ def whole(system: System, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nda
     if isinstance(system, SpatialSystem):
         force, jacobian, mass = system.applied_forces(0.0, y).ravel(), system.jacobian(0.0, y), system.mass_matrix()
     else:
-        force, jacobian = system.applied_forces(0.0, *y.reshape(2, -1, 3)).ravel(), system.jacobian(0.0, y)
+        force, jacobian = system.applied_forces(0.0, y).ravel(), system.jacobian(0.0, y)
         mass = np.diag(system.mass_matrix())
     gamma = system.right_side()
     m, n = jacobian.shape
