@@ -1,7 +1,5 @@
 """The command line `mbs-ref`, the top of the house. Data go to stdout, progress and complaints to stderr."""
 
-from __future__ import annotations
-
 import ast
 import errno
 import importlib

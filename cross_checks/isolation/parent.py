@@ -1,7 +1,5 @@
 """Calls in a process of their own: an engine that hangs, crashes or eats memory costs that one call."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal
@@ -115,11 +113,11 @@ class Isolated:
         """The number of parallel calls: the processors that this process may use."""
         return len(os.sched_getaffinity(0))
 
-    def here(self) -> Isolated:
+    def here(self) -> "Isolated":
         """Return a caller of the same limits on this machine."""
         return self
 
-    def alike(self) -> Isolated:
+    def alike(self) -> "Isolated":
         """Return another caller of the same limits, with a child of its own."""
         return Isolated(self.timeout, self.memory, self.threads, self.python, self.variables)
 

@@ -1,7 +1,5 @@
 """What compiled scenes of bodies and joints answer alike in the plane and in space: rows, reactions, user forces."""
 
-from __future__ import annotations
-
 import ctypes
 from abc import abstractmethod
 from array import array
@@ -70,7 +68,7 @@ class JointedSystem(ContactSystem):
     def _scratch(self) -> Any:
         """Return the scratch of one run."""
 
-    def twin(self) -> JointedSystem:
+    def twin(self) -> "JointedSystem":
         other = self._unconnected()
         fresh = dict(zip(CHANGED, map(_copied, self._untouched), strict=True))
         other._allocate(self.groups._replace(**fresh))
@@ -236,7 +234,7 @@ class JointedSystem(ContactSystem):
         """Return M in scene order and world axes at the state last evaluated, or its diagonal: kg and kg m^2."""
 
     def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return force and torque (n_bodies, rates; N, N m) of gravity and every load, in space with -omega x J omega."""
+        """Return forces and torques (n_bodies, rates; N, N m) of gravity, all loads and, in space, -omega x J omega."""
         self.derivative(t, y)
         return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
@@ -270,32 +268,24 @@ class JointedSystem(ContactSystem):
         fill = self._fill_in_modes if self.event_sources or self.n_closure_rows else self._fill_of_tree
         for start in range(0, len(times), each):
             block = slice(start, start + each)
-            axes = fill(times[block], states[block], forces[block])
-            forces[block] = self._about(self._world_arms(axes[:, of.body], of.arm), of.sign * forces[block])
+            fill(times[block], states[block], forces[block])
+            turns = self.poses(states[block]).orientation[:, of.body]
+            forces[block] = self._about(self._world_arms(turns, of.arm), of.sign * forces[block])
         return {name: forces[:, k].copy() for k, name in enumerate(of.names)}
 
-    def _fill_of_tree(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Fill out (n_t, n_joints, rates) as `_fill_in_modes` where no mode changes; return the bodies' axes."""
-        own, rows, times = self._own_axes, self.scratch.rows, np.ascontiguousarray(times)
-        axes = np.empty((len(times), *own.shape))
-        forces_of_tree(
-            self.model, self.work, self.groups.world.control, self._reporting.rows, rows.multiplier, rows.jacobian,
-            times, np.ascontiguousarray(states), own, axes, out,
-        )  # fmt: skip
-        return self._axes_over(states, axes)
+    def _fill_of_tree(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
+        """Fill out (n_t, n_joints, rates) as `_fill_in_modes` where no mode changes."""
+        control, rows = self.groups.world.control, self.scratch.rows
+        scratch = control, self._reporting.rows, rows.multiplier, rows.jacobian
+        times, states = np.ascontiguousarray(times), np.ascontiguousarray(states)
+        forces_of_tree(self.model, self.work, *scratch, times, states, out)
 
-    def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held at each time.
-
-        Return the bodies' axes.
-        """
-        axes = []
+    def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
+        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
         for t, y, sample in zip(times.tolist(), states, out, strict=True):
             self.set_mode_time(t)
             self.recall_modes(t)  # not the modes that the run ended in
             forces_at_joints(self._reporting.rows, self._multipliers_by_slot(t, y), self.scratch.rows.jacobian, sample)
-            axes.append(self._axes(y))
-        return np.array(axes)
 
     @cached_property
     def _reporting(self) -> Reporting:
@@ -315,23 +305,10 @@ class JointedSystem(ContactSystem):
             arm=np.array([self.arm_of(part, name) for part, name in zip(parts, fields, strict=True)]),
         )
 
-    @property
-    @abstractmethod
-    def _own_axes(self) -> np.ndarray:
-        """The bodies' axes in the scratch (n_bodies, 3, 3), in the core's order; none where the state has them."""
-
-    @abstractmethod
-    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
-        """Return what `_axes` gives at each state (n_t, n_bodies, ...), where the scratch held `own` (n_t, ...)."""
-
-    @abstractmethod
-    def _axes(self, y: np.ndarray) -> np.ndarray:
-        """Return what turns each body's axes at the state y, the last evaluated: (n_bodies, ...)."""
-
     @staticmethod
     @abstractmethod
-    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
-        """Turn arms (n_joints, dimension) by axes (n_t, n_joints, ...) into world axes."""
+    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        """Turn arms (n_joints, dimension) by orientations (n_t, n_joints, ...) into world axes."""
 
     @staticmethod
     @abstractmethod

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.groups import ints
-from mbs_ref.kernels.rigid.closures import Loops
+from mbs_ref.kernels.rigid.model import Loops
 
 
 class Closure(NamedTuple):

@@ -1,7 +1,5 @@
 """A scene of particles compiled: three coordinates a body, no constraints, and the arrays of the fields it uses."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any, get_args
 
@@ -119,7 +117,7 @@ class ParticleSystem(System):
             if gap < particles.radius[i] + particles.radius[j]:
                 raise ValueError(f"{names} overlap at t = 0: {gap:.6g} m apart, less than the sum of their radii")
 
-    def twin(self) -> ParticleSystem:
+    def twin(self) -> "ParticleSystem":
         return ParticleSystem(self.scene)
 
     def initial_state(self) -> np.ndarray:

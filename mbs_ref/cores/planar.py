@@ -116,19 +116,9 @@ class PlanarSystem(JointedSystem):
         c, s = np.cos(angle), np.sin(angle)
         return PlanarPlace(x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1], angle)
 
-    @property
-    def _own_axes(self) -> np.ndarray:
-        return np.empty((0, 3, 3))
-
-    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
-        return states[:, 2 : 3 * self.n_bodies : 3]
-
-    def _axes(self, y: np.ndarray) -> np.ndarray:
-        return y[2 : 3 * self.n_bodies : 3]
-
     @staticmethod
-    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
-        c, s = np.cos(axes), np.sin(axes)
+    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        c, s = np.cos(turns), np.sin(turns)
         along, across = arm.reshape(-1, 2).T
         return np.stack((c * along - s * across, s * along + c * across), axis=-1)
 

@@ -1,7 +1,5 @@
 """A tree compiled in relative coordinates: joint angles, lengths and balls' orientations in place of six a body."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Iterator
 from typing import Any, ClassVar, Self
@@ -45,7 +43,7 @@ def no_tree(scene: Scene) -> Iterator[str]:
         yield f"joint {scene.joints[k].name!r} closes a loop"
 
 
-def layout_of(scene: Scene) -> Layout:
+def layout_of(scene: Scene) -> "Layout":
     """Return the layout of a tree; ValueError lists why a scene is none."""
     reasons = list(no_tree(scene))
     if reasons:

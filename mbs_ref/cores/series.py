@@ -1,7 +1,5 @@
 """Planar trees of revolute joints compiled for Taylor series."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -317,21 +317,9 @@ class SpatialSystem(JointedSystem):
         second = -0.25 * float(omega @ omega) * theta
         return [Taylor(float(theta[k]), first_rates[k], float(second[k])) for k in range(4)]
 
-    @property
-    def _own_axes(self) -> np.ndarray:
-        return self.scratch.kinematics.turned[: self.n_bodies]
-
-    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
-        result = np.empty_like(own)
-        result[:, self.groups.bodies.scene_index] = own
-        return result
-
-    def _axes(self, y: np.ndarray) -> np.ndarray:
-        return self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])
-
     @staticmethod
-    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
-        return np.einsum("tjab,jb->tja", axes, arm.reshape(-1, 3))
+    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        return np.einsum("tjab,jb->tja", rotation_matrices(turns), arm.reshape(-1, 3))
 
     @staticmethod
     def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:

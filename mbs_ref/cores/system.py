@@ -1,7 +1,5 @@
 """A scene compiled: what every core offers to integrators, checks and reports."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from contextlib import AbstractContextManager, nullcontext
 from copy import copy
@@ -30,7 +28,7 @@ class Poses(NamedTuple):
     angular_velocity: np.ndarray  # (n_t, n_bodies) rad/s, or (n_t, n_bodies, 3) world axes
 
     @classmethod
-    def of(cls, path: Trajectory) -> Poses:
+    def of(cls, path: Trajectory) -> "Poses":
         """Return those of a trajectory."""
         return cls(path.position, path.orientation, path.velocity, path.angular_velocity)
 
@@ -87,7 +85,7 @@ class System(ABC):
             core.prepare(self.CORE, handle, group)
 
     @abstractmethod
-    def twin(self) -> System:
+    def twin(self) -> "System":
         """Return another system of the scene, as it is before any run."""
 
     def _unconnected(self) -> Self:
@@ -98,7 +96,7 @@ class System(ABC):
             vars(other).pop(name, None)
         return other
 
-    def beside(self) -> System:
+    def beside(self) -> "System":
         """Return a system for a companion run, a twin if runs change modes or times; it locates events elsewhere."""
         called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
         if not (self.event_sources or called):
@@ -141,7 +139,7 @@ class System(ABC):
         return scales_of(self.scene)
 
     @property
-    def redundant(self) -> System:
+    def redundant(self) -> "System":
         """The system whose state shows whether a start keeps the joints; itself where it has constraint rows."""
         return self
 

@@ -7,8 +7,6 @@ touches and nothing else, in whatever package the compiled function lies, and ch
 their code.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib.util
 import os
@@ -118,7 +116,7 @@ class _BySources(caching._CacheLocator):
         return str(self._line)
 
     @classmethod
-    def from_function(cls, py_func: Callable, py_file: str) -> _BySources:
+    def from_function(cls, py_func: Callable, py_file: str) -> "_BySources":
         return cls(py_func, py_file)
 
 

@@ -7,8 +7,6 @@ GGL:     x = [q, v, lambda, mu]  C = 0 and C_dot = 0, q' = N (v - C_q^T mu) (Gea
 with M v' = f - C_q^T lambda in each, and q' = N v: in space theta' = theta (0, omega) / 2, which keeps the norm.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

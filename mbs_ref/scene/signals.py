@@ -5,8 +5,6 @@ sinusoid. The family is closed under integration, so prescribed accelerations be
 prescribed motions, and the breakpoints are declared to every integrator.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple, Self
@@ -39,7 +37,7 @@ class Segment(NamedTuple):
         polynomial = sum(k * c * tau ** (k - 1) for k, c in enumerate(self.coefficients) if k)
         return polynomial + self.amplitude * self.omega * math.cos(self.omega * tau + self.phase)
 
-    def integral(self, initial: float) -> Segment:
+    def integral(self, initial: float) -> "Segment":
         """Return the antiderivative that equals `initial` at the segment's start."""
         raised = [c / (k + 1) for k, c in enumerate(self.coefficients)]
         if self.amplitude == 0.0:

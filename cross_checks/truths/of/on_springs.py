@@ -1,4 +1,7 @@
-"""Truths of mechanisms on springs: a suspension unit on a shaker, and the stiff flyball governor."""
+"""Truths of mechanisms on springs: a suspension unit on a shaker, and the stiff flyball governor.
+
+The unit: M z'' + C z' + K z = k_tire y(t), z from static equilibrium.
+"""
 
 from dataclasses import dataclass
 from typing import Any

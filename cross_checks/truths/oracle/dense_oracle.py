@@ -6,8 +6,6 @@ bushing's gradient are differenced, along a motion without acceleration, by a st
 Coordinates are x, y, theta of a planar body and (R', omega) in world axes in space, a particle's own alone.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -53,14 +51,14 @@ class Moment:
     rate: np.ndarray  # (n, width) m/s, rad/s; width 3 in the plane and 6 in space
 
     @staticmethod
-    def of(scene: Scene, path: Trajectory, sample: int) -> Moment:
+    def of(scene: Scene, path: Trajectory, sample: int) -> "Moment":
         """Return a sample of a trajectory."""
         spin = path.angular_velocity[sample].reshape(len(scene.bodies), -1)
         rate = np.concatenate((path.velocity[sample], spin), axis=1)
         return Moment(scene, float(path.times[sample]), path.position[sample], path.orientation[sample], rate)
 
     @staticmethod
-    def start(scene: Scene) -> Moment:
+    def start(scene: Scene) -> "Moment":
         """Return the scene at t = 0."""
         return Moment.of(scene, initial_sample(scene), 0)
 
@@ -90,7 +88,7 @@ class Moment:
         steps = self.span(rate) * np.array([sign * k for k, _ in STENCIL for sign in (1.0, -1.0)])
         return self._path(self.time + steps, np.repeat(full, len(steps), axis=0), steps, full)
 
-    def displaced(self, step: np.ndarray) -> Moment:
+    def displaced(self, step: np.ndarray) -> "Moment":
         """Return the moment with its pose moved and turned by a step (n_coordinates,), m and rad."""
         full = np.zeros_like(self.rate)
         full[self.used] = step

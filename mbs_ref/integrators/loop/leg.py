@@ -1,7 +1,5 @@
 """What an integrator is asked and what it answers: one smooth leg between declared breakpoints."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
@@ -149,7 +147,7 @@ class Integrator:
     holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space
     needs_positions: bool = False  # imposes every C = 0 on positions: no rows on velocities alone
     interpolates: bool = False  # has dense output of its own order
-    refusals: Callable[[Scene], Iterable[str]] = lambda _: ()  # what keeps it from running a scene
+    refusals: "Callable[[Scene], Iterable[str]]" = lambda _: ()  # what keeps it from running a scene
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 

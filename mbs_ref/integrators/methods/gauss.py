@@ -9,8 +9,6 @@ rho^-2s. With s = 8 stages and e the relative size of coefficient 7, the error i
 chosen for e = rtol^(7/16).
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -372,7 +370,7 @@ def advance_gauss(model, work, method, options, run, y, low, times, states):
     return leg.DONE
 
 
-def _closest(system: System, y: np.ndarray) -> str:
+def _closest(system: "System", y: np.ndarray) -> str:
     """Return a sentence on the two bodies nearest to each other."""
     q = y[: len(y) // 2].reshape(-1, 3)
     if len(q) < 2:
@@ -383,7 +381,7 @@ def _closest(system: System, y: np.ndarray) -> str:
     return f"{names[min(i, j)]!r} and {names[max(i, j)]!r} are {gap[i, j]:.6g} m apart"
 
 
-def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
+def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Advance a system of particles over one leg."""
     states = np.empty((len(times), len(y)))
     states[0] = y

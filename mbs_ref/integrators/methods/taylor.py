@@ -6,8 +6,6 @@ cheaper. No step is rejected. Outputs and events are values of the step's polyno
 nor costs an expansion. The state is that of relative coordinates, in which joints are always closed.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -71,7 +69,7 @@ def order_of(rtol: float) -> int:
     return min(range(MIN_ORDER, MAX_ORDER + 1), key=lambda p: (PER_STEP + PER_ORDER * p + p * p) * rtol ** (-1.0 / p))
 
 
-def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
+def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Advance a planar tree over one leg."""
     own, order = expansion_of(system), order_of(options.rtol)
     tree, is_full = own.tree, own.tree is not system

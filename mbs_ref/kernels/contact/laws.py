@@ -3,8 +3,6 @@
 The normal force and the rules that end a mode know nothing of shapes, so that the plane and space share them.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, NamedTuple
 

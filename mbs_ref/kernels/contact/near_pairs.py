@@ -5,8 +5,6 @@ rebuilt when a shape has left its half of the skin, now or at any time of the st
 left out can touch in that step: what is computed, and in which order, is what it would be without the list.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

@@ -6,8 +6,6 @@ then no pair that is left out can touch. Pairs are in ascending order, so that f
 what they would be if all pairs were looked at.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

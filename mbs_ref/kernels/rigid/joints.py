@@ -147,14 +147,13 @@ def forces_at_joints(joints, multiplier, jacobian, out):
 
 
 @loop_jit
-def forces_of_tree(model, work, control, joints, multiplier, jacobian, times, states, own, axes, out):
-    """Write forces as `forces_at_joints` at each time and state into out (n_t, n_joints, rates), and `own` into axes.
+def forces_of_tree(model, work, control, joints, multiplier, jacobian, times, states, out):
+    """Write forces as `forces_at_joints` at each time and state into out (n_t, n_joints, rates).
 
-    `multiplier`, `jacobian` and `own` lie in the scratch, which dy/dt fills.
+    `multiplier` and `jacobian` lie in the scratch, which dy/dt fills.
     """
     dy = np.empty(states.shape[1])
     for k in range(times.shape[0]):
         control[CONTROL_MODE_TIME] = times[k]
         derivative(model, work, times[k], states[k], dy)
         forces_at_joints(joints, multiplier, jacobian, out[k])
-        axes[k] = own

@@ -1,7 +1,5 @@
 """mbs-ref compare: is one version of the code slower than another, or one file of records worse?"""
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -58,8 +56,8 @@ def command(baseline: str, current: str, only: str, slowed: float | None, as_jso
 
 
 def findings_of(
-    title: str, baseline: str, current: str, cases: Sequence[Case], slowed: float | None = None
-) -> list[Finding]:
+    title: str, baseline: str, current: str, cases: "Sequence[Case]", slowed: float | None = None
+) -> "list[Finding]":
     """Return the verdicts on two trees, each a folder or a git revision; with `slowed` B is a copy of this tree."""
     from benchmarks.trees import regression
     from benchmarks.trees import slowed as copies
@@ -80,7 +78,7 @@ def findings_of(
             raise click.UsageError(str(error)) from error
 
 
-def end(findings: Sequence[Finding], worse: int = 0) -> None:
+def end(findings: "Sequence[Finding]", worse: int = 0) -> None:
     """End the command with the exit code of the verdicts, and of so many runs that are less accurate than before."""
     from benchmarks.trees import regression
 

@@ -14,7 +14,7 @@ from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.cores.system import System
-from mbs_ref.kernels.rigid.closures import Loops
+from mbs_ref.kernels.rigid.model import Loops
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, SpatialBody
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
