@@ -49,8 +49,6 @@ class JointedSystem(ContactSystem):
     n_bodies: int
     place: Mapping[int, Place]  # of each joint's rows
 
-    # --- set-up -----------------------------------------------------------------------------------
-
     def __init__(self, scene: Scene) -> None:
         self.scene, self.n_bodies = scene, len(scene.bodies)
         self.builder = self.BUILDER(scene)
@@ -151,8 +149,6 @@ class JointedSystem(ContactSystem):
         result[self.groups.bodies.scene_index] = values
         return result
 
-    # --- constraint rows ----------------------------------------------------------------------------
-
     @property
     def n_closure_rows(self) -> int:
         return int(self.groups.loops.count.sum())
@@ -226,8 +222,6 @@ class JointedSystem(ContactSystem):
         is_full = mass.ndim == 2
         scaled = np.linalg.solve(np.linalg.cholesky(mass), jacobian.T).T if is_full else jacobian / np.sqrt(mass)
         return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
-
-    # --- forces ---------------------------------------------------------------------------------------
 
     @abstractmethod
     def mass_matrix(self) -> np.ndarray:

@@ -62,8 +62,6 @@ class PlanarSystem(JointedSystem):
     CORE, BUILDER = "planar", _Builder
     RATES = SHARED = 3
 
-    # --- set-up -----------------------------------------------------------------------------------
-
     def _scratch(self) -> Any:
         slots, state = len(self.groups.slots.body), 6 * self.n_bodies
         scratch = rigid_scratch(PlanarScratch, self.n_bodies, slots, state, self.groups.loops, rates=3)
@@ -84,8 +82,6 @@ class PlanarSystem(JointedSystem):
         q = np.tile([scales.length, scales.length, 1.0], len(scene.bodies))
         return np.concatenate((q, q / scales.time))
 
-    # --- evaluation -------------------------------------------------------------------------------
-
     def poses(self, states: np.ndarray) -> Poses:
         n = self.n_bodies
         q, v = states.reshape(-1, 2, n, 3).transpose(1, 0, 2, 3)
@@ -95,8 +91,6 @@ class PlanarSystem(JointedSystem):
         q = np.concatenate((poses.position, poses.orientation[:, :, None]), axis=2)
         v = np.concatenate((poses.velocity, poses.angular_velocity[:, :, None]), axis=2)
         return np.concatenate((q.reshape(len(q), -1), v.reshape(len(v), -1)), axis=1)
-
-    # --- the augmented system, dense --------------------------------------------------------------
 
     def mass_matrix(self) -> np.ndarray:
         bodies = self.groups.bodies

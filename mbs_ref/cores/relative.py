@@ -192,8 +192,6 @@ class RelativeSystem(System):
     def _coordinate(self, i: int, places: Any) -> np.ndarray:
         """Return a joint's coordinates at such poses."""
 
-    # --- between the two states ---------------------------------------------------------------------
-
     def full(self, y: np.ndarray) -> np.ndarray:
         """Return the redundant state of y."""
         return self.all_full(y[None])[0]
@@ -218,8 +216,6 @@ class RelativeSystem(System):
     def state_units(cls, scene: Scene, scales: Scales) -> np.ndarray:  # type: ignore[override]
         """Return L for lengths, 1 for angles and Euler parameters, and the same over T (n_state,)."""
         return layout_of(scene).units(scales.length, scales.time)
-
-    # --- computed by the redundant system -------------------------------------------------------------
 
     def poses(self, states: np.ndarray) -> Poses:
         return self.redundant.poses(self.all_full(states))

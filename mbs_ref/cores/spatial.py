@@ -133,8 +133,6 @@ class SpatialSystem(JointedSystem):
         super().__init__(scene)
         self.groups.loops.most[:] = self._closure_ranks()
 
-    # --- set-up -----------------------------------------------------------------------------------
-
     def _scratch(self) -> Any:
         sticking, state = int(self.groups.contact_pairs.sticking[0]), len(self.initial_state())
         slots, loops = len(self.groups.slots.body), self.groups.loops
@@ -224,8 +222,6 @@ class SpatialSystem(JointedSystem):
         bodies = self.groups.bodies
         return np.array([y[q + 3 : q + 7] @ y[q + 3 : q + 7] for q in bodies.q[bodies.rigid == 1]])
 
-    # --- evaluation -------------------------------------------------------------------------------
-
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states into world poses; a point mass keeps the orientation 1, 0, 0, 0."""
         states = np.asarray(states)
@@ -256,8 +252,6 @@ class SpatialSystem(JointedSystem):
             "tkij,tki->tkj", rotation_matrices(theta), poses.angular_velocity.take(own, axis=1)
         )
         return states
-
-    # --- rows and masses, dense -------------------------------------------------------------------
 
     def mass_matrix(self) -> np.ndarray:
         inertia = self._in_scene_order(self.scratch.kinematics.inertia[: self.n_bodies])

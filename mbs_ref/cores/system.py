@@ -105,8 +105,6 @@ class System(ABC):
         other.spread_events(COMPANION_NOISE)
         return other
 
-    # --- evaluation, common to all cores ------------------------------------------------------------
-
     def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return dy/dt."""
         dy = np.empty_like(y)
@@ -210,8 +208,6 @@ class System(ABC):
         in space; (n_bodies, 3) of particles.
         """
         return self.derivative(t, y)[self.n_positions :].reshape(-1, 3)
-
-    # --- what a core defines ------------------------------------------------------------------------
 
     @abstractmethod
     def __init__(self, scene: Scene) -> None:

@@ -19,9 +19,6 @@ from mbs_ref.scene.joints import axis_complaints
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
-# --- laws -----------------------------------------------------------------------------------------
-
-
 class LawNumbers(NamedTuple):
     """F = k d^n + c d^m d' with c = damping + impact_damping k / v0, v0 the speed at touch-down."""
 
@@ -187,9 +184,6 @@ ForceLaw = StateLaw | LankaraniNikraveshLaw | FloresLaw
 ContactLaw = Annotated[ForceLaw | RigidLaw | ConstraintLaw, Field(discriminator="type")]
 
 
-# --- friction -------------------------------------------------------------------------------------
-
-
 class FrictionNumbers(NamedTuple):
     """Friction as the solver's arrays hold it."""
 
@@ -240,9 +234,6 @@ class StickSlip(part.Part):
 
 
 Friction = Annotated[RegularisedCoulomb | StickSlip, Field(discriminator="type")]
-
-
-# --- pairs ----------------------------------------------------------------------------------------
 
 
 class ContactPart(Attached):

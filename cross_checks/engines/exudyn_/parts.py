@@ -56,10 +56,6 @@ def _add_prismatic(model: Redundant, joint: scene.Prismatic) -> None:
     )
 
 
-def _add_cylindrical(model: Redundant, joint: scene.Cylindrical) -> None:
-    _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0])
-
-
 def _add_generic(model: Redundant, joint, axis, fixed: list[int]) -> None:
     """Add a joint along z of a frame whose z axis is the joint's; `fixed` marks the six relative motions it stops."""
     frame = np.column_stack((*normals(axis), unit(axis)))
@@ -187,7 +183,7 @@ def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueV
 JOINTS = {
     scene.Revolute: _add_revolute, scene.Weld: _add_weld, scene.Prismatic: _add_prismatic,
     scene.Distance: _add_distance, scene.CoordinateDrive: _add_drive, scene.Spherical: _add_spherical,
-    scene.Cylindrical: _add_cylindrical,
+    scene.Cylindrical: lambda model, joint: _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0]),
 }  # fmt: skip
 LOADS = {
     **dict.fromkeys((scene.Force, scene.Torque, scene.TorqueVector), _add_push),

@@ -132,9 +132,6 @@ def _derivative(samples: np.ndarray, span: float) -> np.ndarray:
     return np.tensordot(weights, pairs[:, 0] - pairs[:, 1], axes=1) / span
 
 
-# --- the matrix -----------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Augmented:
     """M a + C_q^T lambda = Q and C_q a = gamma at one moment."""
@@ -290,9 +287,6 @@ def _inertia(moment: Moment, k: int) -> np.ndarray:
         return np.array([[body.inertia]])
     turned = rotation_matrices(moment.orientation[k])
     return turned @ body.inertia_matrix @ turned.T
-
-
-# --- applied forces by virtual power --------------------------------------------------------------
 
 
 def _forces(moment: Moment, units: Motion) -> np.ndarray:

@@ -243,12 +243,6 @@ class _Ida:
         run.rejected += self.failed_error_tests()
 
 
-def _stop_failed(leg: MultistepLeg, flag: int) -> None:
-    """End the leg with IDA's reason."""
-    words, status = STOPPED.get(flag, (f"SUNDIALS stopped with flag {flag}", Status.ENGINE_ERROR))
-    leg.stop(status, f"{words} (IDA flag {flag})")
-
-
 def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
     """Return whether the error test still distinguishes steps; where it fails whatever the step, the leg ends."""
     failed, steps = solver.failed_error_tests(), leg.run.steps
@@ -274,7 +268,8 @@ def ida(form: int) -> Advance:
             solver = solver or _Ida(leg, form)
             flag = solver.step(leg)
             if flag < 0:
-                _stop_failed(leg, flag)
+                words, status = STOPPED.get(flag, (f"SUNDIALS stopped with flag {flag}", Status.ENGINE_ERROR))
+                leg.stop(status, f"{words} (IDA flag {flag})")
                 break
             t, now = leg.events.locate(leg.t, leg.now, solver)
             arrived = leg.arrive(t, now, solver.t - leg.t)

@@ -129,7 +129,7 @@ def command(
                 built = shared_ensemble(variants, design, chosen, call, shown)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-    _write(built, target, drawn, output, plot)
+    _write(built, target, drawn)
     if as_json:
         echo_json(ensembles.to_dict(built))
     else:
@@ -162,7 +162,7 @@ def _planned(
     return Variants(source, targets, keep_rates), ensembles.design(laws, count, seed)
 
 
-def _write(built: Ensemble, target: Path | None, drawn: Path | None, output: str | None, plot: str | None) -> None:
+def _write(built: Ensemble, target: Path | None, drawn: Path | None) -> None:
     if target is not None:
         write_ensemble(built, target)
     if drawn is not None:

@@ -145,9 +145,6 @@ def _contact(scene: Scene, free: list[str], x: CircleOnLine | CircleOnCircle) ->
     return a, b, center, first + along, numbers
 
 
-# --- evaluation ------------------------------------------------------------------------------------------
-
-
 @strict_jit
 def _carried(pose, rate, body, point):
     """World arm of a point and its velocity."""
