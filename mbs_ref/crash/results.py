@@ -12,8 +12,8 @@ from mbs_ref.crash.stops import STOP, stop_load, tension
 from mbs_ref.observables.attachment import Motion, twist_of
 from mbs_ref.observables.energy import kinetic_energy, potential_energy
 from mbs_ref.observables.powers import LOADS, contact_power
-from mbs_ref.observables.signal_values import values
 from mbs_ref.scene import Force, PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
+from mbs_ref.scene.signals import values
 from mbs_ref.trajectory import Trajectory
 
 CRASH, BELT = "crash.", "belt."

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.observables.attachment import PERP, Motion, perpendiculars
-from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.scene import Scene, SpatialBody, joints
 from mbs_ref.scene.euler_parameters import floats, from_axis_angle, product, rotation_matrices
+from mbs_ref.scene.signals import prescribed
 from mbs_ref.trajectory import Trajectory
 
 Row = tuple[np.ndarray, np.ndarray]  # residual and rate, each (n_t,)

@@ -7,10 +7,9 @@ import numpy as np
 
 from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, pull_of, twist_of
-from mbs_ref.observables.signal_values import motion as prescribed
-from mbs_ref.observables.signal_values import values
 from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.contact import Contact, Granules
+from mbs_ref.scene.signals import prescribed, values
 
 
 class Touching(NamedTuple):

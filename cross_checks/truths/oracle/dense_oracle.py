@@ -16,10 +16,10 @@ from cross_checks.engine.plan import initial_sample
 from mbs_ref import Trajectory, observables
 from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, twist_of
-from mbs_ref.observables.signal_values import values
 from mbs_ref.scene import GROUND, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices
 from mbs_ref.scene.scene import with_rates
+from mbs_ref.scene.signals import values
 
 STENCIL = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))  # first derivative, order 8 (Fornberg 1988)
 # m or rad in a step of the stencil, at rates (m/s, rad/s) of at least SLOWEST. With h the step in s the error is
