@@ -20,7 +20,7 @@ from mbs_ref.scene.scales import scales_of
 
 NOISE = 1e-13  # of the largest coordinate or the scene's length: above what roundoff leaves of a gap
 SLOW = 1e-8  # of the scene's speed, about eps^(1/2)
-MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
+MOST_LOGGED = 100_000  # events of one run whose modes are stored for output
 
 
 _COMPONENTS = {"x": 0, "y": 1, "angle": 2, "z": 2}

@@ -19,7 +19,7 @@ from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN
 from mbs_ref.scene import GROUND, Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
-MOST_AT_ONCE = 1_000_000  # numbers of reactions that are made together: 8 MB
+MOST_AT_ONCE = 1_000_000  # numbers of reactions that are computed together: 8 MB
 CHANGED = ("contact_modes", "near_pairs", "granules", "world")  # groups that a run writes to
 SURE_PIVOT = 1e-3  # relative closure pivot, the square of a singular value: rows are independent beyond doubt
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)

@@ -95,6 +95,6 @@ def _springs(system: Any, turn: np.ndarray, angles: list[float]) -> dict[str, np
 
 
 def expansion_of(system: System) -> Expansion:
-    """Return the expansion of a system, made at first use."""
+    """Return the expansion of a system, built at first use."""
     system.expansion = system.expansion or Expansion(system)
     return system.expansion

@@ -43,7 +43,7 @@ class System(ABC):
     scene: Scene
     groups: Any  # the scene's arrays
     scratch: Any  # of one run
-    expansion: Any = None  # in Taylor series (mbs_ref.cores.series), once it is made
+    expansion: Any = None  # in Taylor series (mbs_ref.cores.series), once it is built
     is_twin: bool = False  # a copy of a system that was checked
     user_error: BaseException | None = None  # what a user's force law raised, if it did
 

@@ -18,7 +18,7 @@ from mbs_ref.trajectory import Trajectory
 
 CRASH, BELT = "crash.", "belt."
 FIRST_REBOUND = 0.12  # s, peaks of the head are quoted before the neck reaches its end
-AGE = 45.0  # years, assumed for TTI, which adds 1.4 a year; the measure is made for side impacts
+AGE = 45.0  # years, assumed for TTI, which adds 1.4 a year; the measure applies to side impacts
 STERNUM, SPINE = "costal_4_5", "T7"  # the tip of rib 4 lies in front of T7: between them the chest's depth is read
 ONE_NEWTON_METRE = 1.0  # N m; a smaller torque has no sign worth the name
 CERVICAL = ("C1", "C2", "C3", "C4", "C5", "C6")

@@ -36,7 +36,7 @@ class Dae(NamedTuple):
     lam: Annotated[Floats, "n_slots", "rows"]  # scratch
     balance: Annotated[Floats, "n_rates"]  # scratch
     numbers_of: Annotated[Ints, 1]  # address of what returns the numbers of a solver's vector: double *(void *)
-    evaluations: Annotated[Ints, 1]  # asked by a solver in C
+    evaluations: Annotated[Ints, 1]  # called by a solver in C
 
 
 class DaeGroups(NamedTuple):

@@ -421,7 +421,7 @@ class Wall(part.Part):
 class Granules(Attached):
     """Many spheres, in the plane discs, about the centres of mass of bodies: all may touch one another, and walls.
 
-    One law and one friction hold for all. Pairs are found by a neighbour search, so that the work grows with the number
+    One law and one friction hold for all. Pairs come from a neighbour search, so that the work grows with the number
     of spheres. Touch-downs are not located, since many happen in every step: the force follows from the state, and
     methods of high order are no more accurate than the kinks of the law allow.
     """

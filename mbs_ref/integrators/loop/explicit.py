@@ -16,7 +16,7 @@ STAGE_ITERATIONS = 6
 
 
 class Stages(NamedTuple):
-    """What a step is made of; n is the size of the state."""
+    """The arrays of a step; n is the size of the state."""
 
     slopes: np.ndarray  # (s + 1 + e, n) f at the stages, at the new state, and at the extra stages of dense output
     new: np.ndarray  # (n,) the new state

@@ -1,6 +1,6 @@
 """Many adaptive runs side by side, of one scene or of scenes of one build: a lane is a run with a clock of its own.
 
-Each has its own step, error, figures and tolerances. A run is made as `advance_explicit` makes it of a system without
+Each has its own step, error, figures and tolerances. A run is that which `advance_explicit` returns of a system without
 constraint rows and events. A lane whose run has ended takes the next one that waits, so that none is idle before the
 last have begun. What a lane holds never depends on its neighbours.
 """

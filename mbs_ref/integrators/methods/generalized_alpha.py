@@ -44,7 +44,7 @@ class Motion(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """The end of a step while it is solved for; lam is corrected in place, and kept here for a step made again."""
+    """The end of a step while it is solved for; lam is corrected in place, and stored here for a repeated step."""
 
     y: np.ndarray  # the state
     qdd: np.ndarray  # (n,)
@@ -64,7 +64,7 @@ class Tangent(NamedTuple):
 
 @inlined
 def _is_dense(run, tangent):
-    """Return whether steps are solved with the full tangent; once taken up it is kept."""
+    """Return whether steps are solved with the full tangent; once chosen it stays."""
     return tangent.lu.shape[0] > 0 and run.needs_tangent == 1
 
 

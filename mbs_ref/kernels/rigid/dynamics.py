@@ -68,7 +68,7 @@ def solve_tree(model, work, loops, gamma, acceleration, multiplier):
 
 
 EPS = 2.220446049250313e-16
-BORNE = 100.0 * EPS  # relative: below the tightest tolerance that is asked for, 1e-13
+BORNE = 100.0 * EPS  # relative: below the tightest tolerance in use, 1e-13
 REFINED_BELOW = EPS / BORNE  # pivot: elimination alone loses no more above it
 MOST_REFINEMENTS = 4
 CONVERGES = 1e-4  # relative: where elimination loses more, a rank is lost and nothing is there to refine

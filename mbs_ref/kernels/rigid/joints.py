@@ -1,6 +1,6 @@
 """Joint rows and reactions: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
 
-Every joint is made of elementary rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
+Every joint consists of elementary rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
 sec. 9.4). lambda of a row is the force or torque that the row exerts along its Jacobian.
 """
 
@@ -126,7 +126,7 @@ def rigid_fill_rows(model, work, t):
 
 
 class JointRows(NamedTuple):
-    """Where each joint's rows are, and of which side the force is asked."""
+    """Where each joint's rows are, and on which side the force is reported."""
 
     slot: np.ndarray  # (n_joints,) int
     side: np.ndarray  # (n_joints,) int
