@@ -125,20 +125,16 @@ def contact_pairs(scene: Scene, places: Axes) -> ContactPairs:
     pairs = list(zip(parts, shapes, strict=True))
     order = {name: k for k, name in enumerate(sticking)}
     return ContactPairs(
-        kind=ints([s.kind for s in shapes]),
-        a=ints([places.body(p.body_a) for p in parts]),
+        kind=ints([s.kind for s in shapes]), a=ints([places.body(p.body_a) for p in parts]),
         b=ints([places.body(p.body_b) for p in parts]),
         center=floats((places.point(p.body_a, s.center) for p, s in pairs), d),
         radius=floats(s.radius for s in shapes),
         origin=floats((places.point(p.body_b, s.origin) for p, s in pairs), d),
         axes=floats([[places.direction(p.body_b, x) for x in s.axes] for p, s in pairs], d, d),
-        half=floats((s.half for s in shapes), 2),
-        ends=ints([s.ends for s in shapes]),
-        thickness=floats(s.thickness for s in shapes),
-        flank=floats((s.flank for s in shapes), 2),
-        deflection=ints([order.get(p.name, -1) for p in parts]),
-        sticking=ints([len(sticking)]),
-    )
+        half=floats((s.half for s in shapes), 2), ends=ints([s.ends for s in shapes]),
+        thickness=floats(s.thickness for s in shapes), flank=floats((s.flank for s in shapes), 2),
+        deflection=ints([order.get(p.name, -1) for p in parts]), sticking=ints([len(sticking)]),
+    )  # fmt: skip
 
 
 class Ball(NamedTuple):
@@ -170,21 +166,13 @@ def contact_balls(pairs: ContactPairs) -> NearPairs:
     by_key = np.argsort(keys, kind="stable")
     places = np.full((len(number), dimension), np.nan)
     return every._replace(
-        stale=np.ones(1, dtype=np.int64),
-        skin=np.array([SKIN * float(np.mean(list(reach.values())))]),
-        body=ints([body for body, _ in number]),
-        center=np.array([center for _, center in number]),
-        reach=np.array(list(reach.values())),
-        travel=np.zeros(len(reach)),
-        place=places,
-        built=places.copy(),
-        last=places.copy(),
-        order=np.arange(len(number)),
-        low=np.zeros(len(number)),
-        key=keys[by_key],
+        stale=np.ones(1, dtype=np.int64), skin=np.array([SKIN * float(np.mean(list(reach.values())))]),
+        body=ints([body for body, _ in number]), center=np.array([center for _, center in number]),
+        reach=np.array(list(reach.values())), travel=np.zeros(len(reach)), place=places, built=places.copy(),
+        last=places.copy(), order=np.arange(len(number)), low=np.zeros(len(number)), key=keys[by_key],
         keyed=np.array(bounded)[by_key],
         always=np.array(sorted(set(range(len(sides))) - set(bounded)), dtype=np.int64),
-    )
+    )  # fmt: skip
 
 
 def _ball(pairs: ContactPairs, k: int) -> Ball:

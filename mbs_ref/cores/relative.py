@@ -96,16 +96,10 @@ class Layout:
             for side, end in enumerate(self.ends(i)):
                 arms[side, i] = system.arm_of(self.scene.joints[k], end)
         return arrays.Joints(
-            kind=ints(self.kind),
-            parent=ints(self.parent),
-            q=ints(self.q[:-1].tolist()),
-            v=ints(self.v[:-1].tolist()),
-            freedoms=ints(self.freedoms),
-            arm=arms[0],
-            arm_of_parent=arms[1],
-            axis=axis,
+            kind=ints(self.kind), parent=ints(self.parent), q=ints(self.q[:-1].tolist()),
+            v=ints(self.v[:-1].tolist()), freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,
             offset=offset,
-        )
+        )  # fmt: skip
 
     def world_axis(self, i: int) -> np.ndarray:
         """Return the world direction of a joint's axis at t = 0; zero where it has none."""

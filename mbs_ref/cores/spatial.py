@@ -17,7 +17,7 @@ from mbs_ref.kernels.spatial.model import SpatialScratch
 from mbs_ref.scene import Bushing, Scene, SpatialBody, TorsionSpring, symmetric
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.base.taylor import Taylor
-from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
+from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton, at_most_one
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.scene.joints import SpatialPlace
 from mbs_ref.scene.scales import Scales
@@ -86,17 +86,15 @@ def _attraction(build: _Builder) -> arrays.Attraction:
     """Return Newton's gm in elimination order; ValueError where a load acts on scenes of particles alone."""
     known = (Newton, Epoch, GravityGradient)
     others = [x.name for x in build.scene.loads if isinstance(x, CelestialPart) and not isinstance(x, known)]
-    newtons = [x for x in build.scene.loads if isinstance(x, Newton)]
+    newton = at_most_one([x for x in build.scene.loads if isinstance(x, Newton)])
     if others:
         raise ValueError(
             f"loads {', '.join(others)} act in scenes of free point masses alone; rigid bodies know newton "
             "and gravity_gradient"
         )
-    if len(newtons) > 1:
-        raise ValueError(f"loads {', '.join(x.name for x in newtons)} are all of type newton; give one")
-    if newtons and len(newtons[0].gm) != build.n:
-        raise ValueError(f"load {newtons[0].name!r}: gm needs {build.n} entries, one a body; got {len(newtons[0].gm)}")
-    return arrays.Attraction(floats(newtons[0].gm[i] for i in build.layout.order) if newtons else np.zeros(0))
+    if newton and len(newton.gm) != build.n:
+        raise ValueError(f"load {newton.name!r}: gm needs {build.n} entries, one a body; got {len(newton.gm)}")
+    return arrays.Attraction(floats(newton.gm[i] for i in build.layout.order) if newton else np.zeros(0))
 
 
 def _gradients(build: _Builder) -> arrays.Gradients:
