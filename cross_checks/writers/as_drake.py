@@ -13,14 +13,9 @@ from mbs_ref.scene import Scene, SpatialBody
 
 # Drake's joint of each kind of link
 JOINTS = {
-    "revolute": "RevoluteJoint",
-    "prismatic": "PrismaticJoint",
-    "universal": "UniversalJoint",
-    "ball": "BallRpyJoint",
-    "planar": "PlanarJoint",
-    "free": "QuaternionFloatingJoint",
-    "weld": "WeldJoint",
-}
+    "revolute": "RevoluteJoint", "prismatic": "PrismaticJoint", "universal": "UniversalJoint", "ball": "BallRpyJoint",
+    "planar": "PlanarJoint", "free": "QuaternionFloatingJoint", "weld": "WeldJoint",
+}  # fmt: skip
 ALONG_AXIS = ("revolute", "prismatic")
 ANGULAR_FIRST = [3, 4, 5, 0, 1, 2]  # Drake's order of a free body's rates: angular velocity, velocity
 INERTIA = ([0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2])  # xx, yy, zz, xy, xz, yz

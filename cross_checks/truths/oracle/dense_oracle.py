@@ -355,11 +355,6 @@ def _bushing(moment: Moment, now: Motion, units: Motion, load: parts.Bushing) ->
 
 
 LAWS = {
-    parts.Force: _force,
-    parts.Torque: _torque,
-    parts.TorqueVector: _torque_vector,
-    parts.SpringDamper: _spring,
-    parts.TorsionSpring: _torsion_spring,
-    parts.PointBushing: _point_bushing,
-    parts.Bushing: _bushing,
-}
+    parts.Force: _force, parts.Torque: _torque, parts.TorqueVector: _torque_vector, parts.SpringDamper: _spring,
+    parts.TorsionSpring: _torsion_spring, parts.PointBushing: _point_bushing, parts.Bushing: _bushing,
+}  # fmt: skip
