@@ -1,7 +1,5 @@
 """The result of every engine: world poses and velocities at the output times, and how the run ended."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -166,7 +164,7 @@ class Trajectory:
     unreported: bool = False  # the engine reported no failure: `status` was detected from its numbers
 
     @classmethod
-    def empty(cls, n_bodies: int, dimension: int, status: Status, message: str) -> Trajectory:
+    def empty(cls, n_bodies: int, dimension: int, status: Status, message: str) -> "Trajectory":
         """Return a trajectory without samples: of a run that did not start."""
         parts = (np.zeros((0, *shape)) for shape in pose_shapes(n_bodies, dimension))
         return cls(np.zeros(0), *parts, status=status, message=message)
@@ -190,7 +188,7 @@ class Trajectory:
             ("loop, s", self.timing.loop_s), ("notes", "; ".join(self.notes)),
         ])  # fmt: skip
 
-    def upto(self, count: int) -> Trajectory:
+    def upto(self, count: int) -> "Trajectory":
         """Return the first `count` samples."""
         samples = {name: getattr(self, name)[:count] for name in ("times", *POSES)}
         shared = ("reactions", "contacts")

@@ -1,7 +1,5 @@
 """The store that commands ask, and the process that makes the runs which it lacks."""
 
-from __future__ import annotations
-
 import signal
 import threading
 import time
@@ -133,7 +131,7 @@ def sweep_records(
     scene: Scene, chosen: tuple[str, ...], methods: tuple[str, ...], target: Path | None, timeout: float | None = None,
     memory_mib: float | None = None, *, store: str | None = None, scheduler: str | None = None,
     errors: tuple[float, ...] = (), best: Callable[[Sequence[Record]], str] = lambda records: "",
-    worth: Worth | None = None,
+    worth: "Worth | None" = None,
 ) -> list[Record]:  # fmt: skip
     """Return the sweep's records, and add to `target` those that it lacks; Interrupted where it is cut short.
 

@@ -1,11 +1,16 @@
-"""The messages of all four packages form one list, and those of the commands and pages use the field's words."""
+"""Messages of all packages form one list; those of commands and pages, and the prose of the solver, use plain words."""
 
 from __future__ import annotations
 
+import ast
+import io
 import re
+import tokenize
+from pathlib import Path
 
 import pytest
 
+import mbs_ref
 from tests.messages import PACKAGES, messages
 
 VAGUE = re.compile(r"\b(told|found|asked|made|kept|heard|said|promised|foretold|accused|excused|taught|held against)\b")
@@ -30,3 +35,17 @@ def test_raised_printed_and_help_texts_are_listed():
 @pytest.mark.parametrize("package", PLAIN)
 def test_messages_use_the_words_of_the_field(package):
     assert not [str(message) for message in messages(package) if VAGUE.search(message.text)]
+
+
+def _prose(source: str):
+    """Yield every docstring and comment."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            yield ast.get_docstring(node) or ""
+    lines = io.StringIO(source).readline
+    yield from (token.string for token in tokenize.generate_tokens(lines) if token.type == tokenize.COMMENT)
+
+
+@pytest.mark.parametrize("file", sorted(Path(mbs_ref.__file__).parent.rglob("*.py")), ids=str)
+def test_docstrings_and_comments_of_the_solver_use_the_words_of_the_field(file):
+    assert not [text for text in _prose(file.read_text()) if VAGUE.search(text)]

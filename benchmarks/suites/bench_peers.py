@@ -86,11 +86,6 @@ def cheapest(engine: str, scene: Scene, choices: list[Settings], truth: np.ndarr
     return None
 
 
-def is_tree(scene: Scene) -> bool:
-    """Return whether our solver has relative coordinates for it."""
-    return not any(no_tree(scene))
-
-
 def entrants(scene: Scene, peers: Peers, truth: np.ndarray, error: float) -> dict[str, Timed]:
     """Return who reaches the error, by name."""
     result, lean = {}, {"estimate": "off", "reactions": False, "samples": len(TIMES)}
@@ -101,7 +96,7 @@ def entrants(scene: Scene, peers: Peers, truth: np.ndarray, error: float) -> dic
         method = solver.method(name)
         if solver.refusals(scene) or solver.method_refusals(scene, method):
             continue
-        for coordinates in ("cartesian", "relative") if engine == OURS and is_tree(scene) else ("cartesian",):
+        for coordinates in ("cartesian", "relative") if engine == OURS and not any(no_tree(scene)) else ("cartesian",):
             own = [one.model_copy(update={**lean, "coordinates": coordinates}) for one in settings(method)]
             run = cheapest(engine, scene, own, truth, error)
             if run is not None:

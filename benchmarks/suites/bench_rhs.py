@@ -43,7 +43,7 @@ def planar_residual(scene: Scene) -> float:
     system.set_mode_time(0.0)
     y = system.initial_state()
     half = len(y) // 2
-    force = system.applied_forces(0.0, *y.reshape(2, -1, 3)).ravel()
+    force = system.applied_forces(0.0, y).ravel()
     mass, jacobian, gamma = system.mass_matrix(), system.jacobian(0.0, y), system.right_side()
     a, lam = system.derivative(0.0, y)[half:], system.multipliers(0.0, y)
     left = np.concatenate(((mass * a + jacobian.T @ lam - force) / mass, jacobian @ a - gamma))

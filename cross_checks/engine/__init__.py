@@ -119,19 +119,13 @@ class Engine:
         states = loop.states[: end.samples]
         poses = self.poses(model, plan, states)
         return Trajectory(
-            plan.times[: end.samples],
-            *poses,
-            end.status,
-            end.message or f"reached t = {plan.times[-1]:g} s",
-            steps=loop.steps,
-            rejected_steps=loop.rejected_steps,
-            rhs_calls=loop.rhs_calls,
+            plan.times[: end.samples], *poses, end.status, end.message or f"reached t = {plan.times[-1]:g} s",
+            steps=loop.steps, rejected_steps=loop.rejected_steps, rhs_calls=loop.rhs_calls,
             timing=Timing(built - start, called - built, looped - called),
             reactions=self.reactions(model, plan, states, poses) if settings.reactions else {},
             notes=((DRIVEN,) if plan.method.driven_from_python else ()) + (*self.notes(model, plan), *warned),
-            used=plan.used,
-            unreported=end.unreported,
-        )
+            used=plan.used, unreported=end.unreported,
+        )  # fmt: skip
 
     @property
     def library(self) -> str:

@@ -8,8 +8,6 @@ their MJCF file without a word; none is made here.
 # The extra has no type information.
 # pyright: reportMissingImports=false
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
@@ -175,7 +173,7 @@ def _integrator(craft: Any, plan: Plan) -> Any:
     return chosen
 
 
-def _add_air(model: Built, body: int, schedule: _Schedule | None) -> None:
+def _add_air(model: Built, body: int, schedule: "_Schedule | None") -> None:
     """Add drag to a spacecraft; density and wind are computed at the start of a step and constant through it."""
     scene, craft = model.scene, model.spacecraft[body]
     for load in scene.loads:

@@ -3,8 +3,6 @@
 The distribution is `dartpy`; the name `dart` belongs to another project.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -33,7 +31,7 @@ class Built:
 
     linkage: Linkage
     world: Any
-    reader: Reader
+    reader: "Reader"
     applied: Applied | None
 
 

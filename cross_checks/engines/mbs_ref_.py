@@ -70,18 +70,10 @@ def _method(entry: Integrator) -> Method:
     """An integrator of either kind is listed as the adaptive one it is by default."""
     kind = "fixed" if entry.kind == "fixed" else "adaptive"
     return Method(
-        entry.name,
-        kind,
-        entry.order,
-        entry.description,
-        entry.ladder,
-        entry.requires,
-        locates_events=entry.locates_events,
-        stability=entry.stability,
-        wrong_limit=entry.weakness,
-        weak_on=frozenset({"constrained"}) if entry.weakness else frozenset(),
-        embedded=entry.embedded,
-    )
+        entry.name, kind, entry.order, entry.description, entry.ladder, entry.requires,
+        locates_events=entry.locates_events, stability=entry.stability, wrong_limit=entry.weakness,
+        weak_on=frozenset({"constrained"}) if entry.weakness else frozenset(), embedded=entry.embedded,
+    )  # fmt: skip
 
 
 ENGINE = MbsRef

@@ -1,7 +1,5 @@
 """Calls in a process of their own: an engine that hangs, crashes or eats memory costs that one call."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal
@@ -66,7 +64,7 @@ class Isolated:
     _child: subprocess.Popen[bytes] | None = None
     _pipe: Connection | None = None
     _copy: int | None = None  # process id of the child's copy that makes the call
-    _cancelled: bool = False
+    is_cancelled: bool = False
     _starting: threading.Lock = field(default_factory=threading.Lock)
 
     def __enter__(self) -> Self:
@@ -98,7 +96,7 @@ class Isolated:
             with Relay() as relay:
                 worked, answer = self._answer(apart, timeout or self.timeout, relay)
         except (Lost, OSError) as error:
-            if self._cancelled:
+            if self.is_cancelled:
                 raise Cancelled("the call was given up") from error
             raise
         if not worked:
@@ -115,18 +113,13 @@ class Isolated:
         """The number of parallel calls: the processors that this process may use."""
         return len(os.sched_getaffinity(0))
 
-    def here(self) -> Isolated:
+    def here(self) -> "Isolated":
         """Return a caller of the same limits on this machine."""
         return self
 
-    def alike(self) -> Isolated:
+    def alike(self) -> "Isolated":
         """Return another caller of the same limits, with a child of its own."""
         return Isolated(self.timeout, self.memory, self.threads, self.python, self.variables)
-
-    @property
-    def is_cancelled(self) -> bool:
-        """Whether every later call raises Cancelled."""
-        return self._cancelled
 
     def close(self) -> None:
         """End the child, whatever it is doing."""
@@ -144,7 +137,7 @@ class Isolated:
         The pipe stays the caller's to close.
         """
         with self._starting:
-            self._cancelled = True
+            self.is_cancelled = True
             self._end_copy()
             if self._child is not None:
                 self._child.kill()
@@ -152,7 +145,7 @@ class Isolated:
     def _start(self) -> None:
         self.close()
         with self._starting:
-            if self._cancelled:
+            if self.is_cancelled:
                 raise Cancelled("the calls were given up")
             self._launch()
 
@@ -176,7 +169,7 @@ class Isolated:
         try:
             self._copy = receive(self._pipe) if apart else None
             patience = Patience(timeout, moment(self._copy or self._child.pid))
-            while (message := self._heard()) in (None, *NOTES):
+            while (message := receive(self._pipe) if self._pipe.poll(LOOK) else None) in (None, *NOTES):
                 relay.receive(message)
                 used = resident(self._copy or self._child.pid)
                 peak = max(peak, used)
@@ -196,11 +189,6 @@ class Isolated:
         if worked is None:
             raise _loss(answer, peak, self.memory)
         return worked, answer
-
-    def _heard(self) -> Any:
-        """Return the next message, or None after a while without one."""
-        assert self._pipe is not None
-        return receive(self._pipe) if self._pipe.poll(LOOK) else None
 
     def _give_up(self) -> None:
         """End the process of the call: the child, or its copy, whose end the child then reports."""

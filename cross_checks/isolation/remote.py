@@ -1,7 +1,5 @@
 """Calls on the workers of a dask cluster: an optional package, imported here alone."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from concurrent.futures import CancelledError
@@ -46,7 +44,7 @@ class Remote(Isolated):
         """Return a caller of the same limits on this machine."""
         return Isolated(self.timeout, self.memory)
 
-    def alike(self) -> Remote:
+    def alike(self) -> "Remote":
         """Return another caller on the same cluster."""
         return Remote(self.timeout, self.memory, scheduler=self.scheduler, _client=self.client, _is_alike=True)
 

@@ -5,8 +5,6 @@ shards are merged by `merge`. Samples are stored compressed beside the record: e
 between runs, are queries to the store.
 """
 
-from __future__ import annotations
-
 import hashlib
 import importlib
 import io
@@ -138,7 +136,7 @@ class Store:
             self._base.execute("PRAGMA synchronous=NORMAL")
             self._base.executescript(TABLES)
 
-    def __enter__(self) -> Store:
+    def __enter__(self) -> "Store":
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -1,7 +1,5 @@
 """The rows of a file in parts of bounded size: CSV, NPZ or Parquet."""
 
-from __future__ import annotations
-
 import csv
 import importlib
 import io
@@ -51,7 +49,7 @@ class Columns:
         """Return where a number stands, for a sentence."""
         return f"{self.path.name}: {self.word} {self.counted[row]}, column {column!r}"
 
-    def at(self, rows: np.ndarray) -> Columns:
+    def at(self, rows: np.ndarray) -> "Columns":
         """Return some of the rows, given by their places or a mask (n,)."""
         return replace(self, values={k: v[rows] for k, v in self.values.items()}, numbers=self.counted[rows])
 

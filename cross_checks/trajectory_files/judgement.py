@@ -67,16 +67,15 @@ def judgement(scene: Scene, motion: DescribedMotion, truth: Truth | NoTruth, ask
     figures = measure(Judged(scene, motion.path, truth))
     verdict, reason = _verdict(figures["error"], truth, asked)
     own = {name: figures["measures"][name] for name in metrics.every() if name not in _ERRORS}
-    parts = tuple(_parts(scene, motion.path, truth)) if isinstance(truth, Truth) else ()
-    curves = _curves(scene, motion.path, truth) if isinstance(truth, Truth) else {}
+    parts, curves = (), {}
+    if isinstance(truth, Truth):
+        parts, relative = tuple(_parts(scene, motion.path, truth)), from_truth(scene, motion.path, truth).counted
+        relative = largest(relative, 1) / units_of(scales_of(scene))
+        columns = {name: gaps_as_none(relative[:, c]) for c, name in enumerate(NAMES)}
+        curves = {"t": motion.path.times.tolist(), **columns}
     return Judgement(
         scene.name, verdict, reason, asked, figures["error"], parts, own, motion.missing, figures["notes"], curves
     )
-
-
-def _curves(scene: Scene, path: Trajectory, truth: Truth) -> dict[str, list[float | None]]:
-    relative = largest(from_truth(scene, path, truth).counted, 1) / units_of(scales_of(scene))
-    return {"t": path.times.tolist(), **{name: gaps_as_none(relative[:, c]) for c, name in enumerate(NAMES)}}
 
 
 _ERRORS = frozenset({"position_error", "orientation_error", "velocity_error", "angular_velocity_error"})

@@ -73,11 +73,7 @@ def library_twin(scene: Scene) -> Scene | None:
 def is_unchanged(scene: Scene) -> bool:
     """Return whether the scene is what its name and parameters build: only the same physics has the same truth."""
     ours = _made(scene.name, tuple(sorted(scene.parameters.items())))
-    return ours is not None and _same(ours, scene)
-
-
-def _same(first: Scene, second: Scene) -> bool:
-    return all(getattr(first, part) == getattr(second, part) for part in stored_poses.PHYSICS)
+    return ours is not None and all(getattr(ours, part) == getattr(scene, part) for part in stored_poses.PHYSICS)
 
 
 @lru_cache(maxsize=256)

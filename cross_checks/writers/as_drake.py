@@ -13,14 +13,9 @@ from mbs_ref.scene import Scene, SpatialBody
 
 # Drake's joint of each kind of link
 JOINTS = {
-    "revolute": "RevoluteJoint",
-    "prismatic": "PrismaticJoint",
-    "universal": "UniversalJoint",
-    "ball": "BallRpyJoint",
-    "planar": "PlanarJoint",
-    "free": "QuaternionFloatingJoint",
-    "weld": "WeldJoint",
-}
+    "revolute": "RevoluteJoint", "prismatic": "PrismaticJoint", "universal": "UniversalJoint", "ball": "BallRpyJoint",
+    "planar": "PlanarJoint", "free": "QuaternionFloatingJoint", "weld": "WeldJoint",
+}  # fmt: skip
 ALONG_AXIS = ("revolute", "prismatic")
 ANGULAR_FIRST = [3, 4, 5, 0, 1, 2]  # Drake's order of a free body's rates: angular velocity, velocity
 INERTIA = ([0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2])  # xx, yy, zz, xy, xz, yz
@@ -32,8 +27,8 @@ def write_drake(scene: Scene, settings: Settings) -> str:
     Raises NotWritable where the adapter's force code acts, or for the method that ends its process.
     """
     adapter = get("drake")  # raises EngineMissing before the adapter's modules are imported
-    from cross_checks.engines.drake_.run import FIXED as FIXED_STEP
-    from cross_checks.engines.drake_.run import SAP, WORLD
+    from cross_checks.engines.drake_ import FIXED as FIXED_STEP
+    from cross_checks.engines.drake_ import SAP, WORLD
 
     if adapter.method(settings.method).name == WORLD:
         raise NotWritable(f"method = {WORLD!r} ends the process that runs it; allowed: {SAP}")

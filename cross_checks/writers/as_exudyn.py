@@ -1,7 +1,5 @@
 """A script that runs in Exudyn alone: the assembled system item by item, as Exudyn reports it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import reduce
@@ -88,7 +86,7 @@ class Recorder:
         self.next += 1
         return self.next - 1
 
-    def AddGeneralContact(self) -> _General:
+    def AddGeneralContact(self) -> "_General":
         self.calls.append("general = mbs.AddGeneralContact()")
         return _General(self.calls)
 

@@ -26,11 +26,6 @@ def mujoco_job(scene: Scene, settings: Settings) -> Job:
     return job
 
 
-def write_mjcf(scene: Scene, settings: Settings) -> str:
-    """Return the scene as an MJCF file, with the options of the run; its keyframe `start` is the state at t = 0."""
-    return mjcf_of(mujoco_job(scene, settings))
-
-
 def write_mujoco(scene: Scene, settings: Settings) -> str:
     """Return the script: the model as MJCF with all its digits, and the loop in C."""
     job, start = mujoco_job(scene, settings), linkage_of(scene).theta.tolist()
@@ -38,7 +33,7 @@ def write_mujoco(scene: Scene, settings: Settings) -> str:
 
 
 def mjcf_of(job: Job) -> str:
-    """Return the adapter's model as MJCF."""
+    """Return the adapter's model as MJCF, with the options of the run; its keyframe `start` is the state at t = 0."""
     model = job.built.model
     off = {word: "disable" for bit, word in DISABLED.items() if model.opt.disableflags & bit}
     flags = off | {word: "enable" for bit, word in ENABLED.items() if model.opt.enableflags & bit}
@@ -77,6 +72,6 @@ def _text(numbers: Any) -> str:
 
 
 FORMS = (
-    Form("mjcf", ".xml", "a model file of MuJoCo", write_mjcf),
+    Form("mjcf", ".xml", "a model file of MuJoCo", lambda scene, settings: mjcf_of(mujoco_job(scene, settings))),
     Form("mujoco", ".py", "a script that runs in MuJoCo alone", write_mujoco),
 )

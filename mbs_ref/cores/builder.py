@@ -7,14 +7,12 @@ from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs
+from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs, granules
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
-from mbs_ref.cores.granules import granules
 from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import declared, empty, floats, ints
-from mbs_ref.kernels.rigid.closures import Loops
-from mbs_ref.kernels.rigid.model import Bodies, Forces, Slots, TorsionSprings, World
+from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.scene import GROUND, Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.rows import Row
@@ -105,6 +103,10 @@ class Builder(ABC):
     def direction(self, name: str, world: Any) -> np.ndarray:
         """Return a world direction at t = 0 in the axes of a body of this name."""
 
+    @abstractmethod
+    def groups(self) -> Any:
+        """Return the arrays of the scene."""
+
     def angle(self, name: str) -> float:
         """Return a planar body's angle at t = 0, rad."""
         return 0.0
@@ -187,33 +189,21 @@ def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarr
     first = np.concatenate(([0], np.cumsum(widths)))  # rates follow all coordinates
     held = {end for sides, rows in zip(build.slot_bodies, build.slot_rows, strict=True) if rows for end in sides}
     bodies = Bodies(
-        mass=floats(scene.bodies[i].mass for i in order),
-        inertia=inertia[order].astype(float),
+        mass=floats(scene.bodies[i].mass for i in order), inertia=inertia[order].astype(float),
         rigid=ints([not isinstance(scene.bodies[i], PointMass) for i in order]),
-        alone=ints([k not in held for k in range(build.n)]),
-        scene_index=ints(order),
-        q=ints(first[order].tolist()),
-        v=ints(first[build.n + np.array(order, dtype=int)].tolist()),
-        start=ints([int(first[build.n])]),
+        alone=ints([k not in held for k in range(build.n)]), scene_index=ints(order), q=ints(first[order].tolist()),
+        v=ints(first[build.n + np.array(order, dtype=int)].tolist()), start=ints([int(first[build.n])]),
         parent=ints(build.layout.parent),
-    )
+    )  # fmt: skip
     pairs = contact_pairs(scene, build)
     every = groups(
-        bodies=bodies,
-        slots=Slots(np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), ints(build.slot_rows)),
-        loops=build.loops(),
-        **row_groups(build, groups),
-        springs=springs(scene, build),
-        contact_pairs=pairs,
-        contact_laws=contact_laws(scene, build.contact_slot),
-        contact_modes=contact_modes(scene),
-        near_pairs=contact_balls(pairs),
-        granules=granules(scene, build),
-        watches=watches(scene, build),
+        bodies=bodies, slots=Slots(np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), ints(build.slot_rows)),
+        loops=build.loops(), **row_groups(build, groups), springs=springs(scene, build), contact_pairs=pairs,
+        contact_laws=contact_laws(scene, build.contact_slot), contact_modes=contact_modes(scene),
+        near_pairs=contact_balls(pairs), granules=granules(scene, build), watches=watches(scene, build),
         signals=signal_arrays(build.segments),
-        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)),
-        **own,
-    )
+        world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)), **own,
+    )  # fmt: skip
     return groups(*map(contiguous, every))
 
 

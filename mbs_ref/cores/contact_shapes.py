@@ -1,19 +1,60 @@
-"""Contact parts -> the arrays of the shapes that may touch, and the balls that they lie in."""
+"""Contact parts and granules -> the arrays of the shapes that may touch, and what lists the near ones."""
 
 import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbs_ref.cores.events import RELEASES
 from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.contact import laws as shared
+from mbs_ref.kernels.contact import neighbours
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.model import ContactPairs
 from mbs_ref.scene import Scene
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.base.rows import Axes
-from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, PinOnSprocket, SphereOnPlane, SphereOnSphere
+from mbs_ref.scene.contact import (
+    CircleOnCircle,
+    CircleOnLine,
+    FrictionNumbers,
+    Granules,
+    PinOnSprocket,
+    SphereOnPlane,
+    SphereOnSphere,
+)
 from mbs_ref.scene.traits import deflecting
+
+GRAIN_SKIN = 0.4  # of the mean radius
+ROOM = {2: 12, 3: 32}  # neighbours a sphere, by dimension: three times those of equal spheres at their densest
+
+
+def granules(scene: Scene, places: Axes) -> neighbours.Granules:
+    """Return the arrays."""
+    parts = [load for load in scene.loads if isinstance(load, Granules)]
+    if not parts:
+        return empty(neighbours.Granules, dimension=scene.dimension, **{"n + 1": 1})
+    (part,) = parts
+    radius = np.broadcast_to(part.radius, len(scene.bodies))
+    chosen = np.flatnonzero(radius)
+    law, friction = part.law.numbers(), part.friction.numbers() if part.friction else FrictionNumbers()
+    d, n, normals = scene.dimension, len(chosen), [unit(wall.normal) for wall in part.walls]
+    numbers: dict[str, Any] = {
+        "stiffness": law.stiffness, "dashpot": law.damping, "exponent": law.exponent,
+        "damping_exponent": law.damping_exponent, "coefficient": friction.coefficient, "creep": friction.creep,
+        "skin": GRAIN_SKIN * float(np.mean(radius[chosen])),
+    }  # fmt: skip
+    lengths = {"n": n, "n + 1": n + 1, "dimension": d, "most": ROOM[d] * n, "buckets": 1 << (2 * n - 1).bit_length()}
+    return empty(neighbours.Granules, **lengths)._replace(
+        body=ints([places.body(scene.bodies[k].name) for k in chosen]),
+        radius=radius[chosen],
+        normal=floats(normals, d),
+        offset=floats(n @ np.array(wall.point) for n, wall in zip(normals, part.walls, strict=True)),
+        release=ints([RELEASES[law.release]]),
+        built=np.full((n, d), np.nan),
+        **{name: np.array([value]) for name, value in numbers.items()},
+    )
+
 
 FROM_PAIRS = 100  # a scene with fewer looks at all of them: that is cheaper than keeping a list
 SKIN = 0.5  # of the mean ball's radius
@@ -84,20 +125,16 @@ def contact_pairs(scene: Scene, places: Axes) -> ContactPairs:
     pairs = list(zip(parts, shapes, strict=True))
     order = {name: k for k, name in enumerate(sticking)}
     return ContactPairs(
-        kind=ints([s.kind for s in shapes]),
-        a=ints([places.body(p.body_a) for p in parts]),
+        kind=ints([s.kind for s in shapes]), a=ints([places.body(p.body_a) for p in parts]),
         b=ints([places.body(p.body_b) for p in parts]),
         center=floats((places.point(p.body_a, s.center) for p, s in pairs), d),
         radius=floats(s.radius for s in shapes),
         origin=floats((places.point(p.body_b, s.origin) for p, s in pairs), d),
         axes=floats([[places.direction(p.body_b, x) for x in s.axes] for p, s in pairs], d, d),
-        half=floats((s.half for s in shapes), 2),
-        ends=ints([s.ends for s in shapes]),
-        thickness=floats(s.thickness for s in shapes),
-        flank=floats((s.flank for s in shapes), 2),
-        deflection=ints([order.get(p.name, -1) for p in parts]),
-        sticking=ints([len(sticking)]),
-    )
+        half=floats((s.half for s in shapes), 2), ends=ints([s.ends for s in shapes]),
+        thickness=floats(s.thickness for s in shapes), flank=floats((s.flank for s in shapes), 2),
+        deflection=ints([order.get(p.name, -1) for p in parts]), sticking=ints([len(sticking)]),
+    )  # fmt: skip
 
 
 class Ball(NamedTuple):
@@ -129,21 +166,13 @@ def contact_balls(pairs: ContactPairs) -> NearPairs:
     by_key = np.argsort(keys, kind="stable")
     places = np.full((len(number), dimension), np.nan)
     return every._replace(
-        stale=np.ones(1, dtype=np.int64),
-        skin=np.array([SKIN * float(np.mean(list(reach.values())))]),
-        body=ints([body for body, _ in number]),
-        center=np.array([center for _, center in number]),
-        reach=np.array(list(reach.values())),
-        travel=np.zeros(len(reach)),
-        place=places,
-        built=places.copy(),
-        last=places.copy(),
-        order=np.arange(len(number)),
-        low=np.zeros(len(number)),
-        key=keys[by_key],
+        stale=np.ones(1, dtype=np.int64), skin=np.array([SKIN * float(np.mean(list(reach.values())))]),
+        body=ints([body for body, _ in number]), center=np.array([center for _, center in number]),
+        reach=np.array(list(reach.values())), travel=np.zeros(len(reach)), place=places, built=places.copy(),
+        last=places.copy(), order=np.arange(len(number)), low=np.zeros(len(number)), key=keys[by_key],
         keyed=np.array(bounded)[by_key],
         always=np.array(sorted(set(range(len(sides))) - set(bounded)), dtype=np.int64),
-    )
+    )  # fmt: skip
 
 
 def _ball(pairs: ContactPairs, k: int) -> Ball:

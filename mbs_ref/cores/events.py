@@ -20,7 +20,7 @@ from mbs_ref.scene.scales import scales_of
 
 NOISE = 1e-13  # of the largest coordinate or the scene's length: above what roundoff leaves of a gap
 SLOW = 1e-8  # of the scene's speed, about eps^(1/2)
-MOST_LOGGED = 100_000  # events of one run whose modes are kept for output
+MOST_LOGGED = 100_000  # events of one run whose modes are stored for output
 
 
 _COMPONENTS = {"x": 0, "y": 1, "angle": 2, "z": 2}
@@ -86,17 +86,13 @@ def springs(scene: Scene, places: Axes) -> Springs:
     rest = [math.dist(*pair) if length is None else length for length, pair in zip(given, marks, strict=True)]
     points = floats(ends, 2, scene.dimension)
     return Springs(
-        a=ints([places.body(x.body_a) for x in loads]),
-        b=ints([places.body(x.body_b) for x in loads]),
-        point_a=points[:, 0],
-        point_b=points[:, 1],
-        stiffness=floats(x.stiffness for x in loads),
-        damping=floats(x.damping for x in loads),
-        rest_length=floats(rest),
+        a=ints([places.body(x.body_a) for x in loads]), b=ints([places.body(x.body_b) for x in loads]),
+        point_a=points[:, 0], point_b=points[:, 1], stiffness=floats(x.stiffness for x in loads),
+        damping=floats(x.damping for x in loads), rest_length=floats(rest),
         limit=floats(getattr(x, "limit", None) or math.inf for x in loads),
         isotropic=ints([isinstance(x, PointBushing) for x in loads]),
         place=ints([modes.get(x.name, -1) for x in loads]),
-    )
+    )  # fmt: skip
 
 
 def watches(scene: Scene, places: Axes) -> Watches:
@@ -109,17 +105,14 @@ def watches(scene: Scene, places: Axes) -> Watches:
              for e, pair in zip(scene.events, ends, strict=True)]  # fmt: skip
     points = floats(marks, 2, scene.dimension)
     return Watches(
-        a=ints([places.body(a) for a, _ in ends]),
-        b=ints([places.body(b) for _, b in ends]),
-        point_a=points[:, 0],
-        point_b=points[:, 1],
-        quantity=ints([_quantity(event) for event in scene.events]),
+        a=ints([places.body(a) for a, _ in ends]), b=ints([places.body(b) for _, b in ends]), point_a=points[:, 0],
+        point_b=points[:, 1], quantity=ints([_quantity(event) for event in scene.events]),
         component=ints([_COMPONENTS[getattr(event, "coordinate", "x")] for event in scene.events]),
         value=floats(event.value for event in scene.events),
         noise=floats(_watch_noise(event, noise) for event in scene.events),
         direction=ints([_CROSSINGS[event.crossing] for event in scene.events]),
         stops=ints([event.action == "stop" for event in scene.events]),
-    )
+    )  # fmt: skip
 
 
 def _watch_noise(event: DistanceEvent | CoordinateEvent, noise: np.ndarray) -> float:

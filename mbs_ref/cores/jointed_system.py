@@ -1,7 +1,5 @@
 """What compiled scenes of bodies and joints answer alike in the plane and in space: rows, reactions, user forces."""
 
-from __future__ import annotations
-
 import ctypes
 from abc import abstractmethod
 from array import array
@@ -11,17 +9,17 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from mbs_ref.cores.builder import Place
+from mbs_ref.cores.builder import Builder, Place
 from mbs_ref.cores.events import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_of_tree
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.scene import GROUND, UserConstraint, UserForce
+from mbs_ref.scene import GROUND, Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
-MOST_AT_ONCE = 1_000_000  # numbers of reactions that are made together: 8 MB
+MOST_AT_ONCE = 1_000_000  # numbers of reactions that are computed together: 8 MB
 CHANGED = ("contact_modes", "near_pairs", "granules", "world")  # groups that a run writes to
 SURE_PIVOT = 1e-3  # relative closure pivot, the square of a singular value: rows are independent beyond doubt
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
@@ -45,12 +43,17 @@ class Reporting(NamedTuple):
 class JointedSystem(ContactSystem):
     """A system whose `groups` and `scratch` hold constraint rows in slots; `place` gives each joint's."""
 
+    BUILDER: ClassVar[type[Builder]]
     RATES: ClassVar[int]  # of a body
     SHARED: ClassVar[int]  # numbers a body in each array that a user's force law sees
     n_bodies: int
     place: Mapping[int, Place]  # of each joint's rows
 
-    # --- set-up -----------------------------------------------------------------------------------
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.n_bodies = scene, len(scene.bodies)
+        self.builder = self.BUILDER(scene)
+        self.place = self.builder.place
+        self._allocate(self.builder.groups())
 
     def _allocate(self, groups: Any) -> None:
         """Take groups that no run has changed, keep a copy of what a run changes, and make room for one."""
@@ -63,7 +66,7 @@ class JointedSystem(ContactSystem):
     def _scratch(self) -> Any:
         """Return the scratch of one run."""
 
-    def twin(self) -> JointedSystem:
+    def twin(self) -> "JointedSystem":
         other = self._unconnected()
         fresh = dict(zip(CHANGED, map(_copied, self._untouched), strict=True))
         other._allocate(self.groups._replace(**fresh))
@@ -116,11 +119,9 @@ class JointedSystem(ContactSystem):
         return UserRow(joint.formula(), joint.name, at.slot, at.row, at.side, bodies, (arms[0], arms[1]))
 
     def arm_of(self, joint: Any, end: str) -> np.ndarray:
-        """Return where a joint holds one of its ends, body axes, m; from the origin on ground."""
-        mark, body = joint.mark(end), self.scene.body_index(getattr(joint, end))
-        if body >= 0:
-            return self._arm(mark, body)
-        return np.zeros(self.scene.dimension) if mark is None else np.array(mark, dtype=float)
+        """Return where a joint holds one of its ends, body axes, m; from the origin on ground, zero without a mark."""
+        mark = joint.mark(end)
+        return np.zeros(self.scene.dimension) if mark is None else self.builder.point(getattr(joint, end), mark)
 
     @abstractmethod
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> Sequence[Taylor]:
@@ -147,8 +148,6 @@ class JointedSystem(ContactSystem):
         result = np.empty_like(values)
         result[self.groups.bodies.scene_index] = values
         return result
-
-    # --- constraint rows ----------------------------------------------------------------------------
 
     @property
     def n_closure_rows(self) -> int:
@@ -218,7 +217,20 @@ class JointedSystem(ContactSystem):
         """Return which rows to keep where dependent ones cannot be borne: as many as the mechanism's own rank."""
         return np.arange(len(self.rows()))
 
-    # --- multipliers ----------------------------------------------------------------------------------
+    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+        jacobian, mass = self.jacobian(t, y), self.mass_matrix()
+        is_full = mass.ndim == 2
+        scaled = np.linalg.solve(np.linalg.cholesky(mass), jacobian.T).T if is_full else jacobian / np.sqrt(mass)
+        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+
+    @abstractmethod
+    def mass_matrix(self) -> np.ndarray:
+        """Return M in scene order and world axes at the state last evaluated, or its diagonal: kg and kg m^2."""
+
+    def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:
+        """Return forces and torques (n_bodies, rates; N, N m) of gravity, all loads and, in space, -omega x J omega."""
+        self.derivative(t, y)
+        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
 
     def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return lambda (n_rows,) in the order of `rows`; minimum-norm where rows are dependent."""
@@ -231,15 +243,16 @@ class JointedSystem(ContactSystem):
         result = self.scratch.rows.multiplier.copy()
         if not len(self.groups.loops.slot) or self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
             return result
-        unbalanced = self._unbalanced(t, y, dy)
+        force, acceleration, mass = (
+            self.applied_forces(t, y).ravel(),
+            self.accelerations(t, y).ravel(),
+            self.mass_matrix(),
+        )
+        unbalanced = force - (mass @ acceleration if mass.ndim == 2 else mass * acceleration)
         found = np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
         for value, (_, slot, row) in zip(found, self.rows(), strict=True):
             result[slot, row] = value
         return result
-
-    @abstractmethod
-    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
-        """Return Q - M a of the last derivative dy, in scene order."""
 
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         if not len(times):
@@ -249,32 +262,24 @@ class JointedSystem(ContactSystem):
         fill = self._fill_in_modes if self.event_sources or self.n_closure_rows else self._fill_of_tree
         for start in range(0, len(times), each):
             block = slice(start, start + each)
-            axes = fill(times[block], states[block], forces[block])
-            forces[block] = self._about(self._world_arms(axes[:, of.body], of.arm), of.sign * forces[block])
+            fill(times[block], states[block], forces[block])
+            turns = self.poses(states[block]).orientation[:, of.body]
+            forces[block] = self._about(self._world_arms(turns, of.arm), of.sign * forces[block])
         return {name: forces[:, k].copy() for k, name in enumerate(of.names)}
 
-    def _fill_of_tree(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Fill out (n_t, n_joints, rates) as `_fill_in_modes` where no mode changes; return the bodies' axes."""
-        own, rows, times = self._own_axes, self.scratch.rows, np.ascontiguousarray(times)
-        axes = np.empty((len(times), *own.shape))
-        forces_of_tree(
-            self.model, self.work, self.groups.world.control, self._reporting.rows, rows.multiplier, rows.jacobian,
-            times, np.ascontiguousarray(states), own, axes, out,
-        )  # fmt: skip
-        return self._axes_over(states, axes)
+    def _fill_of_tree(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
+        """Fill out (n_t, n_joints, rates) as `_fill_in_modes` where no mode changes."""
+        control, rows = self.groups.world.control, self.scratch.rows
+        scratch = control, self._reporting.rows, rows.multiplier, rows.jacobian
+        times, states = np.ascontiguousarray(times), np.ascontiguousarray(states)
+        forces_of_tree(self.model, self.work, *scratch, times, states, out)
 
-    def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held at each time.
-
-        Return the bodies' axes.
-        """
-        axes = []
+    def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
+        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
         for t, y, sample in zip(times.tolist(), states, out, strict=True):
             self.set_mode_time(t)
             self.recall_modes(t)  # not the modes that the run ended in
             forces_at_joints(self._reporting.rows, self._multipliers_by_slot(t, y), self.scratch.rows.jacobian, sample)
-            axes.append(self._axes(y))
-        return np.array(axes)
 
     @cached_property
     def _reporting(self) -> Reporting:
@@ -285,37 +290,19 @@ class JointedSystem(ContactSystem):
         last = ["body_b" if "body_b" in vars(part) else "body" for part in parts]
         fields = np.where(mirrored, "body_a", last).tolist()
         bodies = [self.scene.body_index(getattr(part, name)) for part, name in zip(parts, fields, strict=True)]
-        marks = [part.mark(name) for part, name in zip(parts, fields, strict=True)]
         slot, first, side, count = np.array([(*at,) for at in places], dtype=np.int64).reshape(-1, 4).T.copy()
         return Reporting(
             names=tuple(part.name for part in parts),
             rows=JointRows(slot, np.where(mirrored, side, 1 - side), first, count),
             sign=np.where(mirrored, 1.0, -1.0)[:, None],
             body=np.array(bodies, dtype=int),
-            arm=np.array([self._arm(mark, body) for mark, body in zip(marks, bodies, strict=True)]),
+            arm=np.array([self.arm_of(part, name) for part, name in zip(parts, fields, strict=True)]),
         )
-
-    @abstractmethod
-    def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
-        """Return a mark on a body from its centre of mass in body axes, m; zero where there is none."""
-
-    @property
-    @abstractmethod
-    def _own_axes(self) -> np.ndarray:
-        """The bodies' axes in the scratch (n_bodies, 3, 3), in the core's order; none where the state has them."""
-
-    @abstractmethod
-    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
-        """Return what `_axes` gives at each state (n_t, n_bodies, ...), where the scratch held `own` (n_t, ...)."""
-
-    @abstractmethod
-    def _axes(self, y: np.ndarray) -> np.ndarray:
-        """Return what turns each body's axes at the state y, the last evaluated: (n_bodies, ...)."""
 
     @staticmethod
     @abstractmethod
-    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
-        """Turn arms (n_joints, dimension) by axes (n_t, n_joints, ...) into world axes."""
+    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        """Turn arms (n_joints, dimension) by orientations (n_t, n_joints, ...) into world axes."""
 
     @staticmethod
     @abstractmethod

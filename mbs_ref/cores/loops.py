@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.groups import ints
-from mbs_ref.kernels.rigid.closures import Loops
+from mbs_ref.kernels.rigid.model import Loops
 
 
 class Closure(NamedTuple):
@@ -111,21 +111,17 @@ def _arranged(parent: list[int], closures: list[Closure], paths: list[_Paths], m
     at = [{body: first + j for j, body in enumerate(way)} for first, way in zip(place, ways, strict=False)]
     entries = sorted((i, k) for k, path in enumerate(paths) for side in path.sides for i in side)
     return Loops(
-        slot=ints([closure.slot for closure in closures]),
-        count=ints([closure.n_rows for closure in closures]),
-        most=ints([closure.n_rows for closure in closures]),
-        place=ints(place),
+        slot=ints([closure.slot for closure in closures]), count=ints([closure.n_rows for closure in closures]),
+        most=ints([closure.n_rows for closure in closures]), place=ints(place),
         start=ints([at[k].get(i, -1) for k, closure in enumerate(closures) for i in closure.bodies]).reshape(-1, 2),
         summit=ints([at[k].get(path.apex, -1) for k, path in enumerate(paths)]),
-        first=ints(_starts([len(others) for others in met])),
-        met=ints([s for others in met for s in others]),
+        first=ints(_starts([len(others) for others in met])), met=ints([s for others in met for s in others]),
         above=ints([at[s].get(paths[k].apex, -1) for k, others in enumerate(met) for s in others]),
         closed=_ranges([path.apex for path in paths], n + 1),
         entry=ints(_starts(np.bincount([i for i, _ in entries], minlength=n).tolist())),
-        passing=ints([k for _, k in entries]),
-        here=ints([at[k][i] for i, k in entries]),
+        passing=ints([k for _, k in entries]), here=ints([at[k][i] for i, k in entries]),
         next=ints([at[k].get(parent[i], -1) for i, k in entries]),
-    )
+    )  # fmt: skip
 
 
 def _starts(sizes: list[int]) -> list[int]:

@@ -1,7 +1,5 @@
 """A scene of particles compiled: three coordinates a body, no constraints, and the arrays of the fields it uses."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any, get_args
 
@@ -28,7 +26,7 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
         by_kind[type(load)].append(load)
     zonals, rings, third = by_kind[celestial.Oblateness], by_kind[celestial.Ring], by_kind[celestial.ThirdBody]
     drags = [*by_kind[celestial.Drag], *by_kind[celestial.StandardDrag]]
-    lights, relativity = by_kind[celestial.RadiationPressure], _at_most_one(by_kind[celestial.Relativity])
+    lights, relativity = by_kind[celestial.RadiationPressure], celestial.at_most_one(by_kind[celestial.Relativity])
 
     def columns(group: type, parts: list[Any], **own: list[Any]) -> Any:
         """Return a group of arrays named after the fields of its parts, names of bodies by place; `own` are others."""
@@ -63,15 +61,9 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
     )  # fmt: skip
 
 
-def _at_most_one(parts: list[Any]) -> Any:
-    if len(parts) > 1:
-        raise ValueError(f"loads {', '.join(repr(p.name) for p in parts)} are all of type {parts[0].type}; give one")
-    return parts[0] if parts else None
-
-
 def _particles(scene: Scene, by_kind: dict[type, list[Any]]) -> arrays.Particles:
     n = len(scene.bodies)
-    newton, epoch = _at_most_one(by_kind[celestial.Newton]), _at_most_one(by_kind[celestial.Epoch])
+    newton, epoch = celestial.at_most_one(by_kind[celestial.Newton]), celestial.at_most_one(by_kind[celestial.Epoch])
     gm = np.array(newton.gm if newton else np.zeros(n), dtype=float)
     radius = np.array(newton.radius if newton and newton.radius else np.zeros(n), dtype=float)
     if len(gm) != n or len(radius) != n:
@@ -119,7 +111,7 @@ class ParticleSystem(System):
             if gap < particles.radius[i] + particles.radius[j]:
                 raise ValueError(f"{names} overlap at t = 0: {gap:.6g} m apart, less than the sum of their radii")
 
-    def twin(self) -> ParticleSystem:
+    def twin(self) -> "ParticleSystem":
         return ParticleSystem(self.scene)
 
     def initial_state(self) -> np.ndarray:

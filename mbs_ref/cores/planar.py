@@ -5,15 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, assembled, forces, torsion_springs
+from mbs_ref.cores.builder import Builder, assembled, forces, torsion_springs
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
-from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.groups import floats
-from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.planar import model as arrays
-from mbs_ref.kernels.planar.dynamics import load_state
 from mbs_ref.kernels.planar.model import PlanarScratch
 from mbs_ref.kernels.rigid.model import rigid_scratch
 from mbs_ref.scene import PlanarBody, PointMass, Scene
@@ -46,22 +43,13 @@ class _Builder(Builder):
         body: Any = self.scene.bodies[self.scene_index[name]] if name != "ground" else None
         return body.angle if isinstance(body, PlanarBody) else 0.0
 
-
-def build_planar(scene: Scene) -> tuple[Any, dict[int, Place]]:
-    """Compile a planar scene to PlanarGroups; also return where each joint's rows are."""
-    build = _Builder(scene)
-    inertia = [[_HELD_INERTIA if isinstance(b, PointMass) else b.inertia] for b in scene.bodies]
-    groups = assembled(
-        build,
-        arrays.PlanarGroups,
-        widths=np.full((2, build.n), 3),
-        inertia=floats(inertia, 1),
-        forces=forces(build),
-        torsion_springs=torsion_springs(
-            build, lambda x: build.angle(x.body_b) - build.angle(x.body_a) if x.rest_angle is None else x.rest_angle
-        ),
-    )
-    return groups, build.place
+    def groups(self) -> Any:
+        inertia = [[_HELD_INERTIA if isinstance(b, PointMass) else b.inertia] for b in self.scene.bodies]
+        rest = torsion_springs(
+            self, lambda x: self.angle(x.body_b) - self.angle(x.body_a) if x.rest_angle is None else x.rest_angle
+        )
+        own = {"forces": forces(self), "torsion_springs": rest}
+        return assembled(self, arrays.PlanarGroups, np.full((2, self.n), 3), floats(inertia, 1), **own)
 
 
 class PlanarSystem(JointedSystem):
@@ -71,16 +59,8 @@ class PlanarSystem(JointedSystem):
     rad and their rates.
     """
 
-    CORE = "planar"
+    CORE, BUILDER = "planar", _Builder
     RATES = SHARED = 3
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.n_bodies = len(scene.bodies)
-        groups, self.place = build_planar(scene)
-        self._allocate(groups)
-
-    # --- set-up -----------------------------------------------------------------------------------
 
     def _scratch(self) -> Any:
         slots, state = len(self.groups.slots.body), 6 * self.n_bodies
@@ -102,14 +82,6 @@ class PlanarSystem(JointedSystem):
         q = np.tile([scales.length, scales.length, 1.0], len(scene.bodies))
         return np.concatenate((q, q / scales.time))
 
-    # --- evaluation -------------------------------------------------------------------------------
-
-    def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Return the generalized applied forces (n_bodies, 3) of gravity and every load: N, N, N m."""
-        y = np.concatenate((q.ravel(), v.ravel()))
-        _evaluate_loads(*self.own_handles, float(t), y)
-        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
-
     def poses(self, states: np.ndarray) -> Poses:
         n = self.n_bodies
         q, v = states.reshape(-1, 2, n, 3).transpose(1, 0, 2, 3)
@@ -120,26 +92,14 @@ class PlanarSystem(JointedSystem):
         v = np.concatenate((poses.velocity, poses.angular_velocity[:, :, None]), axis=2)
         return np.concatenate((q.reshape(len(q), -1), v.reshape(len(v), -1)), axis=1)
 
-    # --- the augmented system, dense --------------------------------------------------------------
-
     def mass_matrix(self) -> np.ndarray:
-        """Return the diagonal of M (3 n_bodies,) in scene order: kg, kg, kg m^2."""
         bodies = self.groups.bodies
         return self._in_scene_order(np.column_stack((bodies.mass, bodies.mass, bodies.inertia))).ravel()
-
-    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
-        scaled = self.jacobian(t, y) / np.sqrt(self.mass_matrix())
-        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
 
     @property
     def n_coordinates(self) -> int:
         """Coordinates in use: three a rigid body, two a point mass."""
         return sum(2 if isinstance(b, PointMass) else 3 for b in self.scene.bodies)
-
-    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
-        half = 3 * self.n_bodies
-        force = self.applied_forces(t, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)).ravel()
-        return force - self.mass_matrix() * dy[half:]
 
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> PlanarPlace:
         kin = self.scratch.kinematics
@@ -150,26 +110,9 @@ class PlanarSystem(JointedSystem):
         c, s = np.cos(angle), np.sin(angle)
         return PlanarPlace(x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1], angle)
 
-    def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
-        start: Any = self.scene.bodies[body]
-        if mark is None:
-            return np.zeros(2)
-        c, s = (np.cos(start.angle), np.sin(start.angle)) if isinstance(start, PlanarBody) else (1.0, 0.0)
-        return np.array([[c, s], [-s, c]]) @ np.subtract(mark, start.position)
-
-    @property
-    def _own_axes(self) -> np.ndarray:
-        return np.empty((0, 3, 3))
-
-    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
-        return states[:, 2 : 3 * self.n_bodies : 3]
-
-    def _axes(self, y: np.ndarray) -> np.ndarray:
-        return y[2 : 3 * self.n_bodies : 3]
-
     @staticmethod
-    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
-        c, s = np.cos(axes), np.sin(axes)
+    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        c, s = np.cos(turns), np.sin(turns)
         along, across = arm.reshape(-1, 2).T
         return np.stack((c * along - s * across, s * along + c * across), axis=-1)
 
@@ -177,9 +120,3 @@ class PlanarSystem(JointedSystem):
     def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:
         forces[..., 2] -= arms[..., 0] * forces[..., 1] - arms[..., 1] * forces[..., 0]
         return forces
-
-
-@core.jit
-def _evaluate_loads(model, work, t, y):
-    load_state(model, work, y)
-    apply_loads(model, work, t)

@@ -1,7 +1,5 @@
 """A tree compiled in relative coordinates: joint angles, lengths and balls' orientations in place of six a body."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Iterator
 from typing import Any, ClassVar, Self
@@ -45,7 +43,7 @@ def no_tree(scene: Scene) -> Iterator[str]:
         yield f"joint {scene.joints[k].name!r} closes a loop"
 
 
-def layout_of(scene: Scene) -> Layout:
+def layout_of(scene: Scene) -> "Layout":
     """Return the layout of a tree; ValueError lists why a scene is none."""
     reasons = list(no_tree(scene))
     if reasons:
@@ -98,16 +96,10 @@ class Layout:
             for side, end in enumerate(self.ends(i)):
                 arms[side, i] = system.arm_of(self.scene.joints[k], end)
         return arrays.Joints(
-            kind=ints(self.kind),
-            parent=ints(self.parent),
-            q=ints(self.q[:-1].tolist()),
-            v=ints(self.v[:-1].tolist()),
-            freedoms=ints(self.freedoms),
-            arm=arms[0],
-            arm_of_parent=arms[1],
-            axis=axis,
+            kind=ints(self.kind), parent=ints(self.parent), q=ints(self.q[:-1].tolist()),
+            v=ints(self.v[:-1].tolist()), freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,
             offset=offset,
-        )
+        )  # fmt: skip
 
     def world_axis(self, i: int) -> np.ndarray:
         """Return the world direction of a joint's axis at t = 0; zero where it has none."""
@@ -194,8 +186,6 @@ class RelativeSystem(System):
     def _coordinate(self, i: int, places: Any) -> np.ndarray:
         """Return a joint's coordinates at such poses."""
 
-    # --- between the two states ---------------------------------------------------------------------
-
     def full(self, y: np.ndarray) -> np.ndarray:
         """Return the redundant state of y."""
         return self.all_full(y[None])[0]
@@ -220,8 +210,6 @@ class RelativeSystem(System):
     def state_units(cls, scene: Scene, scales: Scales) -> np.ndarray:  # type: ignore[override]
         """Return L for lengths, 1 for angles and Euler parameters, and the same over T (n_state,)."""
         return layout_of(scene).units(scales.length, scales.time)
-
-    # --- computed by the redundant system -------------------------------------------------------------
 
     def poses(self, states: np.ndarray) -> Poses:
         return self.redundant.poses(self.all_full(states))

@@ -1,7 +1,5 @@
 """Planar trees of revolute joints compiled for Taylor series."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
@@ -39,9 +37,10 @@ def no_series(scene: Scene) -> Iterator[str]:
 class Expansion:
     """The tree of a system in relative coordinates, and the arrays of its series."""
 
-    def __init__(self, system: System) -> None:
-        self.tree: Any = system if isinstance(system, RelativePlanarSystem) else _tree_over(system)
-        plan, scene = self.tree.layout, system.scene
+    def __init__(self, system: Any) -> None:
+        scene = system.scene
+        self.tree: Any = system if isinstance(system, RelativePlanarSystem) else RelativePlanarSystem(scene, system)
+        plan = self.tree.layout
         bodies, turned = [plan.body(i) for i in range(len(plan.kind))], np.flatnonzero(np.array(plan.kind) == REVOLUTE)
         n, m = len(bodies), len(turned)
         place, inertia = np.array([*(complex(*body.position) for body in bodies), 0.0]), np.zeros(m + 1)
@@ -60,28 +59,19 @@ class Expansion:
         coupling, weight = pushed @ lever, pushed.sum(axis=1) * complex(*scene.gravity)
         own = 3 * np.array(plan.order)[turned] + 2
         lengths = {"m": m, "w": -(-m // WIDTH), "WIDTH": WIDTH, "orders": MAX_ORDER + 2}
-        self.series = _aligned(
-            empty(Series, **lengths)._replace(
-                parent=turn[np.array(plan.parent, dtype=int)[turned]],
-                tolerance=np.arange(2 * m).reshape(2, m) if self.tree is system else np.array([own, own + 3 * n]),
-                coupling=_rows(np.stack((np.real(coupling.T), np.imag(coupling.T)), axis=1)),
-                inertia=_rows(inertia[:m]),
-                weight=_rows(np.array([np.real(weight), np.imag(weight)])),
-                **_springs(self.tree.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
-            )
+        given = empty(Series, **lengths)._replace(
+            parent=turn[np.array(plan.parent, dtype=int)[turned]],
+            tolerance=np.arange(2 * m).reshape(2, m) if self.tree is system else np.array([own, own + 3 * n]),
+            coupling=_rows(np.stack((np.real(coupling.T), np.imag(coupling.T)), axis=1)),
+            inertia=_rows(inertia[:m]),
+            weight=_rows(np.array([np.real(weight), np.imag(weight)])),
+            **_springs(self.tree.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
         )
+        # at places where packed instructions may load and store
+        self.series = Series(*(part if part.dtype == np.int64 else aligned(part) for part in given))
         self._groups = SeriesGroups(self.series)
         self._handle = make_handle(self._groups)
         self.handle = Expanded(self._handle.ctypes.data)
-
-
-def _tree_over(system: Any) -> RelativePlanarSystem:
-    return RelativePlanarSystem(system.scene, system)
-
-
-def _aligned(given: Any) -> Any:
-    """Return the arrays at places where packed instructions may load and store."""
-    return Series(*(part if part.dtype == np.int64 else aligned(part) for part in given))
 
 
 def _rows(values: np.ndarray) -> np.ndarray:
@@ -105,6 +95,6 @@ def _springs(system: Any, turn: np.ndarray, angles: list[float]) -> dict[str, np
 
 
 def expansion_of(system: System) -> Expansion:
-    """Return the expansion of a system, made at first use."""
+    """Return the expansion of a system, built at first use."""
     system.expansion = system.expansion or Expansion(system)
     return system.expansion

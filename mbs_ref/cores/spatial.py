@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.builder import Builder, Place, assembled, ends, forces, torsion_springs
+from mbs_ref.cores.builder import Builder, assembled, ends, forces, torsion_springs
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
@@ -17,7 +17,7 @@ from mbs_ref.kernels.spatial.model import SpatialScratch
 from mbs_ref.scene import Bushing, Scene, SpatialBody, TorsionSpring, symmetric
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.base.taylor import Taylor
-from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton
+from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton, at_most_one
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.scene.joints import SpatialPlace
 from mbs_ref.scene.scales import Scales
@@ -26,17 +26,13 @@ from mbs_ref.scene.traits import deflecting
 _HELD_INERTIA = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)  # kg m^2 in the idle block of a point mass: nothing ever turns it
 
 
-def world_axes(body: Any) -> np.ndarray:
-    """Return the rotation matrix (3, 3) of a body at t = 0; one for ground (None) and point masses."""
-    return rotation_matrices(body.orientation) if isinstance(body, SpatialBody) else np.eye(3)
-
-
 class _Builder(Builder):
     """Spatial bodies' places and axes."""
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene)
-        self.axes = {body.name: world_axes(body) for body in scene.bodies}
+        turned = {b.name: rotation_matrices(b.orientation) for b in scene.bodies if isinstance(b, SpatialBody)}
+        self.axes = {body.name: np.eye(3) for body in scene.bodies} | turned
         self.centre = {body.name: np.array(body.position) for body in scene.bodies}
 
     def point(self, name: str, world: Any) -> np.ndarray:
@@ -46,6 +42,16 @@ class _Builder(Builder):
 
     def direction(self, name: str, world: Any) -> np.ndarray:
         return np.array(world, dtype=float) if name == "ground" else self.axes[name].T @ world
+
+    def groups(self) -> Any:
+        rigid = np.array([isinstance(b, SpatialBody) for b in self.scene.bodies], dtype=int)
+        inertia = [b.inertia if isinstance(b, SpatialBody) else _HELD_INERTIA for b in self.scene.bodies]
+        own = {
+            "forces": forces(self), "torsion_springs": _torsion_springs(self), "bushings": _bushings(self),
+            "attraction": _attraction(self), "gradients": _gradients(self),
+        }  # fmt: skip
+        widths = np.array((3 + 4 * rigid, 3 + 3 * rigid))
+        return assembled(self, arrays.SpatialGroups, widths, floats(inertia, 6), **own)
 
 
 def _torsion_springs(build: _Builder) -> TorsionSprings:
@@ -80,17 +86,15 @@ def _attraction(build: _Builder) -> arrays.Attraction:
     """Return Newton's gm in elimination order; ValueError where a load acts on scenes of particles alone."""
     known = (Newton, Epoch, GravityGradient)
     others = [x.name for x in build.scene.loads if isinstance(x, CelestialPart) and not isinstance(x, known)]
-    newtons = [x for x in build.scene.loads if isinstance(x, Newton)]
+    newton = at_most_one([x for x in build.scene.loads if isinstance(x, Newton)])
     if others:
         raise ValueError(
             f"loads {', '.join(others)} act in scenes of free point masses alone; rigid bodies know newton "
             "and gravity_gradient"
         )
-    if len(newtons) > 1:
-        raise ValueError(f"loads {', '.join(x.name for x in newtons)} are all of type newton; give one")
-    if newtons and len(newtons[0].gm) != build.n:
-        raise ValueError(f"load {newtons[0].name!r}: gm needs {build.n} entries, one a body; got {len(newtons[0].gm)}")
-    return arrays.Attraction(floats(newtons[0].gm[i] for i in build.layout.order) if newtons else np.zeros(0))
+    if newton and len(newton.gm) != build.n:
+        raise ValueError(f"load {newton.name!r}: gm needs {build.n} entries, one a body; got {len(newton.gm)}")
+    return arrays.Attraction(floats(newton.gm[i] for i in build.layout.order) if newton else np.zeros(0))
 
 
 def _gradients(build: _Builder) -> arrays.Gradients:
@@ -99,25 +103,6 @@ def _gradients(build: _Builder) -> arrays.Gradients:
         ints([build.body(name) for name in names]) for names in ([x.planet for x in loads], [x.body for x in loads])
     ]
     return arrays.Gradients(ends[0], ends[1], floats(x.gm for x in loads))
-
-
-def build_spatial(scene: Scene) -> tuple[Any, dict[int, Place]]:
-    """Compile a spatial scene to SpatialGroups; also return where each joint's rows are."""
-    build = _Builder(scene)
-    rigid = np.array([isinstance(b, SpatialBody) for b in scene.bodies], dtype=int)
-    inertia = [b.inertia if isinstance(b, SpatialBody) else _HELD_INERTIA for b in scene.bodies]
-    groups = assembled(
-        build,
-        arrays.SpatialGroups,
-        widths=np.array((3 + 4 * rigid, 3 + 3 * rigid)),
-        inertia=floats(inertia, 6),
-        forces=forces(build),
-        torsion_springs=_torsion_springs(build),
-        bushings=_bushings(build),
-        attraction=_attraction(build),
-        gradients=_gradients(build),
-    )
-    return groups, build.place
 
 
 RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
@@ -139,17 +124,12 @@ class SpatialSystem(JointedSystem):
     of every contact that can stick.
     """
 
-    CORE = "spatial"
+    CORE, BUILDER = "spatial", _Builder
     RATES, SHARED = 6, 7
 
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.n_bodies = len(scene.bodies)
-        groups, self.place = build_spatial(scene)
-        self._allocate(groups)
+        super().__init__(scene)
         self.groups.loops.most[:] = self._closure_ranks()
-
-    # --- set-up -----------------------------------------------------------------------------------
 
     def _scratch(self) -> Any:
         sticking, state = int(self.groups.contact_pairs.sticking[0]), len(self.initial_state())
@@ -240,13 +220,6 @@ class SpatialSystem(JointedSystem):
         bodies = self.groups.bodies
         return np.array([y[q + 3 : q + 7] @ y[q + 3 : q + 7] for q in bodies.q[bodies.rigid == 1]])
 
-    # --- evaluation -------------------------------------------------------------------------------
-
-    def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return force and torque (n_bodies, 6) of gravity, every load and -omega x J omega: N, N m."""
-        core.call_derivative(self.model, self.work, float(t), y, np.empty_like(y))
-        return self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies])
-
     def poses(self, states: np.ndarray) -> Poses:
         """Turn states into world poses; a point mass keeps the orientation 1, 0, 0, 0."""
         states = np.asarray(states)
@@ -278,21 +251,13 @@ class SpatialSystem(JointedSystem):
         )
         return states
 
-    # --- rows and masses, dense -------------------------------------------------------------------
-
     def mass_matrix(self) -> np.ndarray:
-        """Return diag(m I, J) (6 n_bodies, 6 n_bodies) in world axes at the state last evaluated."""
         inertia = self._in_scene_order(self.scratch.kinematics.inertia[: self.n_bodies])
         result = np.zeros((6 * self.n_bodies, 6 * self.n_bodies))
         for k, body in enumerate(self.scene.bodies):
             result[6 * k : 6 * k + 3, 6 * k : 6 * k + 3] = body.mass * np.eye(3)
             result[6 * k + 3 : 6 * k + 6, 6 * k + 3 : 6 * k + 6] = symmetric(tuple(inertia[k]))
         return result
-
-    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
-        jacobian = self.jacobian(t, y)
-        scaled = np.linalg.solve(np.linalg.cholesky(self.mass_matrix()), jacobian.T).T
-        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
 
     def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
         every, loops = len(self.rows()), self.groups.loops
@@ -316,11 +281,6 @@ class SpatialSystem(JointedSystem):
     def n_constraints(self) -> int:
         """Joint rows and one norm row a rigid body."""
         return super().n_constraints + len(self.rigid)
-
-    def _unbalanced(self, t: float, y: np.ndarray, dy: np.ndarray) -> np.ndarray:
-        force = self._in_scene_order(self.scratch.kinematics.force[: self.n_bodies]).ravel()
-        acceleration = self._in_scene_order(self.scratch.tree.acceleration[: self.n_bodies]).ravel()
-        return force - self.mass_matrix() @ acceleration
 
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> SpatialPlace:
         kin, held = self.scratch.kinematics, body == self.n_bodies
@@ -349,25 +309,9 @@ class SpatialSystem(JointedSystem):
         second = -0.25 * float(omega @ omega) * theta
         return [Taylor(float(theta[k]), first_rates[k], float(second[k])) for k in range(4)]
 
-    def _arm(self, mark: tuple[float, ...] | None, body: int) -> np.ndarray:
-        start = self.scene.bodies[body]
-        return np.zeros(3) if mark is None else world_axes(start).T @ np.subtract(mark, start.position)
-
-    @property
-    def _own_axes(self) -> np.ndarray:
-        return self.scratch.kinematics.turned[: self.n_bodies]
-
-    def _axes_over(self, states: np.ndarray, own: np.ndarray) -> np.ndarray:
-        result = np.empty_like(own)
-        result[:, self.groups.bodies.scene_index] = own
-        return result
-
-    def _axes(self, y: np.ndarray) -> np.ndarray:
-        return self._in_scene_order(self.scratch.kinematics.turned[: self.n_bodies])
-
     @staticmethod
-    def _world_arms(axes: np.ndarray, arm: np.ndarray) -> np.ndarray:
-        return np.einsum("tjab,jb->tja", axes, arm.reshape(-1, 3))
+    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
+        return np.einsum("tjab,jb->tja", rotation_matrices(turns), arm.reshape(-1, 3))
 
     @staticmethod
     def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:

@@ -1,7 +1,5 @@
 """A scene compiled: what every core offers to integrators, checks and reports."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from contextlib import AbstractContextManager, nullcontext
 from copy import copy
@@ -30,7 +28,7 @@ class Poses(NamedTuple):
     angular_velocity: np.ndarray  # (n_t, n_bodies) rad/s, or (n_t, n_bodies, 3) world axes
 
     @classmethod
-    def of(cls, path: Trajectory) -> Poses:
+    def of(cls, path: Trajectory) -> "Poses":
         """Return those of a trajectory."""
         return cls(path.position, path.orientation, path.velocity, path.angular_velocity)
 
@@ -45,7 +43,7 @@ class System(ABC):
     scene: Scene
     groups: Any  # the scene's arrays
     scratch: Any  # of one run
-    expansion: Any = None  # in Taylor series (mbs_ref.cores.series), once it is made
+    expansion: Any = None  # in Taylor series (mbs_ref.cores.series), once it is built
     is_twin: bool = False  # a copy of a system that was checked
     user_error: BaseException | None = None  # what a user's force law raised, if it did
 
@@ -87,7 +85,7 @@ class System(ABC):
             core.prepare(self.CORE, handle, group)
 
     @abstractmethod
-    def twin(self) -> System:
+    def twin(self) -> "System":
         """Return another system of the scene, as it is before any run."""
 
     def _unconnected(self) -> Self:
@@ -98,7 +96,7 @@ class System(ABC):
             vars(other).pop(name, None)
         return other
 
-    def beside(self) -> System:
+    def beside(self) -> "System":
         """Return a system for a companion run, a twin if runs change modes or times; it locates events elsewhere."""
         called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
         if not (self.event_sources or called):
@@ -106,8 +104,6 @@ class System(ABC):
         other = self.twin()
         other.spread_events(COMPANION_NOISE)
         return other
-
-    # --- evaluation, common to all cores ------------------------------------------------------------
 
     def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return dy/dt."""
@@ -141,7 +137,7 @@ class System(ABC):
         return scales_of(self.scene)
 
     @property
-    def redundant(self) -> System:
+    def redundant(self) -> "System":
         """The system whose state shows whether a start keeps the joints; itself where it has constraint rows."""
         return self
 
@@ -212,8 +208,6 @@ class System(ABC):
         in space; (n_bodies, 3) of particles.
         """
         return self.derivative(t, y)[self.n_positions :].reshape(-1, 3)
-
-    # --- what a core defines ------------------------------------------------------------------------
 
     @abstractmethod
     def __init__(self, scene: Scene) -> None:

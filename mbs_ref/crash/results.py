@@ -6,18 +6,19 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from mbs_ref.cores.planar import PlanarSystem
+from mbs_ref.cores.system import Poses
 from mbs_ref.crash import injury
 from mbs_ref.crash.stops import STOP, stop_load, tension
 from mbs_ref.observables.attachment import Motion, twist_of
 from mbs_ref.observables.energy import kinetic_energy, potential_energy
 from mbs_ref.observables.powers import LOADS, contact_power
-from mbs_ref.observables.signal_values import values
 from mbs_ref.scene import Force, PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
+from mbs_ref.scene.signals import values
 from mbs_ref.trajectory import Trajectory
 
 CRASH, BELT = "crash.", "belt."
 FIRST_REBOUND = 0.12  # s, peaks of the head are quoted before the neck reaches its end
-AGE = 45.0  # years, assumed for TTI, which adds 1.4 a year; the measure is made for side impacts
+AGE = 45.0  # years, assumed for TTI, which adds 1.4 a year; the measure applies to side impacts
 STERNUM, SPINE = "costal_4_5", "T7"  # the tip of rib 4 lies in front of T7: between them the chest's depth is read
 ONE_NEWTON_METRE = 1.0  # N m; a smaller torque has no sign worth the name
 CERVICAL = ("C1", "C2", "C3", "C4", "C5", "C6")
@@ -38,15 +39,12 @@ def body_forces(scene: Scene, trajectory: Trajectory) -> BodyForces:
     Contact forces follow from the state alone: their laws must need no located events.
     """
     system = PlanarSystem(scene)
-    q = np.concatenate((trajectory.position, trajectory.orientation[:, :, None]), axis=2)
-    v = np.concatenate((trajectory.velocity, trajectory.angular_velocity[:, :, None]), axis=2)
-    system.start_contacts(0.0, np.concatenate((q[0].ravel(), v[0].ravel())), located=False)
-    external, acceleration = np.zeros_like(q), np.zeros_like(q)
-    for k, t in enumerate(trajectory.times):
+    states = system.states_of(Poses.of(trajectory))
+    system.start_contacts(0.0, states[0], located=False)
+    external, acceleration = np.zeros((2, len(states), len(scene.bodies), 3))
+    for k, (t, y) in enumerate(zip(trajectory.times, states, strict=True)):
         system.set_mode_time(t)
-        external[k] = system.applied_forces(t, q[k], v[k])
-        dy = system.derivative(t, np.concatenate((q[k].ravel(), v[k].ravel())))
-        acceleration[k] = dy[q[k].size :].reshape(-1, 3)
+        external[k], acceleration[k] = system.applied_forces(t, y), system.accelerations(t, y)
     constraint = system.mass_matrix().reshape(-1, 3) * acceleration - external
     return BodyForces(external, constraint, acceleration)
 

@@ -1,7 +1,5 @@
 """The methods of integration, of the files in methods/."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from functools import cache
@@ -18,7 +16,7 @@ STIFF = "radau"  # where stability, not accuracy, would make an explicit method'
 
 
 @cache
-def integrators() -> dict[str, Integrator]:
+def integrators() -> "dict[str, Integrator]":
     """Return every integrator by name, the default first."""
     names = [info.name for info in pkgutil.iter_modules(methods.__path__)]
     every = [x for name in names for x in importlib.import_module(f"{methods.__name__}.{name}").INTEGRATORS]

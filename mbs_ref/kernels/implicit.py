@@ -72,7 +72,7 @@ def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, r
         state[start + j] = y[start + j] + DIFFERENCE * by_velocity
         ask.force_balance(model, work, t, state, lam, shifted)
         move[j] = 1.0
-        ask.times_mass(model, move, lu[j, :n])  # a column of the symmetric M, kept as a row until the end
+        ask.times_mass(model, move, lu[j, :n])  # a column of the symmetric M, stored as a row until the end
         for i in range(n):
             lu[j, i] -= (shifted[i] - base[i]) / DIFFERENCE
         move[j] = 0.0

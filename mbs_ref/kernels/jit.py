@@ -1,13 +1,11 @@
 """One compiler decorator, with a disk cache that can never serve stale code.
 
-Numba's cache watches only the file of the compiled function, not the files it calls. Here compiled code is kept
-under a digest of every source that it can be made of: its module's, and those of all modules which that one imports,
+Numba's cache watches only the file of the compiled function, not the files it calls. Here compiled code is stored
+under a digest of every source that it can contain: its module's, and those of all modules which that one imports,
 directly or not, from this project or from the folder that its own package lies in. So a change recompiles what it
 touches and nothing else, in whatever package the compiled function lies, and checkouts whose sources are equal share
 their code.
 """
-
-from __future__ import annotations
 
 import hashlib
 import importlib.util
@@ -31,14 +29,14 @@ _IMPORT = re.compile(r"^(?:from ([\w.]+) import (\([^)]*\)|[^\n]*)|import ([\w.,
 
 
 def cache_folder() -> Path:
-    """Return where compiled code is kept: under MBS_REF_CACHE, XDG_CACHE_HOME or ~/.cache."""
+    """Return where compiled code is stored: under MBS_REF_CACHE, XDG_CACHE_HOME or ~/.cache."""
     root = os.environ.get("MBS_REF_CACHE") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(root) / "mbs-ref" / "compiled"
 
 
 @cache
 def source_digest(module: str) -> str:
-    """Return a digest of Numba's version and of all sources that compiled code of `module` can be made of."""
+    """Return a digest of Numba's version and of all sources that compiled code of `module` can contain."""
     digest = hashlib.sha256(numba.__version__.encode())
     for name in sorted(sources_of(module)):
         digest.update(name.encode() + _source(name)[0])
@@ -46,7 +44,7 @@ def source_digest(module: str) -> str:
 
 
 def sources_of(module: str) -> frozenset[str]:
-    """Return the module and every module that compiled code of it can be made of."""
+    """Return the module and every module that compiled code of it can contain."""
     reached, waiting = {module}, [module]
     while waiting:
         new = _source(waiting.pop())[1] - reached
@@ -101,7 +99,7 @@ def _file_of(module: str) -> Path | None:
 
 
 class _BySources(caching._CacheLocator):
-    """Numba's question where the code of a function is kept, answered by its module's digest."""
+    """Numba's question where the code of a function is stored, answered by its module's digest."""
 
     def __init__(self, function: Callable, file: str) -> None:
         self._py_file = file  # where Numba wants to find it
@@ -118,7 +116,7 @@ class _BySources(caching._CacheLocator):
         return str(self._line)
 
     @classmethod
-    def from_function(cls, py_func: Callable, py_file: str) -> _BySources:
+    def from_function(cls, py_func: Callable, py_file: str) -> "_BySources":
         return cls(py_func, py_file)
 
 

@@ -7,8 +7,6 @@ GGL:     x = [q, v, lambda, mu]  C = 0 and C_dot = 0, q' = N (v - C_q^T mu) (Gea
 with M v' = f - C_q^T lambda in each, and q' = N v: in space theta' = theta (0, omega) / 2, which keeps the norm.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -38,7 +36,7 @@ class Dae(NamedTuple):
     lam: Annotated[Floats, "n_slots", "rows"]  # scratch
     balance: Annotated[Floats, "n_rates"]  # scratch
     numbers_of: Annotated[Ints, 1]  # address of what returns the numbers of a solver's vector: double *(void *)
-    evaluations: Annotated[Ints, 1]  # asked by a solver in C
+    evaluations: Annotated[Ints, 1]  # called by a solver in C
 
 
 class DaeGroups(NamedTuple):

@@ -1,7 +1,5 @@
 """Evaluate compiled signals: on a segment a polynomial plus one sinusoid (see mbs_ref.scene.signals)."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np

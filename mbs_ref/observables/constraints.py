@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.observables.attachment import PERP, Motion, perpendiculars
-from mbs_ref.observables.signal_values import motion as prescribed
 from mbs_ref.scene import Scene, SpatialBody, joints
 from mbs_ref.scene.euler_parameters import floats, from_axis_angle, product, rotation_matrices
+from mbs_ref.scene.signals import prescribed
 from mbs_ref.trajectory import Trajectory
 
 Row = tuple[np.ndarray, np.ndarray]  # residual and rate, each (n_t,)
@@ -186,20 +186,14 @@ def _place(motion: Motion, body: str, mark, k: int, ahead: float):
 
 
 RESIDUALS: dict[type[joints.JointPart], Callable[[Motion, Any], list[Row]]] = {
-    joints.Revolute: _revolute,
-    joints.Spherical: coincidence,
-    joints.Universal: _universal,
+    joints.Revolute: _revolute, joints.Spherical: coincidence, joints.Universal: _universal,
     joints.Cylindrical: lambda m, j: [*across(m, j, perpendiculars(j.axis)), *parallel(m, j, j.axis)],
-    joints.Prismatic: _prismatic,
-    joints.Weld: lambda m, j: [*coincidence(m, j), *no_turning(m, j)],
-    joints.Distance: _distance,
-    joints.RollingWheel: _rolling_wheel,
-    joints.PointOnPlane: lambda m, j: across(m, j, [unit(j.normal)]),
-    joints.RotationDrive: _rotation_drive,
-    joints.CoordinateDrive: _coordinate_drive,
-    joints.PointDrive: _point_drive,
+    joints.Prismatic: _prismatic, joints.Weld: lambda m, j: [*coincidence(m, j), *no_turning(m, j)],
+    joints.Distance: _distance, joints.RollingWheel: _rolling_wheel,
+    joints.PointOnPlane: lambda m, j: across(m, j, [unit(j.normal)]), joints.RotationDrive: _rotation_drive,
+    joints.CoordinateDrive: _coordinate_drive, joints.PointDrive: _point_drive,
     joints.UserConstraint: _user_constraint,
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ ICRF axes; times are TDB seconds. G m is known to ten digits and more, G to four
 `gm` in m^3/s^2.
 """
 
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -190,3 +190,10 @@ class Epoch(CelestialPart):
 
 Attraction = Newton | Relativity | Oblateness | LunarFigure | Tide | Ring | ThirdBody  # by bodies
 CelestialLoad = Attraction | Drag | StandardDrag | RadiationPressure | GravityGradient | Epoch
+
+
+def at_most_one(parts: list[Any]) -> Any:
+    """Return the only load of a type, or None; ValueError where there are more."""
+    if len(parts) > 1:
+        raise ValueError(f"loads {', '.join(repr(p.name) for p in parts)} are all of type {parts[0].type}; give one")
+    return parts[0] if parts else None

@@ -19,9 +19,6 @@ from mbs_ref.scene.joints import axis_complaints
 Restitution = Annotated[float, Field(ge=0.0, le=1.0)]
 
 
-# --- laws -----------------------------------------------------------------------------------------
-
-
 class LawNumbers(NamedTuple):
     """F = k d^n + c d^m d' with c = damping + impact_damping k / v0, v0 the speed at touch-down."""
 
@@ -187,9 +184,6 @@ ForceLaw = StateLaw | LankaraniNikraveshLaw | FloresLaw
 ContactLaw = Annotated[ForceLaw | RigidLaw | ConstraintLaw, Field(discriminator="type")]
 
 
-# --- friction -------------------------------------------------------------------------------------
-
-
 class FrictionNumbers(NamedTuple):
     """Friction as the solver's arrays hold it."""
 
@@ -240,9 +234,6 @@ class StickSlip(part.Part):
 
 
 Friction = Annotated[RegularisedCoulomb | StickSlip, Field(discriminator="type")]
-
-
-# --- pairs ----------------------------------------------------------------------------------------
 
 
 class ContactPart(Attached):
@@ -430,7 +421,7 @@ class Wall(part.Part):
 class Granules(Attached):
     """Many spheres, in the plane discs, about the centres of mass of bodies: all may touch one another, and walls.
 
-    One law and one friction hold for all. Pairs are found by a neighbour search, so that the work grows with the number
+    One law and one friction hold for all. Pairs come from a neighbour search, so that the work grows with the number
     of spheres. Touch-downs are not located, since many happen in every step: the force follows from the state, and
     methods of high order are no more accurate than the kinks of the law allow.
     """

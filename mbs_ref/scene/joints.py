@@ -18,7 +18,7 @@ FLAT = 1e-6  # sine of the angle between a wheel's axis and the normal below whi
 
 
 class JointPart(Attached):
-    """A joint, made of elementary constraint rows; solvers use these alone."""
+    """A joint, a set of elementary constraint rows; solvers use these alone."""
 
     def rows(self, dimension: int) -> list[Row]:
         """Return its rows in the plane (2) or in space (3); valid if `complaints` yields nothing."""

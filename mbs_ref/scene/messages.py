@@ -37,12 +37,9 @@ class Problem:
     def __str__(self) -> str:
         part = f" ({self.part})" if self.part else ""
         value = f" = {self.value}" if self.value else ""
-        return printable(f"{self.path}{part}{value}: {self.message}" if self.path else self.message)
-
-
-def printable(text: str) -> str:
-    """Return the text on one line, with what could upset a terminal written as an escape."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+        text = f"{self.path}{part}{value}: {self.message}" if self.path else self.message
+        # on one line, with what could upset a terminal written as an escape
+        return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def suggest(name: str, allowed: Iterable[str]) -> str:

@@ -92,7 +92,7 @@ def _spin(body: Any) -> float:
 
 
 def is_celestial(scene: Scene) -> bool:
-    """Return whether the scene is made of free particles in space that celestial fields alone move."""
+    """Return whether the scene consists of free particles in space that celestial fields alone move."""
     return (
         scene.dimension == 3
         and not (scene.joints or scene.contacts or scene.events)

@@ -5,12 +5,12 @@ sinusoid. The family is closed under integration, so prescribed accelerations be
 prescribed motions, and the breakpoints are declared to every integrator.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from itertools import pairwise
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from mbs_ref.scene.base.part import Part, Positive
@@ -27,13 +27,19 @@ class Segment(NamedTuple):
     omega: float = 0.0  # rad/s
     phase: float = 0.0  # rad
 
-    def value(self, t: float) -> float:
-        """Return the value at time t (s)."""
+    def value(self, t: Any, sine: Callable[[Any], Any] = math.sin) -> Any:
+        """Return the value at a time t (s), or, with NumPy's sine, at many."""
         tau = t - self.start if math.isfinite(self.start) else 0.0  # only constants hold from -inf on
         polynomial = sum(c * tau**k for k, c in enumerate(self.coefficients))
-        return polynomial + self.amplitude * math.sin(self.omega * tau + self.phase)
+        return polynomial + self.amplitude * sine(self.omega * tau + self.phase)
 
-    def integral(self, initial: float) -> Segment:
+    def rate(self, t: Any, cosine: Callable[[Any], Any] = math.cos) -> Any:
+        """Return the derivative in the same way."""
+        tau = t - self.start if math.isfinite(self.start) else 0.0
+        polynomial = sum(k * c * tau ** (k - 1) for k, c in enumerate(self.coefficients) if k)
+        return polynomial + self.amplitude * self.omega * cosine(self.omega * tau + self.phase)
+
+    def integral(self, initial: float) -> "Segment":
         """Return the antiderivative that equals `initial` at the segment's start."""
         raised = [c / (k + 1) for k, c in enumerate(self.coefficients)]
         if self.amplitude == 0.0:
@@ -130,10 +136,10 @@ def breakpoints(signal: Signal) -> list[float]:
     return [piece.start for piece in signal.segments()[1:]]
 
 
-def _value_at(pieces: list[Segment], t: float) -> float:
-    later = [piece for piece in pieces if piece.start <= t]
-    piece = later[-1] if later else pieces[0]
-    return piece.value(t)
+def piece_at(pieces: list[Segment], t: float) -> Segment:
+    """Return the segment that contains the time t (s), at a jump the later one."""
+    begun = [piece for piece in pieces if piece.start <= t]
+    return begun[-1] if begun else pieces[0]
 
 
 def _integrate(pieces: list[Segment]) -> list[Segment]:
@@ -143,7 +149,7 @@ def _integrate(pieces: list[Segment]) -> list[Segment]:
         anchored = piece if math.isfinite(piece.start) else _anchored(piece, pieces[k + 1 :])
         joint = result[-1].value(anchored.start) if result else 0.0
         result.append(anchored.integral(joint))
-    shift = _value_at(result, 0.0)
+    shift = piece_at(result, 0.0).value(0.0)
     return [p._replace(coefficients=(p.coefficients[0] - shift, *p.coefficients[1:])) for p in result]
 
 
@@ -160,8 +166,28 @@ def motion_segments(signal: Signal, level: Level) -> list[Segment]:
     pieces = signal.segments()
     for _ in range({"position": 0, "velocity": 1, "acceleration": 2}[level]):
         pieces = _integrate(pieces)
-    offset = _value_at(pieces, 0.0)
+    offset = piece_at(pieces, 0.0).value(0.0)
     first = pieces[0]
     if not math.isfinite(first.start):
         pieces = [_anchored(first, pieces[1:]), *pieces[1:]]
     return [p._replace(coefficients=(p.coefficients[0] - offset, *p.coefficients[1:])) for p in pieces]
+
+
+def values(signal: Signal, times: np.ndarray) -> np.ndarray:
+    """Return the signal's values (n_t,); at a jump the later one."""
+    return _over(signal.segments(), times, lambda piece, t: piece.value(t, np.sin))
+
+
+def prescribed(signal: Signal, level: Level, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the displacement a drive prescribes, zero at t = 0, and its rate; each (n_t,)."""
+    pieces = motion_segments(signal, level)
+    rates = _over(pieces, times, lambda piece, t: piece.rate(t, np.cos))
+    return _over(pieces, times, lambda piece, t: piece.value(t, np.sin)), rates
+
+
+def _over(pieces: list[Segment], times: np.ndarray, of: Callable[[Segment, np.ndarray], Any]) -> np.ndarray:
+    starts, result = [piece.start for piece in pieces], np.empty(len(times), dtype=np.result_type(times, float))
+    chosen = np.clip(np.searchsorted(starts, times, side="right") - 1, 0, None)
+    for k, piece in enumerate(pieces):
+        result[chosen == k] = of(piece, times[chosen == k])
+    return result

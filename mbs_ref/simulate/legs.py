@@ -1,7 +1,5 @@
 """Integrate a plan leg by leg, a leg ending at a declared breakpoint, and report how the run ended."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import signal

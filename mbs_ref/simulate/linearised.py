@@ -11,8 +11,6 @@ to Mechanics and Symmetry, 2nd ed., 1999, relative equilibria.) The matrix is re
 the constraints.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -61,7 +59,7 @@ class Stiffness:
         """The largest decay rate, 1/s."""
         return float(np.max(-np.real(self.modes), initial=0.0))
 
-    def of_contact(self, k: int) -> Stiffness:
+    def of_contact(self, k: int) -> "Stiffness":
         """Return what the k-th contact alone is like while it is closed."""
         own = self.open_contacts[k :: len(self.contact_slopes)]
         return replace(self, eigenvalues=np.zeros(0), open_contacts=own, taut=np.zeros(0))

@@ -11,7 +11,7 @@ largest |lambda| of the linearised motion (B. P. Sommeijer, L. F. Shampine, J. G
 (1998) 315, sec. 3.2). If the number of stable steps far exceeds the number of outputs, the default method starts. As
 long as stability limits its steps (Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.2), the
 implicit method takes some steps from the same state: these grow as fast motions decay. Contacts that are open at the
-start limit the steps once they close, by the stiffness of each alone; the trials are then made when the steps have
+start limit the steps once they close, by the stiffness of each alone; the trials then run when the steps have
 become as short. Work is counted, not timed, so that the choice is reproducible.
 """
 

@@ -56,23 +56,16 @@ def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: T
         passages += unstable_passage(system, plan, times, states)
     chosen = (f"method auto is {plan.integrator.name}: {plan.reason}",) if plan.reason else ()
     return Trajectory(
-        times=times,
-        **samples.poses._asdict(),
-        status=run.status,
-        message=run.message,
+        times=times, **samples.poses._asdict(), status=run.status, message=run.message,
         **{name: count for name, count in run.counts._asdict().items() if name != "switches"},
-        method_switches=run.counts.switches if plan.integrator.switches else None,
-        timing=timing,
+        method_switches=run.counts.switches if plan.integrator.switches else None, timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
-        notes=(*chosen, *notes, *_other_methods(plan, run), *passages),
-        method=plan.integrator.name,
-        reason=plan.reason,
-        used=_used(plan, run),
+        notes=(*chosen, *notes, *_other_methods(plan, run), *passages), method=plan.integrator.name,
+        reason=plan.reason, used=_used(plan, run),
         contacts=system.contact_forces(times, states) if system.scene.contacts and plan.settings.reactions else {},
-        event_times=system.contact_events() if system.event_sources else None,
-        event_names=system.event_sources,
+        event_times=system.contact_events() if system.event_sources else None, event_names=system.event_sources,
         reactions=samples.reactions,
-    )
+    )  # fmt: skip
 
 
 def with_estimate(

@@ -82,19 +82,12 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     units = state_units(scene, scales, settings.coordinates)
     size = max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
     options = Options(
-        step=float(settings.step or 0.0) if fixed else 0.0,
-        rtol=float(rtol),
-        atol=np.full_like(units, settings.atol) if settings.atol else rtol * ABSOLUTE * units,
-        units=units,
-        time=scales.time,
-        project=stabilization == "projection",
-        stop_on_compliance=settings.stop_on_compliance,
-        max_steps=settings.max_steps,
-        max_events=min(MAX_EVENTS, settings.max_steps),
-        projection_tolerance=PROJECTION_TOLERANCE * size,
-        chunk=CHUNK,
-        dense=settings.outputs == "dense",
-    )
+        step=float(settings.step or 0.0) if fixed else 0.0, rtol=float(rtol),
+        atol=np.full_like(units, settings.atol) if settings.atol else rtol * ABSOLUTE * units, units=units,
+        time=scales.time, project=stabilization == "projection", stop_on_compliance=settings.stop_on_compliance,
+        max_steps=settings.max_steps, max_events=min(MAX_EVENTS, settings.max_steps),
+        projection_tolerance=PROJECTION_TOLERANCE * size, chunk=CHUNK, dense=settings.outputs == "dense",
+    )  # fmt: skip
     gain = settings.baumgarte_gain if stabilization == "baumgarte" else 0.0
     return Plan(integrator, settings, times, options, gain, notes)
 

@@ -2,8 +2,6 @@
 
 `mbs-ref report --render` reads it from the file that the last report wrote."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
@@ -84,7 +82,7 @@ class ReportData:
 
     def only(
         self, scenes: Collection[str] = (), engines: Collection[str] = (), targets: Collection[float] = ()
-    ) -> ReportData:
+    ) -> "ReportData":
         """Return what concerns some scenes, engines and target errors; all where none is named."""
         scene, engine = (lambda name, chosen=chosen: not chosen or name in chosen for chosen in (scenes, engines))
         runs = [r for label in scenes for r in self.of_scene(label)] if scenes else self.records

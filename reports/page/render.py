@@ -1,7 +1,5 @@
 """Data to HTML: small pages beside one another that load nothing from anywhere else, and compute nothing."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Iterator
 from contextlib import suppress
@@ -90,7 +88,7 @@ def single(data: ReportData) -> bytes:
     return templates().get_template("single.html").render(context).encode()
 
 
-def _page(page: Page, listed: list[Page], data: ReportData, images: Images) -> str:
+def _page(page: "Page", listed: "list[Page]", data: ReportData, images: Images) -> str:
     def body(section: Section) -> Markup:
         shared = {"scenes": page.data.scenes, "absence": data.absence, "page_title": page.title}
         context = {"section": section, "image": images.add, **shared, **section.context(page.data)}

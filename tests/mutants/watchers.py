@@ -41,7 +41,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
     "mbs_ref": ("tests/mbs_ref",),
     "mbs_ref/kernels": (*PLANE, "tests/mbs_ref/cores/test_spatial.py"),
     "mbs_ref/kernels/particles": SKY,
-    "mbs_ref/kernels/particles/atmosphere": AIR,
+    "mbs_ref/kernels/particles/satellites": AIR,
     "mbs_ref/kernels/planar": PLANE,
     "mbs_ref/kernels/spatial": SPACE,
     "mbs_ref/kernels/rigid": ("tests/mbs_ref/cores/test_loops.py", *PLANE, *SPACE),

@@ -4,19 +4,132 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import exudyn as exu
+import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engine import Engine, Loop, Method, Plan, Poses, Refusal
 from cross_checks.engines.exudyn_ import run as solver
-from cross_checks.engines.exudyn_.build import ROTATION_VECTOR, build_redundant, takes_shared_forces
-from cross_checks.engines.exudyn_.contact import general_contact_refusals, pair_contact_refusals
+from cross_checks.engines.exudyn_.contact import (
+    add_contacts,
+    add_pair_contacts,
+    general_contact_refusals,
+    pair_contact_refusals,
+)
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
-from cross_checks.engines.exudyn_.parts import JOINTS
+from cross_checks.engines.exudyn_.model import Redundant
+from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, has_connector
 from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
-from cross_checks.linkage.forces import PARTS, shared_refusals
+from cross_checks.linkage.forces import BY_SHARED_CODE, PARTS, Applied, shared_refusals
+from cross_checks.linkage.links import lifted, linkage_of
+from cross_checks.linkage.tree import FIXED
 from mbs_ref import Settings
-from mbs_ref.scene import CoordinateDrive, Scene
+from mbs_ref.scene import CoordinateDrive, Load, PlanarBody, PointMass, Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.scene.traits import traits
+
+ROTATION_VECTOR = "rotation_vector"
+
+
+def takes_shared_forces(scene: Scene, method: str) -> bool:
+    """Return whether some load or contact is none of Exudyn's own connectors."""
+    return method not in EXPLICIT_CONTACT and bool(scene.contacts or _foreign(scene))
+
+
+def _foreign(scene: Scene) -> tuple[Load, ...]:
+    """Return the loads that no connector of Exudyn's represents."""
+    return tuple(load for load in scene.loads if not has_connector(scene, load))
+
+
+def build_redundant(scene: Scene, method: str) -> Redundant:
+    container = exu.SystemContainer()
+    model = Redundant(scene, container, container.AddSystem())
+    model.bodies[FIXED] = model.mbs.AddObject(item.ObjectGround())
+    for k, body in enumerate(scene.bodies):
+        model.bodies[k] = model.mbs.AddObject(_body(model, body, method))
+        weight = model.mbs.AddMarker(item.MarkerBodyMass(bodyNumber=model.bodies[k]))
+        model.mbs.AddLoad(item.LoadMassProportional(markerNumber=weight, loadVector=lifted(scene.gravity).tolist()))
+        _watch_body(model, k)
+    for joint in scene.joints:
+        JOINTS[type(joint)](model, joint)
+    for load in scene.loads:
+        if has_connector(scene, load):
+            LOADS[type(load)](model, load)
+    if takes_shared_forces(scene, method):
+        _add_shared_forces(model)
+    elif scene.contacts:
+        (add_contacts if method == CONTACT else add_pair_contacts)(model)
+    return model
+
+
+def _body(model: Redundant, body, method: str):
+    """Return the object of a body at its node."""
+    own, turn, turning, kind = {}, (), (), item.NodePoint2D if model.planar else item.NodePoint
+    body_type = item.ObjectMassPoint2D if model.planar else item.ObjectMassPoint
+    if isinstance(body, PlanarBody):
+        kind, body_type, own = item.NodeRigidBody2D, item.ObjectRigidBody2D, {"inertia": body.inertia}
+        turn, turning = [body.angle], [body.angular_velocity]
+    elif isinstance(body, SpatialBody):
+        xx, yy, zz, xy, xz, yz = body.inertia
+        body_type, own = item.ObjectRigidBody, {"inertia": [xx, yy, zz, yz, xz, xy]}
+        kind, turn, turning = _turn(body, method)
+    start = {"referenceCoordinates": [*body.position, *turn], "initialVelocities": [*body.velocity, *turning]}
+    model.nodes.append(model.mbs.AddNode(kind(**start)))
+    return body_type(mass=body.mass, nodeNumber=model.nodes[-1], **own)
+
+
+def _turn(body: SpatialBody, method: str):
+    """Return the node's type, and its coordinates and rates that turn the body."""
+    theta = np.array(body.orientation)
+    if method in (ROTATION_VECTOR, *EXPLICIT_CONTACT):  # explicit solvers take no norm constraint
+        angle = 2.0 * np.arctan2(np.linalg.norm(theta[1:]), theta[0])
+        scale = angle / np.linalg.norm(theta[1:]) if angle else 0.0
+        return item.NodeRigidBodyRotVecLG, scale * theta[1:], rotation_matrices(theta).T @ body.angular_velocity
+    return item.NodeRigidBodyEP, theta, 0.5 * parameter_matrix(theta).T @ body.angular_velocity
+
+
+def _watch_body(model: Redundant, k: int) -> None:
+    kinds, turns = exu.OutputVariableType, not isinstance(model.scene.bodies[k], PointMass)
+    if model.planar:
+        for kind in (kinds.Coordinates, kinds.Coordinates_t):
+            model.watch(item.SensorNode, {"nodeNumber": model.nodes[k]}, kind, 3 if turns else 2)
+        return
+    of_rigid = ((kinds.AngularVelocity, 3), (kinds.RotationMatrix, 9)) if turns else ()
+    for kind, width in ((kinds.Position, 3), (kinds.Velocity, 3), *of_rigid):
+        model.watch(item.SensorBody, {"bodyNumber": model.bodies[k]}, kind, width)
+
+
+def _add_shared_forces(model: Redundant) -> None:
+    """Apply contacts, and loads without a connector, through one item over all nodes, which calls Python."""
+    loads = _foreign(model.scene)
+    linkage = linkage_of(model.scene.model_copy(update={"loads": loads}))
+    applied, planar = Applied(linkage), model.planar
+    turns = linkage.angle[:, None] if planar else linkage.theta
+    start = np.column_stack(([body.position for body in model.scene.bodies], turns))
+    used = np.ones(start.shape, dtype=bool)
+    used[linkage.rigid == 0.0, model.scene.dimension :] = False  # a particle's node has its place alone
+    weight = np.zeros(start.shape)  # the bodies have it already
+    weight[:, : model.scene.dimension] = np.outer([body.mass for body in model.scene.bodies], model.scene.gravity)
+
+    def forces(mbs, t, number, q, v) -> np.ndarray:
+        pose, rate = start.copy(), np.zeros_like(start)
+        pose[used] += q
+        rate[used] = v
+        evaluate = applied.in_plane if planar else applied.of_parameters
+        return (evaluate(t, pose, rate) - weight)[used]
+
+    size = int(used.sum())
+    zero = np.zeros((size, size))
+    model.mbs.AddObject(
+        item.ObjectGenericODE2(
+            nodeNumbers=model.nodes, massMatrix=zero, stiffnessMatrix=zero, dampingMatrix=zero,
+            forceVector=np.zeros(size), forceUserFunction=forces,
+        )
+    )  # fmt: skip
+    shared = [
+        *(("contacts",) if model.scene.contacts else ()),
+        *sorted({f"loads of type {load.type}" for load in loads}),
+    ]
+    model.notes += (f"{', '.join(shared)} {BY_SHARED_CODE}",)
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.engine.prescribed import constant_value, displacement, factor
 from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.linkage.links import Z, lifted, rest_length, rest_turn
 from cross_checks.linkage.tree import FIXED
 from mbs_ref import scene
 from mbs_ref.scene.base.part import normals, unit
+from mbs_ref.scene.signals import motion_segments, piece_at
 
 PARALLEL = 1e-9  # sine of the angle between a spring's axis and a joint's
 CALLS = "{} {!r} calls Python at every residual"
@@ -56,10 +56,6 @@ def _add_prismatic(model: Redundant, joint: scene.Prismatic) -> None:
     )
 
 
-def _add_cylindrical(model: Redundant, joint: scene.Cylindrical) -> None:
-    _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0])
-
-
 def _add_generic(model: Redundant, joint, axis, fixed: list[int]) -> None:
     """Add a joint along z of a frame whose z axis is the joint's; `fixed` marks the six relative motions it stops."""
     frame = np.column_stack((*normals(axis), unit(axis)))
@@ -81,14 +77,14 @@ def _add_distance(model: Redundant, joint: scene.Distance) -> None:
 
 def _add_drive(model: Redundant, joint: scene.CoordinateDrive) -> None:
     coordinate = ("x", "y", "angle").index(joint.coordinate)
-    motion = displacement(joint.motion, joint.level)
+    motion = motion_segments(joint.motion, joint.level)
     markers = [model.coordinate("ground", 0), model.coordinate(joint.body, coordinate)]
 
     def place(mbs, t, number, offset) -> float:
-        return motion.value(t)
+        return piece_at(motion, t).value(t)
 
     def speed(mbs, t, number, offset) -> float:
-        return motion.rate(t)
+        return piece_at(motion, t).rate(t)
 
     model.mbs.AddObject(
         item.ObjectConnectorCoordinate(markerNumbers=markers, offsetUserFunction=place, offsetUserFunction_t=speed)
@@ -169,14 +165,14 @@ def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueV
         vector = model.axes(load.body).T @ vector
     rigid = (follows or not force) if model.planar else None
     marker = model.marker(load.body, load.point if force else body.position, rigid=rigid)
-    kind, constant = (item.LoadForceVector if force else item.LoadTorqueVector), constant_value(load.factor)
+    kind, constant = (item.LoadForceVector if force else item.LoadTorqueVector), getattr(load.factor, "value", None)
     if constant is not None:
         model.mbs.AddLoad(kind(markerNumber=marker, loadVector=(constant * vector).tolist(), bodyFixed=follows))
         return
-    signal = factor(load.factor)
+    signal = load.factor.segments()
 
     def scaled(mbs, t, unit) -> list[float]:
-        return [signal.value(t) * c for c in unit]
+        return [piece_at(signal, t).value(t) * c for c in unit]
 
     model.mbs.AddLoad(
         kind(markerNumber=marker, loadVector=vector.tolist(), bodyFixed=follows, loadVectorUserFunction=scaled)
@@ -187,7 +183,7 @@ def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueV
 JOINTS = {
     scene.Revolute: _add_revolute, scene.Weld: _add_weld, scene.Prismatic: _add_prismatic,
     scene.Distance: _add_distance, scene.CoordinateDrive: _add_drive, scene.Spherical: _add_spherical,
-    scene.Cylindrical: _add_cylindrical,
+    scene.Cylindrical: lambda model, joint: _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0]),
 }  # fmt: skip
 LOADS = {
     **dict.fromkeys((scene.Force, scene.Torque, scene.TorqueVector), _add_push),

@@ -66,10 +66,6 @@ def pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:
     spec.compiler.autolimits = False
 
 
-def solref_of(plan: Plan) -> tuple[float, float]:
-    return (2.0 * plan.step, 1.0) if plan.method.name.endswith(TIGHT) else DEFAULT_SOLREF
-
-
 if mujoco.get_mju_user_warning() is None:  # else every warning is added to a file in the user's folder
     mujoco.set_mju_user_warning(lambda message: None)  # they are counted in MjData, where `clock_end` reads them
 
@@ -138,8 +134,9 @@ def specify_links(linkage: Linkage, plan: Plan) -> tuple[mujoco.MjSpec, dict]:
     frames = {FIXED: spec.worldbody}
     for link in linkage.links:
         frames[link.body] = _add_body(frames[link.parent], linkage, link)
+    solref = (2.0 * plan.step, 1.0) if plan.method.name.endswith(TIGHT) else DEFAULT_SOLREF
     for closure in linkage.closures:
-        _add_closure(spec, frames, linkage, closure, solref_of(plan))
+        _add_closure(spec, frames, linkage, closure, solref)
     return spec, frames
 
 

@@ -7,13 +7,13 @@ import mujoco
 import numpy as np
 
 from cross_checks.engine import Refusal
-from cross_checks.engine.prescribed import constant_value
 from cross_checks.engines.mujoco_.contact import contact_refusals
 from cross_checks.linkage.forces import Applied, shared_refusals
 from cross_checks.linkage.links import Linkage, Z, rest_length, rest_turn
 from cross_checks.linkage.motion import Motion
 from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import Force, SpringDamper, Torque, TorqueVector, TorsionSpring
+from mbs_ref.scene.signals import Constant
 
 SAME_AXIS = 1e-9  # of directions of length 1
 
@@ -91,7 +91,7 @@ def _motor(spec, name: str, transmission, target: str, force: float, refsite: st
 
 def _add_push(spec, frames, linkage: Linkage, load: Force | Torque | TorqueVector) -> None:
     """Add a constant force or torque at a site, along its axes or along those of a site at rest."""
-    scene, scale = linkage.scene, constant_value(load.factor) or 0.0
+    scene, scale = linkage.scene, getattr(load.factor, "value", 0.0)
     k = scene.body_index(load.body)
     point = load.point if isinstance(load, Force) else scene.bodies[k].position
     frames[k].add_site(name=load.name, pos=linkage.local(load.body, point))
@@ -115,7 +115,7 @@ def load_refusals(linkage: Linkage) -> list[str]:
         where = f"load {load.name!r}"
         if type(load) not in LOADS:
             reasons.append(f"{where}: mujoco does not yet support {load.type}")
-        elif isinstance(load, Force | Torque | TorqueVector) and constant_value(load.factor) is None:
+        elif isinstance(load, Force | Torque | TorqueVector) and not isinstance(load.factor, Constant):
             reasons.append(f"{where} varies in time, which mujoco does not yet support")
         elif isinstance(load, SpringDamper) and load.tension_only and load.damping:
             reasons.append(f"{where}: a mujoco tendon damps while slack, so tension_only allows no damping")

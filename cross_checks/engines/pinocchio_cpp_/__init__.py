@@ -1,20 +1,124 @@
 """Pinocchio as its users drive it: a loop in C++ over its own headers, for trees that gravity alone moves."""
 
+import ctypes
+import weakref
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, ClassVar
 
-from cross_checks.engine import RTOLS, STEPS, Loop, Method, Plan, Refusal, exponential
+import numpy as np
+import pinocchio as pin
+from scipy.integrate import DOP853
+
+from cross_checks.engine import RTOLS, STEPS, End, Loop, Method, Plan, Refusal, exponential
 from cross_checks.engines.pinocchio_ import Built, Pinocchio
-from cross_checks.engines.pinocchio_cpp_.compiler import described, obstacle
-from cross_checks.engines.pinocchio_cpp_.native import Tree
-from mbs_ref import Scene
+from cross_checks.engines.pinocchio_.loop import GAINS, PROXIMAL
+from cross_checks.engines.pinocchio_cpp_.compiler import described, library, obstacle
+from mbs_ref import Scene, Status
 from mbs_ref.scene.traits import traits
+
+KINDS = (  # in the order of the program's enumeration
+    "JointModelRZ", "JointModelRevoluteUnaligned", "JointModelPrismaticUnaligned", "JointModelSpherical",
+    "JointModelTranslation", "JointModelFreeFlyer",
+)  # fmt: skip
+FORMS = ("local", "world", "constrained", "loop_aba")  # likewise
+SUCCESS, STEP_TOO_SMALL, TOO_MANY_STEPS = range(3)
+TABLEAU = tuple(np.ascontiguousarray(part, dtype=float) for part in (DOP853.A, DOP853.B, DOP853.E3, DOP853.E5))
+_array = np.ctypeslib.ndpointer
+_REALS, _WHOLE = _array(np.float64, flags="C"), _array(np.int32, flags="C")
+
+
+class Report(ctypes.Structure):
+    """What a loop of the program reports."""
+
+    _fields_ = [
+        ("seconds", ctypes.c_double), ("steps", ctypes.c_long), ("calls", ctypes.c_long),
+        ("rejected", ctypes.c_long), ("reached", ctypes.c_int), ("outcome", ctypes.c_int), ("t", ctypes.c_double),
+    ]  # fmt: skip
+
+
+class Tree:
+    """A tree of joints in the program, the contacts that close its loops, and its state there."""
+
+    def __init__(self, model: Any, every: bool = False, form: str = "local", contacts: Sequence[Any] = ()) -> None:
+        joints = [(model.joints[k], model.jointPlacements[k], model.inertias[k]) for k in range(1, model.njoints)]
+        kinds = np.array([KINDS.index(joint.shortname()) for joint, _, _ in joints], dtype=np.int32)
+        parents = np.array(list(model.parents)[1:], dtype=np.int32)
+        numbers = np.array([_numbers(*joint) for joint in joints])
+        self._program = _program(every)
+        self._tree = self._program.make_tree(
+            FORMS.index(form), len(joints), kinds, parents, numbers, np.array(model.gravity.linear)
+        )
+        if contacts:
+            rows = [6 if one.type == pin.ContactType.CONTACT_6D else 3 for one in contacts]
+            ends = [(one.joint1_id, one.joint2_id) for one in contacts]
+            places = [np.concatenate((_place(one.joint1_placement), _place(one.joint2_placement))) for one in contacts]
+            settings = np.array([*GAINS, *PROXIMAL.values()])
+            whole = np.array(rows, dtype=np.int32), np.array(ends, dtype=np.int32)
+            self._program.close_loops(self._tree, len(contacts), *whole, np.array(places), settings)
+        weakref.finalize(self, self._program.free_tree, self._tree)
+
+    def derivative(self, y: np.ndarray) -> np.ndarray:
+        """Return (q', v') of y = (q, v)."""
+        rate = np.empty_like(y)
+        self._program.derivative(self._tree, y, rate)
+        return rate
+
+    def advance(self, start: np.ndarray, plan: Plan) -> Loop:
+        """Return the states at the plan's times."""
+        states = np.zeros((len(plan.times), len(start)))
+        states[0] = start
+        if plan.method.kind == "fixed":
+            counts = np.array(plan.counts, dtype=np.int32)
+            report = self._program.run_rk4(self._tree, states, len(states), counts, plan.step)
+        else:
+            limits = plan.rtol, plan.atol, plan.max_steps
+            report = self._program.run_dop853(self._tree, states, len(states), plan.times, *limits, *TABLEAU)
+        return Loop(states, _end(report, plan), report.steps, report.calls, report.rejected)
+
+
+def _place(placement: Any) -> np.ndarray:
+    return np.concatenate((placement.rotation.ravel(), placement.translation))
+
+
+def _numbers(joint: Any, placement: Any, inertia: Any) -> np.ndarray:
+    """Return placement, axis, mass, centre and inertia of a joint's body: (28,)."""
+    axis = getattr(joint.extract(), "axis", np.zeros(3))  # of joints that turn or slide along no axis of their frame
+    parts = _place(placement), axis, [inertia.mass], inertia.lever, inertia.inertia
+    return np.concatenate([np.asarray(part, dtype=float).ravel() for part in parts])
+
+
+def _end(report: Report, plan: Plan) -> End:
+    if report.outcome == TOO_MANY_STEPS:
+        message = f"max_steps = {plan.max_steps} were used up at t = {report.t:g} s"
+        return End(report.reached, Status.TOO_MANY_STEPS, message)
+    if report.outcome == STEP_TOO_SMALL:
+        message = f"DOP853 stopped at t = {report.t:g} s: its step became too small"
+        return End(report.reached, Status.STEP_TOO_SMALL, message)
+    return End(report.reached)
+
+
+@cache
+def _program(every: bool) -> ctypes.CDLL:
+    program = ctypes.CDLL(str(library(every)))
+    number, whole, tree = ctypes.c_double, ctypes.c_int, ctypes.c_void_p
+    program.make_tree.argtypes, program.make_tree.restype = [whole, whole, _WHOLE, _WHOLE, _REALS, _REALS], tree
+    if every:
+        program.close_loops.argtypes = [tree, whole, _WHOLE, _WHOLE, _REALS, _REALS]
+        program.close_loops.restype = None
+    program.free_tree.argtypes, program.free_tree.restype = [tree], None
+    program.derivative.argtypes, program.derivative.restype = [tree, _REALS, _REALS], None
+    program.run_rk4.argtypes, program.run_rk4.restype = [tree, _REALS, whole, _WHOLE, number], Report
+    adaptive = [tree, _REALS, whole, _REALS, number, number, ctypes.c_long, *[_REALS] * 4]
+    program.run_dop853.argtypes, program.run_dop853.restype = adaptive, Report
+    return program
+
 
 METHODS = (
     Method("dop853", "adaptive", 8, "DOP853 in C++ with the step control of SciPy's", RTOLS, embedded=7),
     Method("rk4", "fixed", 4, "Runge-Kutta 4 in C++", STEPS, stability=exponential(4)),
 )
-FORMS = {"dop853_world": "world", "dop853_constrained": "constrained", "dop853_loop_aba": "loop_aba"}
 TREES = "the C++ loop drives trees; the engine pinocchio closes loops"
 
 
@@ -38,17 +142,15 @@ class PinocchioCpp(Pinocchio):
         return described(self.every)
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        reasons = [Refusal(TREES, permanent=False)] if self.is_beyond(scene) else []
+        reasons = [Refusal(TREES, permanent=False)] if "closed-loop" in traits(scene) and not self.every else []
         reasons += [Refusal(obstacle(), permanent=False)] if obstacle() else []
         return reasons + super().topology_refusals(scene)
 
-    def is_beyond(self, scene: Scene) -> bool:
-        """Return whether the scene has loops that this engine does not close."""
-        return "closed-loop" in traits(scene) and not self.every
-
     def build(self, scene: Scene, plan: Plan) -> Compiled:
         built = super().build(scene, plan)
-        tree = Tree(built.mechanism.model, self.every, FORMS.get(plan.method.name, "local"), built.mechanism.contacts)
+        tree = Tree(
+            built.mechanism.model, self.every, plan.method.name.partition("_")[2] or "local", built.mechanism.contacts
+        )
         return Compiled(built.mechanism, built.contact_data, built.rhs, built.start, built.breakpoints, tree)
 
     def first_call(self, model: Any, plan: Plan) -> None:

@@ -1,7 +1,5 @@
 """Axes, colours and marks of every plot: plain data that plotly.js reads, recoloured by pages for light and dark."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -66,7 +64,7 @@ def _axis(title: str, log: bool) -> dict[str, Any]:
 type Values = Sequence[float | None]  # None is a gap
 
 
-def add_series(figure: Figure, engine: str, method: str, style: Style, x: Values, y: Values, **more: Any) -> None:
+def add_series(figure: Figure, engine: str, method: str, style: "Style", x: Values, y: Values, **more: Any) -> None:
     """Add one method's line with markers, grouped under its engine in the legend."""
     mode = more.pop("mode", "lines+markers")
     figure.add_scatter(

@@ -69,8 +69,6 @@ class Posed:
             angular_velocity=three(angular @ data.qvel),
         )  # fmt: skip
 
-    # --- joints ---------------------------------------------------------------------------------------
-
     def joints_of(self, body: int) -> list[int]:
         first = int(self.model.body_jntadr[body])
         return list(range(first, first + int(self.model.body_jntnum[body])))
@@ -133,8 +131,6 @@ class Posed:
                 )  # MuJoCo keeps a weld's the other way round
                 at = [data.xpos[b] + data.xmat[b].reshape(3, 3) @ mark for b, mark in zip(pair, marks, strict=True)]
                 yield e, pair, (at[0], at[1])
-
-    # --- forces ---------------------------------------------------------------------------------------
 
     def loads(self) -> Iterator[Any]:
         for j in self.single():

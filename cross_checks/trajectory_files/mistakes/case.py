@@ -1,7 +1,5 @@
 """A file's motion as it is understood so far, and hypotheses: changes whose numbers are fitted to it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -74,11 +72,11 @@ class Case:
         scaled = [np.ravel(gap) / unit for gap, unit in zip(every, units_of(scales_of(self.scene)), strict=True)]
         return np.nan_to_num(np.concatenate(scaled), posinf=0.0, neginf=0.0)
 
-    def at(self, rows: np.ndarray) -> Case:
+    def at(self, rows: np.ndarray) -> "Case":
         """Return the case of some samples, given by their places."""
         return replace(self, path=samples_at(self.path, rows), truth=truth_rows(self.truth, rows))
 
-    def rerun(self, **changed: object) -> Case | None:
+    def rerun(self, **changed: object) -> "Case | None":
         """Return the case with another `assumed` scene or lag, compared with a run of it; None where that fails.
 
         Samples from outside of the scene's duration are unknown.

@@ -32,16 +32,9 @@ class Formulation:
 
 
 def agree(
-    first: Formulation,
-    second: Formulation,
-    times: np.ndarray,
-    ways: tuple[str, str],
-    *,
-    extended: bool,
-    rk_tolerance: float = RK_TOLERANCE,
-    is_stiff: bool = False,
-    is_costly: bool = False,
-) -> Truth:
+    first: Formulation, second: Formulation, times: np.ndarray, ways: tuple[str, str], *, extended: bool,
+    rk_tolerance: float = RK_TOLERANCE, is_stiff: bool = False, is_costly: bool = False,
+) -> Truth:  # fmt: skip
     """Solve `first` by DOP853 and `second` by extrapolation, in extended precision if so requested; compare poses.
 
     `ways` names the equations and methods of the first and of the second; the truth is the second's motion.

@@ -11,8 +11,8 @@ from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
 from cross_checks.truths.made_by.mechanisms.rod_chain import Rods
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
-from mbs_ref.observables.signal_values import motion
 from mbs_ref.scene import CoordinateDrive, Scene
+from mbs_ref.scene.signals import prescribed
 
 # Links. The dense mass matrix, in absolute angles or orientations, takes too long beyond.
 LARGEST_PLANAR, LARGEST_SPATIAL = 200, 40
@@ -83,7 +83,7 @@ def _seat_motion(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarra
     """Return how far a driven seat is from its place at t = 0 (n_t, 2), m, and its velocity; all its parts alike."""
     drives = (joint for joint in scene.joints if isinstance(joint, CoordinateDrive) and joint.coordinate == "x")
     drive = next(drives, None)
-    along = np.zeros((2, len(times))) if drive is None else motion(drive.motion, drive.level, np.asarray(times))
+    along = np.zeros((2, len(times))) if drive is None else prescribed(drive.motion, drive.level, np.asarray(times))
     way, speed = (np.outer(part, (1.0, 0.0)) for part in along)
     return way, speed
 

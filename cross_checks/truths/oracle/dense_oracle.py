@@ -6,8 +6,6 @@ bushing's gradient are differenced, along a motion without acceleration, by a st
 Coordinates are x, y, theta of a planar body and (R', omega) in world axes in space, a particle's own alone.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,10 +16,10 @@ from cross_checks.engine.plan import initial_sample
 from mbs_ref import Trajectory, observables
 from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, twist_of
-from mbs_ref.observables.signal_values import values
 from mbs_ref.scene import GROUND, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices
 from mbs_ref.scene.scene import with_rates
+from mbs_ref.scene.signals import values
 
 STENCIL = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))  # first derivative, order 8 (Fornberg 1988)
 # m or rad in a step of the stencil, at rates (m/s, rad/s) of at least SLOWEST. With h the step in s the error is
@@ -53,14 +51,14 @@ class Moment:
     rate: np.ndarray  # (n, width) m/s, rad/s; width 3 in the plane and 6 in space
 
     @staticmethod
-    def of(scene: Scene, path: Trajectory, sample: int) -> Moment:
+    def of(scene: Scene, path: Trajectory, sample: int) -> "Moment":
         """Return a sample of a trajectory."""
         spin = path.angular_velocity[sample].reshape(len(scene.bodies), -1)
         rate = np.concatenate((path.velocity[sample], spin), axis=1)
         return Moment(scene, float(path.times[sample]), path.position[sample], path.orientation[sample], rate)
 
     @staticmethod
-    def start(scene: Scene) -> Moment:
+    def start(scene: Scene) -> "Moment":
         """Return the scene at t = 0."""
         return Moment.of(scene, initial_sample(scene), 0)
 
@@ -90,7 +88,7 @@ class Moment:
         steps = self.span(rate) * np.array([sign * k for k, _ in STENCIL for sign in (1.0, -1.0)])
         return self._path(self.time + steps, np.repeat(full, len(steps), axis=0), steps, full)
 
-    def displaced(self, step: np.ndarray) -> Moment:
+    def displaced(self, step: np.ndarray) -> "Moment":
         """Return the moment with its pose moved and turned by a step (n_coordinates,), m and rad."""
         full = np.zeros_like(self.rate)
         full[self.used] = step
@@ -132,9 +130,6 @@ def _derivative(samples: np.ndarray, span: float) -> np.ndarray:
     pairs = samples.reshape(len(STENCIL), 2, *samples.shape[1:])
     weights = np.array([weight for _, weight in STENCIL])
     return np.tensordot(weights, pairs[:, 0] - pairs[:, 1], axes=1) / span
-
-
-# --- the matrix -----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -294,9 +289,6 @@ def _inertia(moment: Moment, k: int) -> np.ndarray:
     return turned @ body.inertia_matrix @ turned.T
 
 
-# --- applied forces by virtual power --------------------------------------------------------------
-
-
 def _forces(moment: Moment, units: Motion) -> np.ndarray:
     """Return Q (n_q,): gravity, -omega x J omega, and every load by the power of unit velocities."""
     full = np.zeros_like(moment.rate)
@@ -363,11 +355,6 @@ def _bushing(moment: Moment, now: Motion, units: Motion, load: parts.Bushing) ->
 
 
 LAWS = {
-    parts.Force: _force,
-    parts.Torque: _torque,
-    parts.TorqueVector: _torque_vector,
-    parts.SpringDamper: _spring,
-    parts.TorsionSpring: _torsion_spring,
-    parts.PointBushing: _point_bushing,
-    parts.Bushing: _bushing,
-}
+    parts.Force: _force, parts.Torque: _torque, parts.TorqueVector: _torque_vector, parts.SpringDamper: _spring,
+    parts.TorsionSpring: _torsion_spring, parts.PointBushing: _point_bushing, parts.Bushing: _bushing,
+}  # fmt: skip

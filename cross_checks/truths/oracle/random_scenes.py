@@ -49,8 +49,6 @@ class _Maker:
         self.floats = count > 1 and self.chance(0.15)  # nothing is tied to ground: momentum is conserved
         self.gravity = self.vector(9.81) if self.chance(0.85) else (0.0,) * self.dimension
 
-    # --- dice -------------------------------------------------------------------------------------
-
     def chance(self, probability: float) -> bool:
         return bool(self.rng.random() < probability)
 
@@ -98,8 +96,6 @@ class _Maker:
         level = self.pick("position", "velocity", "acceleration")
         smooth = self.pick(self.wave(0.3), self.polynomial())
         return {"motion": push if level == "acceleration" and self.chance(0.3) else smooth, "level": level}
-
-    # --- the tree ---------------------------------------------------------------------------------
 
     def grow(self) -> None:
         for k in range(self.count):
@@ -150,8 +146,6 @@ class _Maker:
     def next_name(self) -> str:
         return f"j{len(self.joints)}"
 
-    # --- loads ------------------------------------------------------------------------------------
-
     def load(self) -> None:
         jumps, kinds = self.chance(0.3), self.inner if self.floats else (*self.inner, *self.outer)
         for k in range(int(self.rng.poisson(1.0 + 0.2 * self.count))):
@@ -179,8 +173,6 @@ class _Maker:
     def turning(self) -> Any:
         """Return a body that has an orientation."""
         return self.pick(*(body for body in self.bodies if not isinstance(body, PointMass)))
-
-    # --- the whole --------------------------------------------------------------------------------
 
     def scene(self, name: str) -> Scene:
         return Scene(name=name, duration=DURATION, gravity=self.gravity, bodies=tuple(self.bodies),

@@ -4,8 +4,6 @@ On the constraints the accelerations stay smooth there, but roundoff in them gro
 a method whose stages are not projected, or whose steps cannot choose their places, grinds to a halt.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -44,14 +42,14 @@ class Landing:
     failed: Leg | None = None
 
 
-def is_near_singular(system: System, t: float, y: np.ndarray) -> bool:
+def is_near_singular(system: "System", t: float, y: np.ndarray) -> bool:
     """Return whether the pose at (t, y) is close to a singular one."""
     system.derivative(t, y)
     return system.regularity() < NEAR
 
 
 def leap(
-    system: System, options: Options, run: Progress, t: float, y: np.ndarray,
+    system: "System", options: Options, run: Progress, t: float, y: np.ndarray,
     times: np.ndarray, reached: int, states: np.ndarray,
 ) -> Landing:  # fmt: skip
     """Integrate from (t, y) until the pose is regular again, filling the outputs on the way."""
@@ -77,7 +75,7 @@ def leap(
 class Crossing:
     """Carries a compiled adaptive method on where it has come near a singular pose."""
 
-    def __init__(self, system: System, options: Options, run: Progress, y: np.ndarray) -> None:
+    def __init__(self, system: "System", options: Options, run: Progress, y: np.ndarray) -> None:
         self.system, self.options, self.run, self.y = system, options, run, y
         self.failed: Leg | None = None  # of DOP853
 

@@ -1,7 +1,7 @@
 """Event location common to every compiled loop: shorten the step until it ends just past the first root.
 
 A loop takes a step in the frozen modes and calls `watch`. It returns KEEP, RETRY with the step in search[H_NEXT], or
-EVENT: the step at hand ends at the event, on its far side. A step is kept where every event function is excluded
+EVENT: the step at hand ends at the event, on its far side. A step is accepted where every event function is excluded
 inside it (mbs_ref.integrators.loop.exclusion). The same one-step method is repeated with shorter steps, so the located
 state has the method's own order.
 

@@ -22,7 +22,7 @@ from mbs_ref.kernels.contact.laws import RATE, SPEED, TURN, VALUE
 from mbs_ref.kernels.jit import jit
 
 BEYOND = -1.0  # value of a function below which it is past its root
-CLEAR = 2.0  # a place beyond the step: nothing was found
+CLEAR = 2.0  # a place beyond the step: no root
 DEEPEST = 30  # halvings of a step: no function is followed closer
 FASTER = 2.0  # how many times its speed at both ends a function may reach between them
 FAR_TURN, SMOOTH_TURN = 1.0, 2.0  # rad, turn in an interval to which the bounds on rates and the differences apply

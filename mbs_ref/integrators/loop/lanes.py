@@ -1,6 +1,6 @@
 """Many adaptive runs side by side, of one scene or of scenes of one build: a lane is a run with a clock of its own.
 
-Each has its own step, error, figures and tolerances. A run is made as `advance_explicit` makes it of a system without
+Each has its own step, error, figures and tolerances. A run is that which `advance_explicit` returns of a system without
 constraint rows and events. A lane whose run has ended takes the next one that waits, so that none is idle before the
 last have begun. What a lane holds never depends on its neighbours.
 """
@@ -76,18 +76,11 @@ def runs_from(figures: np.ndarray, atol: np.ndarray, scene: np.ndarray, starts: 
 def side_by_side(n_state: int, n_stages: int) -> Side:
     """Return room for WIDTH runs."""
     return Side(
-        atol=room_for_lanes(n_state),
-        y=room_for_lanes(n_state),
-        new=room_for_lanes(n_state),
-        slopes=room_for_lanes(n_stages + 1, n_state),
-        now=room_for_lanes(4),
-        pace=room_for_lanes(2),
-        run=np.full(WIDTH, IDLE),
-        scene=np.full(WIDTH, IDLE),
-        lands=np.zeros(WIDTH, np.int64),
-        rejected=np.zeros(WIDTH, np.int64),
-        search=np.zeros(1),
-    )
+        atol=room_for_lanes(n_state), y=room_for_lanes(n_state), new=room_for_lanes(n_state),
+        slopes=room_for_lanes(n_stages + 1, n_state), now=room_for_lanes(4), pace=room_for_lanes(2),
+        run=np.full(WIDTH, IDLE), scene=np.full(WIDTH, IDLE), lands=np.zeros(WIDTH, np.int64),
+        rejected=np.zeros(WIDTH, np.int64), search=np.zeros(1),
+    )  # fmt: skip
 
 
 @bare

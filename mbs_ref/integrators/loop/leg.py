@@ -1,6 +1,4 @@
-"""What an integrator is asked and what it answers: one smooth leg between declared breakpoints."""
-
-from __future__ import annotations
+"""What an integrator receives and what it returns: one smooth leg between declared breakpoints."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -48,11 +46,11 @@ class Options(NamedTuple):
     max_steps: int
     projection_tolerance: float  # m, rad
     max_events: int
-    chunk: int  # steps before compiled code returns to Python, so that Ctrl-C is heard
+    chunk: int  # steps before compiled code returns to Python, so that Ctrl-C acts
     dense: bool  # outputs are interpolated inside of steps, and do not end them
 
 
-# The state of a run, kept over chunks and legs: one record, whose fields Python and compiled code read and write alike.
+# The state of a run, over chunks and legs: one record, whose fields Python and compiled code read and write alike.
 PROGRESS = np.dtype(
     [
         ("t", float),  # s
@@ -87,14 +85,14 @@ def progress(t: float) -> Progress:
 class Outputs(NamedTuple):
     """What a compiled loop fills; the first of each is the start."""
 
-    times: np.ndarray  # (n_times,) s, asked
+    times: np.ndarray  # (n_times,) s, of outputs
     states: np.ndarray  # (n_times, n_state)
     compliance: np.ndarray  # (n_times,) largest |C| over the steps since the time before
 
 
 @dataclass
 class Leg:
-    """States at the asked times of one leg; `reached` of them are valid."""
+    """States at the output times of one leg; `reached` of them are valid."""
 
     states: np.ndarray  # (n_times, n_state), the first is the start
     compliance: np.ndarray  # (n_times,) largest |C| over the steps up to each time
@@ -139,7 +137,7 @@ class Integrator:
     source: str = ""
     keeps_constraints: bool = False  # the method imposes C = 0 itself
     requires: frozenset[str] = frozenset()  # traits the scene must have: the cores that answer what the method asks
-    locates_events: bool = True  # touch-down, lift-off and slip are found; else contact forces are merely clipped
+    locates_events: bool = True  # touch-down, lift-off and slip are located; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
     weakness: str = ""  # why the method is known to fail or stand wrong where others do not: shown, never judged by
     embedded: int | None = None  # order of the solution that the estimate of errors compares with, as in 5(4)
@@ -150,7 +148,7 @@ class Integrator:
     holds_deflections: bool = True  # carries the deflections of sticking contacts, which are states in space
     needs_positions: bool = False  # imposes every C = 0 on positions: no rows on velocities alone
     interpolates: bool = False  # has dense output of its own order
-    refusals: Callable[[Scene], Iterable[str]] = lambda _: ()  # what keeps it from running a scene
+    refusals: "Callable[[Scene], Iterable[str]]" = lambda _: ()  # what keeps it from running a scene
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 
@@ -178,7 +176,7 @@ def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progr
 def run_chunks(
     chunk: Callable[[Outputs], int], options: Options, run: Progress, y: np.ndarray, times: np.ndarray
 ) -> Leg:
-    """Call a compiled loop, which fills the outputs, until it ends or creeps; Ctrl-C is heard between."""
+    """Call a compiled loop, which fills the outputs, until it ends or creeps; Ctrl-C acts between."""
     outputs = Outputs(times, np.empty((len(times), len(y))), np.zeros(len(times)))
     outputs.states[0] = y
     run.next_output, run.span = 1, times[-1] - times[0]

@@ -1,7 +1,5 @@
 """A leg in a multistep code of someone else's: where it is, what it has filled, and why it ends early."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -28,7 +26,7 @@ class Ending(NamedTuple):
 class ContactEvents:
     """Watches the event functions of a system along the steps of a multistep code."""
 
-    def __init__(self, system: System, options: leg.Options, run: leg.Progress) -> None:
+    def __init__(self, system: "System", options: leg.Options, run: leg.Progress) -> None:
         self.system, self.most, self.run = system, options.max_events, run
         self.search, self.table = event_tables(system.model)
         self.watched, self.at_event = bool(has_events(self.table)), False
@@ -65,7 +63,7 @@ class MultistepLeg:
     """A leg under way."""
 
     def __init__(
-        self, system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray
+        self, system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray
     ) -> None:
         self.system, self.options, self.run, self.y, self.times = system, options, run, y, times
         self.states, self.worst = np.empty((len(times), len(y))), np.zeros(len(times))

@@ -1,15 +1,15 @@
 """DASSL (SUNDIALS IDA, its official descendant) on four forms of the DAE.
 
-The forms beside the first show why indices are reduced.
+The forms beside the first show why indices are reduced. No call of a residual passes through Python: the functions of
+SUNDIALS are called as C has them, by the prototypes of the manual, SUNDIALS 7 (sunrealtype is double, sunindextype
+int64_t, sunbooleantype int). The Python package's extension holds the library and exports it.
 
 Source: L. R. Petzold, A description of DASSL, 1982; A. C. Hindmarsh et al., ACM TOMS 31 (2005) 363-396.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from ctypes import byref, c_double, c_void_p
-from functools import partial
+from ctypes import CDLL, POINTER, byref, c_double, c_int, c_int64, c_long, c_void_p, cast
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,12 +17,64 @@ import numpy as np
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators.loop.leg import Advance, Integrator, Leg, Options, Progress
 from mbs_ref.integrators.loop.multistep import MultistepLeg
-from mbs_ref.integrators.loop.sundials import ONE_STEP, address_of, count_of, sundials
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.border.handles import make_handle
 from mbs_ref.kernels.residual import GGL, INDEX_1, INDEX_2, INDEX_3, Dae, DaeGroups, largest_balance, residual_for_c
 from mbs_ref.trajectory import Status
+
+_OBJECT, _OBJECT_PLACE = c_void_p, POINTER(c_void_p)
+_PROTOTYPES: dict[str, tuple[Any, ...]] = {  # what is returned, then what is taken
+    "SUNContext_Create": (c_int, c_int, _OBJECT_PLACE),
+    "SUNContext_ClearErrHandlers": (c_int, _OBJECT),
+    "SUNContext_Free": (c_int, _OBJECT_PLACE),
+    "N_VMake_Serial": (_OBJECT, c_int64, c_void_p, _OBJECT),
+    "N_VDestroy": (None, _OBJECT),
+    "SUNDenseMatrix": (_OBJECT, c_int64, c_int64, _OBJECT),
+    "SUNMatDestroy": (None, _OBJECT),
+    "SUNLinSol_Dense": (_OBJECT, _OBJECT, _OBJECT, _OBJECT),
+    "SUNLinSolFree": (c_int, _OBJECT),
+    "IDACreate": (_OBJECT, _OBJECT),
+    "IDAFree": (None, _OBJECT_PLACE),
+    "IDAInit": (c_int, _OBJECT, c_void_p, c_double, _OBJECT, _OBJECT),
+    "IDASetUserData": (c_int, _OBJECT, c_void_p),
+    "IDASVtolerances": (c_int, _OBJECT, c_double, _OBJECT),
+    "IDASetId": (c_int, _OBJECT, _OBJECT),
+    "IDASetSuppressAlg": (c_int, _OBJECT, c_int),
+    "IDASetMaxNumSteps": (c_int, _OBJECT, c_long),
+    "IDASetMaxStep": (c_int, _OBJECT, c_double),
+    "IDASetNonlinConvCoef": (c_int, _OBJECT, c_double),
+    "IDASetLinearSolver": (c_int, _OBJECT, _OBJECT, _OBJECT),
+    "IDASetDeltaCjLSetup": (c_int, _OBJECT, c_double),
+    "IDAGetDky": (c_int, _OBJECT, c_double, c_int, _OBJECT),
+    "IDASetStopTime": (c_int, _OBJECT, c_double),
+    "IDASolve": (c_int, _OBJECT, c_double, POINTER(c_double), _OBJECT, _OBJECT, c_int),
+    "IDAGetNumErrTestFails": (c_int, _OBJECT, POINTER(c_long)),
+}
+ONE_STEP = 2  # IDA_ONE_STEP of IDASolve
+
+
+@cache
+def sundials(file: str) -> Any:
+    """Return the library in a file, its functions typed; AttributeError names the first that it lacks."""
+    library = CDLL(file)
+    for name, (returns, *takes) in _PROTOTYPES.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = returns, takes
+    return library
+
+
+def address_of(library: Any, name: str) -> int:
+    """Return where a function of the library begins."""
+    return cast(getattr(library, name), c_void_p).value or 0
+
+
+def count_of(function: Any, memory: c_void_p) -> int:
+    """Return what one of IDA's counters says."""
+    count = c_long()
+    function(memory, byref(count))
+    return count.value
+
 
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
@@ -191,12 +243,6 @@ class _Ida:
         run.rejected += self.failed_error_tests()
 
 
-def _stop_failed(leg: MultistepLeg, flag: int) -> None:
-    """End the leg with IDA's reason."""
-    words, status = STOPPED.get(flag, (f"SUNDIALS stopped with flag {flag}", Status.ENGINE_ERROR))
-    leg.stop(status, f"{words} (IDA flag {flag})")
-
-
 def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
     """Return whether the error test still distinguishes steps; where it fails whatever the step, the leg ends."""
     failed, steps = solver.failed_error_tests(), leg.run.steps
@@ -213,7 +259,7 @@ def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
 def ida(form: int) -> Advance:
     """Return the leg-by-leg driver of one index form."""
 
-    def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
+    def advance(system: "System", options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
         assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
         system.prepare(FORM)
         leg = MultistepLeg(system, options, run, y, times)
@@ -222,7 +268,8 @@ def ida(form: int) -> Advance:
             solver = solver or _Ida(leg, form)
             flag = solver.step(leg)
             if flag < 0:
-                _stop_failed(leg, flag)
+                words, status = STOPPED.get(flag, (f"SUNDIALS stopped with flag {flag}", Status.ENGINE_ERROR))
+                leg.stop(status, f"{words} (IDA flag {flag})")
                 break
             t, now = leg.events.locate(leg.t, leg.now, solver)
             arrived = leg.arrive(t, now, solver.t - leg.t)

@@ -9,8 +9,6 @@ rho^-2s. With s = 8 stages and e the relative size of coefficient 7, the error i
 chosen for e = rtol^(7/16).
 """
 
-from __future__ import annotations
-
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -36,7 +34,7 @@ TINY_RTOL = 1e-18  # a hundredth of roundoff a step: over 1e4 steps its steady g
 MOST_ITERATIONS = 30
 LOOSE = 1e-3  # of the tolerance: where the iteration of a step may end
 SAFETY, SHRINK, GROW = 0.9, 0.2, 2.0
-ACCEPT = 1.3  # a step whose coefficient 7 asks for less than 1/1.3 of it is made again
+ACCEPT = 1.3  # a step whose coefficient 7 asks for less than 1/1.3 of it is repeated
 FIRST = 0.05  # of the shortest free-fall time: the first step tried
 SIX = 0.1  # coefficient 6 counts a tenth: it guards against a seventh that happens to vanish
 SUNLIGHT = 1e-8  # of gravity: 4.56e-6 N/m^2 on 0.02 m^2/kg near the Earth (Montenbruck and Gill 2000, sec. 3.4)
@@ -172,7 +170,7 @@ def _sums(g, f, b, c, lead, tail):
 
 @jit
 def _iterate(model, work, g, t, h, y, low, enough):
-    """Solve for the stage accelerations; return the evaluations made, negative where they do not settle."""
+    """Solve for the stage accelerations; return the count of evaluations, negative where they do not settle."""
     lanes, moves = work.lanes, model.particles.uses_velocity[0] == 1
     for k in range(LANES):
         lanes.time[k] = t + g.c[k] * h
@@ -372,7 +370,7 @@ def advance_gauss(model, work, method, options, run, y, low, times, states):
     return leg.DONE
 
 
-def _closest(system: System, y: np.ndarray) -> str:
+def _closest(system: "System", y: np.ndarray) -> str:
     """Return a sentence on the two bodies nearest to each other."""
     q = y[: len(y) // 2].reshape(-1, 3)
     if len(q) < 2:
@@ -383,7 +381,7 @@ def _closest(system: System, y: np.ndarray) -> str:
     return f"{names[min(i, j)]!r} and {names[max(i, j)]!r} are {gap[i, j]:.6g} m apart"
 
 
-def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
+def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Advance a system of particles over one leg."""
     states = np.empty((len(times), len(y)))
     states[0] = y

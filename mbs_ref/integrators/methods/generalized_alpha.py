@@ -6,8 +6,6 @@ G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375. In space on the group of rotati
 Nonlinear Dyn. 5 (2010) 031002.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -46,7 +44,7 @@ class Motion(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """The end of a step while it is solved for; lam is corrected in place, and kept here for a step made again."""
+    """The end of a step while it is solved for; lam is corrected in place, and stored here for a repeated step."""
 
     y: np.ndarray  # the state
     qdd: np.ndarray  # (n,)
@@ -66,7 +64,7 @@ class Tangent(NamedTuple):
 
 @inlined
 def _is_dense(run, tangent):
-    """Return whether steps are solved with the full tangent; once taken up it is kept."""
+    """Return whether steps are solved with the full tangent; once chosen it stays."""
     return tangent.lu.shape[0] > 0 and run.needs_tangent == 1
 
 
@@ -231,7 +229,7 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
 DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorization and is not tried
 
 
-def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
+def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Integrate one leg."""
     assert isinstance(system, JointedSystem)  # `cores` of the INTEGRATOR sees to it
     system.prepare(FORM)

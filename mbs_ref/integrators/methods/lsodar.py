@@ -1,6 +1,6 @@
 """LSODAR, the papers' method: Adams and BDF with automatic switching, on the underlying ODE.
 
-SciPy carries LSODA, which is LSODAR without its root finder. Roots are found here, as LSODAR does, on the
+SciPy carries LSODA, which is LSODAR without its root finder. Roots are located here, as LSODAR does, on the
 interpolant of the last step; events and declared breakpoints restart it. Steps of both are the same.
 BDF's iteration matrix is factored by LAPACK, whose threads may sum in another order: of a system as large as the
 vertebral android the last bits depend on OMP_NUM_THREADS; with as many threads they repeat.
@@ -52,7 +52,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
 
 
 def _record_passed(solver: LSODA, leg: MultistepLeg) -> None:
-    """Keep every asked time that the last step passed, up to where it ends or an event cuts it."""
+    """Store every output time that the last step passed, up to where it ends or an event cuts it."""
     interpolant = None
     while leg.goes_on() and leg.times[leg.reached] <= leg.t:
         asked = leg.times[leg.reached]
@@ -103,7 +103,7 @@ class _OnConstraints(LSODA):
 
 
 def _family(solver: LSODA) -> int:
-    """Return ADAMS or BDF, by which the last step was made: MUSED of ODEPACK, which SciPy keeps to itself."""
+    """Return ADAMS or BDF, which took the last step: MUSED of ODEPACK, which SciPy keeps to itself."""
     return int(solver._lsoda_solver._integrator.iwork[18])  # pyright: ignore[reportAttributeAccessIssue]
 
 

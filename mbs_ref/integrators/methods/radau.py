@@ -5,8 +5,6 @@ sec. IV.5 and IV.8 (coefficients, simplified Newton with one real and one comple
 estimate, Gustafsson's predictive step control).
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -221,7 +219,7 @@ def advance_radau(model, work, options, run, y, outputs):
     return code
 
 
-def advance(system: System, options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
+def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Integrate one leg; DOP853 carries it past singular poses."""
     crossing = Crossing(system, options, run, y)
 

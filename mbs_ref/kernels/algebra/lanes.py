@@ -110,7 +110,7 @@ def nearest_in_lanes(context, x):
 
 @_intrinsic
 def in_lanes(context, array):
-    """View an array of floats (..., WIDTH), made by `room_for_lanes`, as an array of lanes (...)."""
+    """View an array of floats (..., WIDTH), allocated by `room_for_lanes`, as an array of lanes (...)."""
     seen = types.Array(LANES, array.ndim - 1, "C")
 
     def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
-DTYPES = {Floats: np.dtype(np.float64), Ints: np.dtype(np.int64)}  # what an alias is made of differs among NumPy's
+DTYPES = {Floats: np.dtype(np.float64), Ints: np.dtype(np.int64)}  # what an alias consists of differs among NumPy's
 
 
 class Declared(NamedTuple):

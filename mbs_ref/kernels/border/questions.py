@@ -36,7 +36,7 @@ displace = question("displace(model, y, move, out)")
 position_rate = question("position_rate(model, y, rate, out)")
 # Write the rates that `moved`, rates of y's positions, mean: the inverse of `position_rate`.
 rate_from = question("rate_from(model, y, moved, out)")
-# Return C, or C_dot where asked (n_slots, rows a slot), as the last balance left it.
+# Return C, or C_dot on request (n_slots, rows a slot), as the last balance left it.
 defect_of = question("defect_of(work, velocity_level)", MATRIX)
 # Return gamma (n_slots, rows a slot), to be read or replaced.
 gamma_of = question("gamma_of(work)", MATRIX)

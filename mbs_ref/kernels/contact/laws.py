@@ -3,8 +3,6 @@
 The normal force and the rules that end a mode know nothing of shapes, so that the plane and space share them.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Annotated, NamedTuple
 
@@ -18,7 +16,7 @@ FRICTION_NONE, FRICTION_SMOOTH, FRICTION_STICK_SLIP = range(3)
 ENDS_NONE, ENDS_OPEN, ENDS_CAPPED = range(3)
 PAIR_FLAT, PAIR_ROUND, PAIR_SPROCKET = range(3)  # on a line or plane, on a circle or sphere, in a sprocket
 # PLAIN: no events, the force is clipped by the state. LIFTED: still inside after a release at F = 0.
-# BEHIND: found too deep to have come through the front. LEAVING: rigid, just hit, not yet clear. LIMITED: of a spring.
+# BEHIND: too deep to have come through the front. LEAVING: rigid, just hit, not yet clear. LIMITED: of a spring.
 MODE_OPEN, MODE_CLOSED, MODE_LIFTED, MODE_BEHIND, MODE_LEAVING, MODE_PLAIN, MODE_LIMITED = range(7)
 GRIP_BACKWARD, GRIP_STICK, GRIP_FORWARD, GRIP_PROBE = -1, 0, 1, 2
 ROOTS_EACH = 4  # event functions of a contact, a tension-only spring or a watch

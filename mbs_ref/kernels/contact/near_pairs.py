@@ -5,8 +5,6 @@ rebuilt when a shape has left its half of the skin, now or at any time of the st
 left out can touch in that step: what is computed, and in which order, is what it would be without the list.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -28,7 +26,7 @@ class NearPairs(NamedTuple):
     center: Annotated[Floats, "s", "dimension"]  # m, in the body
     reach: Annotated[Floats, "s"]  # m, radius
     place: Annotated[Floats, "s", "dimension"]  # m, world, now; the core fills it
-    built: Annotated[Floats, "s", "dimension"]  # m, when the list was made
+    built: Annotated[Floats, "s", "dimension"]  # m, when the list was built
     last: Annotated[Floats, "s", "dimension"]  # m, when it was last looked at
     travel: Annotated[Floats, "s"]  # m, longest way of the step that ends here; the core fills it
     order: Annotated[Ints, "s"]  # by lower bound
@@ -89,7 +87,7 @@ def _sort(near):
 
 @jit
 def _flag_key(near, wanted):
-    """Flag the pairs of two balls, found by bisection."""
+    """Flag the pairs of two balls, by bisection."""
     first = 0
     last = near.key.shape[0]
     while first < last:

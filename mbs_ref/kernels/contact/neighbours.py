@@ -1,12 +1,10 @@
-"""Neighbours among many spheres or discs: pairs whose gap is within a skin, found by a grid of hashed cells.
+"""Neighbours among many spheres or discs: pairs whose gap is within a skin, by a grid of hashed cells.
 
 A cell is as wide as the largest reach of a pair, so that the neighbours of a sphere lie in its own cell and in those
-around it. The list holds until some sphere is half of the skin away from where it was when the list was made: until
+around it. The list holds until some sphere is half of the skin away from where it was when the list was built: until
 then no pair that is left out can touch. Pairs are in ascending order, so that forces, and the order of their sums, are
 what they would be if all pairs were looked at.
 """
-
-from __future__ import annotations
 
 from typing import Annotated, NamedTuple
 
@@ -36,7 +34,7 @@ class Granules(NamedTuple):
     creep: Annotated[Floats, 1]  # m/s, v_s
     skin: Annotated[Floats, 1]  # m
     place: Annotated[Floats, "n", "dimension"]  # m, now; the core fills it
-    built: Annotated[Floats, "n", "dimension"]  # m, when the list was made; NaN before
+    built: Annotated[Floats, "n", "dimension"]  # m, when the list was built; NaN before
     cell: Annotated[Ints, "n", "dimension"]
     head: Annotated[Ints, "buckets"]  # lowest sphere of each bucket, -1 where it is empty; a power of two
     next: Annotated[Ints, "n"]  # next sphere in the same bucket, -1 at its end
@@ -47,7 +45,7 @@ class Granules(NamedTuple):
 
 @jit
 def _has_moved(grains):
-    """Return whether some sphere is more than half of the skin away from where it was when the list was made."""
+    """Return whether some sphere is more than half of the skin away from where it was when the list was built."""
     allowed = 0.25 * grains.skin[0] * grains.skin[0]
     far = False
     for s in range(grains.place.shape[0]):

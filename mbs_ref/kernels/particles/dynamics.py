@@ -4,7 +4,7 @@ from mbs_ref.kernels.algebra.lanes import in_lanes
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.figures import add_figures, add_tides, add_zonals
 from mbs_ref.kernels.particles.model import LANES
-from mbs_ref.kernels.particles.newton import central_relativity, einstein_infeld_hoffmann, newton_pairs
+from mbs_ref.kernels.particles.pair import central_relativity, einstein_infeld_hoffmann, newton_pairs
 from mbs_ref.kernels.particles.satellites import add_drags, add_lights, add_points, add_third_bodies
 
 EIH = 2

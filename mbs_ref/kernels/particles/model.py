@@ -1,7 +1,5 @@
 """The arrays of a compiled scene of particles, one group a field; a field that is not in use is empty."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.algebra.lanes import WIDTH, aligned

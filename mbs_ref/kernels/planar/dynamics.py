@@ -1,4 +1,4 @@
-"""The state of a planar scene, y = [q, v] in scene order with q_i = [Rx, Ry, theta], and its rates.
+"""The state of a planar scene, y = [q, v] in scene order with q_i = [Rx, Ry, theta], its rates, and its joints' rows.
 
 `rigid.dynamics` and `rigid.descriptor` say what is done with them.
 """
@@ -10,12 +10,68 @@ import numpy as np
 from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.border.questions import accelerate
 from mbs_ref.kernels.border.supplies import supply
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.planar import contacts, joints, loads, marks, tree
+from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.planar import contacts, marks, tree
+from mbs_ref.kernels.planar.marks import cross, dot
 from mbs_ref.kernels.planar.model import RATES, PlanarGroups, PlanarScratch
 from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
+from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
+from mbs_ref.kernels.signals import evaluate
+
+moment = bare(lambda arm, force: (cross(arm, force),))
+
+
+@bare
+def put_point(work, slot, side, row, apart):
+    on_a, on_b = work.rows.jacobian[slot, side], work.rows.jacobian[slot, 1 - side]
+    put_row(on_a[row], (-1.0, 0.0), (apart.arm_a[1],))
+    put_row(on_a[row + 1], (0.0, -1.0), (-apart.arm_a[0],))
+    put_row(on_b[row], (1.0, 0.0), (-apart.arm_b[1],))
+    put_row(on_b[row + 1], (0.0, 1.0), (apart.arm_b[0],))
+
+
+rate_of_turning = bare(lambda work, i, n, gap: work.kinematics.motion[i, 2] * cross(n, gap))
+
+
+@bare
+def surplus_of_turning(work, i, n, apart, surplus):
+    omega = work.kinematics.motion[i, 2]
+    return surplus - 2.0 * omega * cross(n, apart.rate) + omega * omega * dot(n, apart.gap)
+
+
+@bare
+def fill_own_rows(model, work, t):
+    _fill_angles(model, work)
+    _fill_angle_drives(model, work, t)
+
+
+@bare
+def _fill_angles(model, work):
+    joint, slots, kin, rows = model.angles, model.slots, work.kinematics, work.rows
+    for k in range(joint.slot.shape[0]):
+        slot, row, side, a, b = bodies_of_row(slots, joint, k)
+        put_row(rows.jacobian[slot, side, row], (0.0, 0.0), (-1.0,))
+        put_row(rows.jacobian[slot, 1 - side, row], (0.0, 0.0), (1.0,))
+        rows.residual[slot, row] = kin.motion[b, 3] - kin.motion[a, 3] - joint.value[k]
+        rows.rate[slot, row] = kin.motion[b, 2] - kin.motion[a, 2]
+        rows.gamma[slot, row] = 0.0
+
+
+@bare
+def _fill_angle_drives(model, work, t):
+    drive, slots, kin, rows = model.angle_drives, model.slots, work.kinematics, work.rows
+    mode_time = model.world.control[CONTROL_MODE_TIME]
+    for k in range(drive.slot.shape[0]):
+        slot, row, side = drive.slot[k], drive.row[k], drive.side[k]
+        i = slots.body[slot, side]
+        value, rate, curvature = evaluate(model.signals, drive.signal[k], t, mode_time)
+        put_row(rows.jacobian[slot, side, row], (0.0, 0.0), (1.0,))
+        rows.residual[slot, row] = kin.motion[i, 3] - drive.start[k] - value
+        rows.rate[slot, row] = kin.motion[i, 2] - rate
+        rows.gamma[slot, row] = curvature
 
 
 @jit
@@ -145,5 +201,5 @@ PlanarModel = handle_class(__name__, "PlanarModel", PlanarGroups, dimension=2, t
 PlanarWork = handle_class(__name__, "PlanarWork", PlanarScratch, rates=3)
 
 
-_MODULES = (sys.modules[__name__], contacts, joints, loads, marks, tree)
+_MODULES = (sys.modules[__name__], contacts, marks, tree)
 supply((PlanarModel, PlanarWork), geometry, _MODULES)

@@ -3,8 +3,6 @@
 A body has the coordinates Rx, Ry, theta; the third of a point mass stays at rest.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints, joined

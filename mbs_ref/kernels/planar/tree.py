@@ -1,4 +1,4 @@
-"""The blocks of the elimination along the joint tree (mbs_ref.kernels.rigid.tree), 3 x 3 in the plane.
+"""The blocks of the elimination along the joint tree (mbs_ref.kernels.rigid.dynamics), 3 x 3 in the plane.
 
 Factors L D L^T lie in the lower triangles: L below the diagonal, and 1 / D on it.
 """

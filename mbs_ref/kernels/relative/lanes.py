@@ -11,7 +11,7 @@ import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import WIDTH, in_lanes, room_for_lanes
 from mbs_ref.kernels.jit import inlined
-from mbs_ref.kernels.planar.loads import weigh
+from mbs_ref.kernels.planar.marks import weigh
 from mbs_ref.kernels.planar.model import Kinematics
 from mbs_ref.kernels.relative.model import Joints, Links, Recursion
 from mbs_ref.kernels.relative.planar import place_tree, release_tree

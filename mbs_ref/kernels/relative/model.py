@@ -3,8 +3,6 @@
 Bodies are numbered as there: a parent before its children, ground last (index n_bodies).
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints

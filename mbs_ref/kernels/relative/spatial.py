@@ -215,7 +215,7 @@ _column_from = jit(lambda a, k: (a[3, k], a[4, k], a[5, k]))
 
 @inlined
 def _condense(joints, links, rec, i):
-    """Add I' and f' of a body to its parent's (see above); what its joint needs is kept."""
+    """Add I' and f' of a body to its parent's (see above); what its joint needs is stored."""
     a, f = rec.articulated[i], rec.force[i]
     own = rec.acceleration[i]  # not in use yet
     _symmetric_times(a, links.bias[i], own)

@@ -282,7 +282,7 @@ def _update_apex(block, loops, closures, k, articulated):
 def eliminate(block, loops, closures, body, articulated):
     """Eliminate the closures whose apex is a body before the body itself, and those of ground at the end.
 
-    articulated (rates, rates) is the body's block, of which the lower triangle is kept.
+    articulated (rates, rates) is the body's block, of which the lower triangle is stored.
     """
     for k in range(loops.closed[body, 0], loops.closed[body, 1]):
         if closures.empty[k] == 0:

@@ -1,6 +1,6 @@
 """Joint rows and reactions: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
 
-Every joint is made of elementary rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
+Every joint consists of elementary rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
 sec. 9.4). lambda of a row is the force or torque that the row exerts along its Jacobian.
 """
 
@@ -126,7 +126,7 @@ def rigid_fill_rows(model, work, t):
 
 
 class JointRows(NamedTuple):
-    """Where each joint's rows are, and of which side the force is asked."""
+    """Where each joint's rows are, and on which side the force is reported."""
 
     slot: np.ndarray  # (n_joints,) int
     side: np.ndarray  # (n_joints,) int
@@ -147,14 +147,13 @@ def forces_at_joints(joints, multiplier, jacobian, out):
 
 
 @loop_jit
-def forces_of_tree(model, work, control, joints, multiplier, jacobian, times, states, own, axes, out):
-    """Write forces as `forces_at_joints` at each time and state into out (n_t, n_joints, rates), and `own` into axes.
+def forces_of_tree(model, work, control, joints, multiplier, jacobian, times, states, out):
+    """Write forces as `forces_at_joints` at each time and state into out (n_t, n_joints, rates).
 
-    `multiplier`, `jacobian` and `own` lie in the scratch, which dy/dt fills.
+    `multiplier` and `jacobian` lie in the scratch, which dy/dt fills.
     """
     dy = np.empty(states.shape[1])
     for k in range(times.shape[0]):
         control[CONTROL_MODE_TIME] = times[k]
         derivative(model, work, times[k], states[k], dy)
         forces_at_joints(joints, multiplier, jacobian, out[k])
-        axes[k] = own

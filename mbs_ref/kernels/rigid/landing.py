@@ -191,7 +191,7 @@ def _rest_after(model, work, k):
 
 @jit
 def _worst(model, work, touching, level, in_order):
-    """Return the contact farthest from complementarity, or the first that is off where asked `in_order`; else -1."""
+    """Return the contact farthest from complementarity, or the first that is off if `in_order`; else -1."""
     worst, most = -1, 0.0
     slight = SLIGHT * _largest_acceleration(work, model.contact_modes.anchor.shape[1] + 1)
     for k in touching:

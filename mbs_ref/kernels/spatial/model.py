@@ -5,8 +5,6 @@ alone. Joints are broken up into five element types: shared points, products of 
 planes, distances and prescribed turns.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints, joined

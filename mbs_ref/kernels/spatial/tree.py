@@ -1,4 +1,4 @@
-"""The blocks of the elimination along the joint tree (mbs_ref.kernels.rigid.tree), 6 x 6 in space.
+"""The blocks of the elimination along the joint tree (mbs_ref.kernels.rigid.dynamics), 6 x 6 in space.
 
 With Euler parameters a body's part of the augmented matrix (Fox 1999 eq 9 and appendix) is, with omega = 2 E theta',
 E theta = 0, E E^T = I and nu the multiplier of theta^T theta = 1,

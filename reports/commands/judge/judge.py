@@ -34,20 +34,10 @@ MAP = click.Path(path_type=Path)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @STORE
 def command(
-    file: str,
-    scene: str,
-    parameters: tuple[str, ...],
-    keep_rates: tuple[str, ...],
-    map_file: Path | None,
-    write_map: str | None,
-    against: str | None,
-    against_map: Path | None,
-    wanted: str,
-    t_end: float | None,
-    plot: str | None,
-    as_json: bool,
-    store: str | None,
-) -> None:
+    file: str, scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...], map_file: Path | None,
+    write_map: str | None, against: str | None, against_map: Path | None, wanted: str, t_end: float | None,
+    plot: str | None, as_json: bool, store: str | None,
+) -> None:  # fmt: skip
     """Judge the trajectory in FILE, which any tool may write. It is CSV, NPZ or Parquet.
 
     Every unit, axis and convention of the file is stated in a map; none is guessed. Errors are those of every table:

@@ -1,7 +1,5 @@
 """mbs-ref compare: is one version of the code slower than another, or one file of records worse?"""
 
-from __future__ import annotations
-
 import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -24,12 +22,8 @@ if TYPE_CHECKING:
 @click.argument("baseline", metavar="A")
 @click.argument("current", metavar="B", default=".")
 @click.option("--only", metavar="TEXT", default="", help="Only the cases whose name holds this.")
-@click.option(
-    "--slowed",
-    type=click.FloatRange(0.0, 1000.0),
-    metavar="PERCENT",
-    help="Take as B a copy of this tree whose planar kernel is slower on the first case.",
-)
+@click.option("--slowed", type=click.FloatRange(0.0, 1000.0), metavar="PERCENT",
+              help="Take as B a copy of this tree whose planar kernel is slower on the first case.")  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(baseline: str, current: str, only: str, slowed: float | None, as_json: bool) -> None:
     """Time version B against version A at equal error. Both run in this one job.
@@ -58,8 +52,8 @@ def command(baseline: str, current: str, only: str, slowed: float | None, as_jso
 
 
 def findings_of(
-    title: str, baseline: str, current: str, cases: Sequence[Case], slowed: float | None = None
-) -> list[Finding]:
+    title: str, baseline: str, current: str, cases: "Sequence[Case]", slowed: float | None = None
+) -> "list[Finding]":
     """Return the verdicts on two trees, each a folder or a git revision; with `slowed` B is a copy of this tree."""
     from benchmarks.trees import regression
     from benchmarks.trees import slowed as copies
@@ -80,7 +74,7 @@ def findings_of(
             raise click.UsageError(str(error)) from error
 
 
-def end(findings: Sequence[Finding], worse: int = 0) -> None:
+def end(findings: "Sequence[Finding]", worse: int = 0) -> None:
     """End the command with the exit code of the verdicts, and of so many runs that are less accurate than before."""
     from benchmarks.trees import regression
 

@@ -28,8 +28,6 @@ def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
         raise NothingSelected(f"no series in {file} holds {text!r}")
     changes = {name: history.change_points([e.value for e in entries]) for name, entries in result.items()}
     if target is not None:
-        from reports.commands.maintenance.history import write_trends
-
         write_trends(result, changes, target)
     if as_json:
         echo_json({name: {"values": [e.value for e in own], "changes": [own[k].made for k in changes[name]]}

@@ -35,18 +35,9 @@ from reports.terminal.text_plot import text_plot
 @click.option("-o", "output", metavar="FILE", help="Write times and poses to a .npz, .csv or .parquet file.")
 @STORE
 def command(
-    scene: str,
-    parameters: tuple[str, ...],
-    engine: str,
-    method: str | None,
-    output: str | None,
-    as_json: bool,
-    no_truth: bool,
-    store: str | None,
-    plot: bool,
-    keep_rates: tuple[str, ...],
-    **options: Any,
-) -> None:
+    scene: str, parameters: tuple[str, ...], engine: str, method: str | None, output: str | None, as_json: bool,
+    no_truth: bool, store: str | None, plot: bool, keep_rates: tuple[str, ...], **options: Any,
+) -> None:  # fmt: skip
     """Simulate SCENE and judge the result against its truth.
 
     The result is printed at once, then its error. A truth is computed once and stored.

@@ -13,7 +13,7 @@ from cross_checks.truths.made_by.sky.satellites import NoAirError
 from cross_checks.truths.made_by.sky.satellites import standard_density as of_the_truth
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
-from mbs_ref.kernels.particles.atmosphere import BASE, PRESSURE, standard_density
+from mbs_ref.kernels.particles.satellites import BASE, PRESSURE, standard_density
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status

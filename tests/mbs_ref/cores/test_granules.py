@@ -9,7 +9,7 @@ import pytest
 
 from cross_checks.conformance.symmetry.placement import Placement, obstacle
 from mbs_ref import Scene, observables, scenes
-from mbs_ref.cores import granules as arrays
+from mbs_ref.cores import contact_shapes as arrays
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.contact import neighbours

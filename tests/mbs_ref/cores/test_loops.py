@@ -14,7 +14,7 @@ from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.cores.system import System
-from mbs_ref.kernels.rigid.closures import Loops
+from mbs_ref.kernels.rigid.model import Loops
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, SpatialBody
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -109,7 +109,7 @@ def whole(system: System, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.nda
     if isinstance(system, SpatialSystem):
         force, jacobian, mass = system.applied_forces(0.0, y).ravel(), system.jacobian(0.0, y), system.mass_matrix()
     else:
-        force, jacobian = system.applied_forces(0.0, *y.reshape(2, -1, 3)).ravel(), system.jacobian(0.0, y)
+        force, jacobian = system.applied_forces(0.0, y).ravel(), system.jacobian(0.0, y)
         mass = np.diag(system.mass_matrix())
     gamma = system.right_side()
     m, n = jacobian.shape

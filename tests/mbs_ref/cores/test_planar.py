@@ -20,7 +20,7 @@ def _stacked(system: PlanarSystem, t: float, y: np.ndarray) -> tuple[np.ndarray,
 
 def _augmented(system: PlanarSystem, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return matrix and right-hand side of [M C_q^T; C_q 0][qdd; lambda] = [Q_e; gamma]."""
-    force, jacobian = system.applied_forces(t, *y.reshape(2, -1, 3)).ravel(), system.jacobian(t, y)
+    force, jacobian = system.applied_forces(t, y).ravel(), system.jacobian(t, y)
     rows = len(jacobian)
     matrix = np.block([[np.diag(system.mass_matrix()), jacobian.T], [jacobian, np.zeros((rows, rows))]])
     return matrix, np.concatenate((force, system.right_side()))
@@ -77,7 +77,7 @@ def test_reactions_and_loads_balance_every_body(case):
     """M a = f - C_q^T lambda: the sum of what the judge may be told about each joint."""
     system, y = case
     half = y.size // 2
-    force = system.applied_forces(T, y[:half].reshape(-1, 3), y[half:].reshape(-1, 3)).ravel()
+    force = system.applied_forces(T, y).ravel()
     lam = system.multipliers(T, y)
     left = system.mass_matrix() * system.derivative(T, y)[half:]
     np.testing.assert_allclose(left, force - system.jacobian(T, y).T @ lam, atol=1e-8, rtol=1e-9)

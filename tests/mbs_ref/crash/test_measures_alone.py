@@ -10,9 +10,9 @@ import pytest
 from mbs_ref import scenes
 from mbs_ref.crash import injury
 from mbs_ref.crash.results import Motion, _head_and_neck, _neck_axial, _powers, _restoring, crash_results
-from mbs_ref.observables.signal_values import values
 from mbs_ref.scene import Force, PlanarBody, Revolute, Scene, TorsionSpring
 from mbs_ref.scene.contact import CircleOnCircle, SpringDamperLaw
+from mbs_ref.scene.signals import values
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory

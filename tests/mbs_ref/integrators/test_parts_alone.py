@@ -11,7 +11,6 @@ import pytest
 from mbs_ref.integrators.loop import events, explicit, step
 from mbs_ref.integrators.loop.leg import Pace
 from mbs_ref.integrators.methods import gauss, generalized_alpha, radau
-from mbs_ref.integrators.stages import explicit_stages
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES
 from mbs_ref.integrators.stages.gauss_coefficients import gauss as coefficients
 from mbs_ref.integrators.stages.radau_newton import C, guess_stages
@@ -104,9 +103,9 @@ def test_a_slope_is_evaluated_anew_where_something_may_have_moved_the_state(eval
 
 def test_two_estimates_make_one_error_as_in_dop853(monkeypatch):
     """DOP853's ERR^2 / sqrt(ERR^2 + 0.01 ERR2^2) (Hairer, Norsett, Wanner I, sec. II.10)."""
-    monkeypatch.setattr(explicit_stages, "_estimate", lambda model, work, weights, *given: weights[0])
+    monkeypatch.setattr(explicit, "_estimate", lambda model, work, weights, *given: weights[0])
     tableau = SimpleNamespace(error=np.array([3.0]), error_low=np.array([4.0]))
-    found = explicit_stages.error_norm.py_func(None, None, tableau, 0.1, None, None, False, None, None)
+    found = explicit.error_norm.py_func(None, None, tableau, 0.1, None, None, False, None, None)
     assert found == pytest.approx(9.0 / np.sqrt(9.0 + 0.01 * 16.0))
 
 

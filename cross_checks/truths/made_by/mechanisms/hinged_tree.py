@@ -76,9 +76,6 @@ def _tree(scene: Scene, free: list[str], hinge: dict[str, Revolute]) -> Tree:
     return Tree(arm, mass, inertia, np.stack((cosine, sine)))
 
 
-# --- the equations -------------------------------------------------------------------------------------
-
-
 def _formulation(
     scene: Scene, free: list[str], tree: Tree, loads: Loads, slope: Callable, rates_of: Callable, start: np.ndarray
 ) -> Formulation:

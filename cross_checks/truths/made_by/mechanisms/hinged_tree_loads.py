@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cross_checks.engine.prescribed import factor
 from cross_checks.truths.truth import OutsideDomainError
 from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import Force, PlanarBody, PointBushing, Scene, SpringDamper, TorsionSpring
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, ProgressiveLaw, SpringDamperLaw
+from mbs_ref.scene.signals import piece_at
 
 COLUMNS = 8  # of the numbers of a pair
 
@@ -59,7 +59,7 @@ def loads_of(scene: Scene, free: list[str]) -> Loads:
         raise OutsideDomainError(f"{scene.name!r} has parts of a kind not known here: {', '.join(strange[:8])}")
     pushes = [x for x in scene.loads if isinstance(x, Force) and x.body in free]
     signals = list({repr(x.factor): x.factor for x in pushes}.values())
-    of_time = [factor(signal) for signal in signals]
+    of_time = [signal.segments() for signal in signals]
     numbers = [[*x.vector, [repr(s) for s in signals].index(repr(x.factor))] for x in pushes]
 
     def table(kind: Any, row: Callable) -> Pairs:
@@ -72,7 +72,7 @@ def loads_of(scene: Scene, free: list[str]) -> Loads:
         table(SpringDamper, _spring), table(PointBushing, _bushing), table(TorsionSpring, _torsion),
         table(CircleOnLine | CircleOnCircle, _contact),
     )  # fmt: skip
-    return Loads(arrays, lambda t: np.array([f.value(t) for f in of_time]))
+    return Loads(arrays, lambda t: np.array([piece_at(f, t).value(t) for f in of_time]))
 
 
 def _is_known(contact) -> bool:
@@ -143,9 +143,6 @@ def _contact(scene: Scene, free: list[str], x: CircleOnLine | CircleOnCircle) ->
     ends = half if x.extent == "capped" else np.inf
     numbers = (*law_numbers, x.radius, jumps, *(along / half), ends, x.thickness or np.inf)
     return a, b, center, first + along, numbers
-
-
-# --- evaluation ------------------------------------------------------------------------------------------
 
 
 @strict_jit

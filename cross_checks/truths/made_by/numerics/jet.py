@@ -1,7 +1,5 @@
 """Values with their first two derivatives by one parameter, in any precision, complex numbers included."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,26 +14,26 @@ class Jet:
     first: Any
     second: Any
 
-    def __add__(self, other) -> Jet:
+    def __add__(self, other) -> "Jet":
         o = lift(other)
         return Jet(self.value + o.value, self.first + o.first, self.second + o.second)
 
-    def __neg__(self) -> Jet:
+    def __neg__(self) -> "Jet":
         return Jet(-self.value, -self.first, -self.second)
 
-    def __sub__(self, other) -> Jet:
+    def __sub__(self, other) -> "Jet":
         return self + -lift(other)
 
-    def __mul__(self, other) -> Jet:
+    def __mul__(self, other) -> "Jet":
         return bilinear(np.multiply, self, other)
 
-    def __matmul__(self, other) -> Jet:
+    def __matmul__(self, other) -> "Jet":
         return bilinear(np.matmul, self, other)
 
     __radd__, __rmul__ = __add__, __mul__
     __array_ufunc__ = None  # an array times a jet is the jet's business
 
-    def __getitem__(self, key) -> Jet:
+    def __getitem__(self, key) -> "Jet":
         return Jet(self.value[key], self.first[key], self.second[key])
 
 

@@ -17,17 +17,12 @@ from mbs_ref.scene.scales import free_fall_time, unit_length
 
 # what each part of mbs_ref.scene.celestial does; Newton's gravity acts among all, and an epoch is a date
 FIELDS: dict[type, Callable[[Scene, Any], Field]] = {
-    celestial.Newton: gravity.newton,
-    celestial.Relativity: gravity.post_newtonian,
-    celestial.Oblateness: gravity.zonal_harmonics,
-    celestial.LunarFigure: gravity.lunar_figure,
-    celestial.Tide: gravity.lagging_tide,
-    celestial.Ring: gravity.fixed_ring,
-    celestial.ThirdBody: satellites.third_body,
-    celestial.Drag: satellites.drag,
-    celestial.StandardDrag: satellites.standard_drag,
-    celestial.RadiationPressure: satellites.sunlight,
-}
+    celestial.Newton: gravity.newton, celestial.Relativity: gravity.post_newtonian,
+    celestial.Oblateness: gravity.zonal_harmonics, celestial.LunarFigure: gravity.lunar_figure,
+    celestial.Tide: gravity.lagging_tide, celestial.Ring: gravity.fixed_ring,
+    celestial.ThirdBody: satellites.third_body, celestial.Drag: satellites.drag,
+    celestial.StandardDrag: satellites.standard_drag, celestial.RadiationPressure: satellites.sunlight,
+}  # fmt: skip
 
 
 def acceleration(scene: Scene) -> Field:
