@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.value import Value
+from pydrake.geometry import SceneGraph
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
@@ -77,20 +78,28 @@ class Simulated:
 
 def is_discrete(plan: Plan) -> bool:
     """Return whether the plant itself steps in time."""
-    return plan.method.name in (SAP, WORLD)
+    return plan.method.kind == "fixed" and not plan.method.name.endswith(FIXED)
 
 
-def simulated(plant: MultibodyPlant, reader: Reader, wrenches: Wrenches | None, plan: Plan) -> Simulated:
-    """Return a simulator whose integrator is chosen."""
-    if wrenches is None:
+def simulated(
+    plant: MultibodyPlant, reader: Reader, wrenches: Wrenches | None, plan: Plan, graph: SceneGraph | None = None
+) -> Simulated:
+    """Return a simulator whose integrator is chosen; a scene graph holds the plant's shapes that may touch."""
+    if wrenches is None and graph is None:
         simulator = Simulator(plant)
         found = Simulated(simulator, simulator.get_mutable_context())
     else:
         builder = DiagramBuilder()
         builder.AddSystem(plant)
-        loads = builder.AddSystem(Loads(wrenches, reader, plant.num_multibody_states()))
-        builder.Connect(plant.get_state_output_port(), loads.get_input_port())
-        builder.Connect(loads.get_output_port(), plant.get_applied_spatial_force_input_port())
+        if graph is not None:
+            builder.AddSystem(graph)
+            builder.Connect(graph.get_query_output_port(), plant.get_geometry_query_input_port())
+            poses = graph.get_source_pose_port(plant.get_source_id())
+            builder.Connect(plant.get_geometry_pose_output_port(), poses)
+        if wrenches is not None:
+            loads = builder.AddSystem(Loads(wrenches, reader, plant.num_multibody_states()))
+            builder.Connect(plant.get_state_output_port(), loads.get_input_port())
+            builder.Connect(loads.get_output_port(), plant.get_applied_spatial_force_input_port())
         diagram = builder.Build()
         simulator = Simulator(diagram)
         found = Simulated(simulator, plant.GetMyMutableContextFromRoot(simulator.get_mutable_context()))
