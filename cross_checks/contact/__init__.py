@@ -6,6 +6,7 @@ from pathlib import Path
 
 from cross_checks import engines
 from cross_checks.contact.request import ContactModel
+from cross_checks.engine import Engine
 
 ENGINES = ("mujoco", "exudyn", "drake", "dart", "newton")  # that have a contact model of their own
 
@@ -19,6 +20,12 @@ def model_of(engine: str) -> ContactModel | str:
     if not Path(__file__).with_name(f"{engine}_.py").exists():
         return "its contact parameters are not translated yet"
     return import_module(f"{__name__}.{engine}_").MODEL
+
+
+def own_engine(name: str) -> Engine:
+    """Return the engine with its own contact model where it has one, else as registered; raises EngineMissing."""
+    model = model_of(name) if name in ENGINES else ""
+    return engines.get(name) if isinstance(model, str) else model.engine
 
 
 def models(names: Sequence[str] = ENGINES) -> tuple[dict[str, ContactModel], list[str]]:

@@ -198,12 +198,12 @@ STIFFNESS, DAMPING = 1e5, 200.0  # N/m, N s/m of each corner
 
 def holding() -> dict[str, Scene]:
     """Return blocks that Coulomb's law holds: on a slope, beneath a load, pressed to a wall and gripped by jaws."""
-    cases = {f"slope at {share:.0%} of the cone": _slope(share, 0.0) for share in SHARES}
-    cases |= {f"slope beneath {load:g} of its mass": _slope(SHARES[1], load) for load in LOADS}
-    return cases | {"pressed to a wall": _pressed(SHARES[1]), "gripped by two jaws": _pressed(SHARES[1], 2)}
+    cases = {f"slope at {share:.0%} of the cone": slope(share, 0.0) for share in SHARES}
+    cases |= {f"slope beneath {load:g} of its mass": slope(SHARES[1], load) for load in LOADS}
+    return cases | {"pressed to a wall": pressed(SHARES[1]), "gripped by two jaws": pressed(SHARES[1], 2)}
 
 
-def _slope(share: float, load: float) -> Scene:
+def slope(share: float, load: float) -> Scene:
     """Return a block on a slope of tan(angle) = share of mu, and on it a block `load` times as heavy, if any."""
     angle, harder = math.atan(share * FRICTION), max(load, 1.0)
     laws = {"stiffness": STIFFNESS * harder, "damping": DAMPING * harder}
@@ -214,9 +214,12 @@ def _slope(share: float, load: float) -> Scene:
     return stack.model_copy(update={"gravity": gravity, "contacts": contacts})
 
 
-def _pressed(share: float, jaws: int = 1) -> Scene:
-    """Return a block whose weight pulls along the wall to which a force presses it, itself or by a jaw that slides."""
-    scene = _slope(share, float(jaws - 1))
+def pressed(share: float, jaws: int = 1, load: float = 1.0) -> Scene:
+    """Return a block that a force presses to a wall along which its weight pulls, itself or by a jaw that slides.
+
+    The jaw is `load` times as heavy as the block.
+    """
+    scene = slope(share, load if jaws > 1 else 0.0)
     block, last = scene.bodies[0], scene.bodies[-1]
     force = block.mass * GRAVITY / (jaws * share * FRICTION)
     load = Force(name="press", body=last.name, point=last.position, vector=(0.0, 0.0, -force))
