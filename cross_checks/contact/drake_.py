@@ -18,9 +18,9 @@ from cross_checks.contact import request as wanted
 from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request, Translation, own_law, snippet
 from cross_checks.engine import Method, Plan, Refusal, fixed
 from cross_checks.engines.drake_ import Built, Drake
-from cross_checks.engines.drake_.build import Reader, plant_of
-from cross_checks.engines.drake_.run import SAP, simulated
-from cross_checks.linkage.forces import LOCATED, applied, read
+from cross_checks.engines.drake_.build import Shapes
+from cross_checks.engines.drake_.run import SAP
+from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.surfaces import THICK, frame_of, is_half_space, pair_mass, spheres_of
 from cross_checks.truths.of.bouncing import impact
@@ -51,9 +51,8 @@ class OwnContact(Drake):
             reasons.append(Refusal("the gaps between teeth are not convex, and Drake's shapes are", True))
         return reasons
 
-    def build(self, scene: Scene, plan: Plan) -> Built:
-        linkage, bare = linkage_of(scene), linkage_of(scene.model_copy(update={"contacts": ()}))
-        loads, graph = applied(bare), geometry.SceneGraph()
+    def build(self, scene: Scene, plan: Plan, shapes: tuple[Shapes, geometry.SceneGraph] | None = None) -> Built:
+        linkage, graph = linkage_of(scene), geometry.SceneGraph()
 
         def add_shapes(plant: MultibodyPlant, bodies: dict[int, Any]) -> None:
             plant.RegisterAsSourceForSceneGraph(graph)
@@ -65,13 +64,7 @@ class OwnContact(Drake):
                 declared.AllowBetween(geometry.GeometrySet(a), geometry.GeometrySet(b))
             graph.collision_filter_manager().Apply(declared)
 
-        gravity = bare.gravity if loads is None else np.zeros(3)
-        plant = plant_of(bare, plan.step, gravity, True, add_shapes)
-        reader = Reader(plant, bare)
-        acting = None if loads is None else lambda t, state: loads.wrenches(t, read(bare, reader, state))
-        model = simulated(plant, reader, acting, plan, graph)
-        plant.SetPositionsAndVelocities(model.context, reader.start(bare))
-        return Built(bare, plant, reader, loads, model)
+        return super().build(scene.model_copy(update={"contacts": ()}), plan, (add_shapes, graph))
 
 
 def _add_pair(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, contact: Any, plan: Plan) -> list[Any]:

@@ -7,7 +7,7 @@ inertia, friction and restitution. `tosses_data/` contains 20 of them and their 
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cross_checks import engines
-from cross_checks.contact.by_figure import motion, run
+from cross_checks.contact.by_figure import motion, stepped
 from cross_checks.contact.request import NOMINAL_SPEED, ContactModel, linear_law
 from cross_checks.isolation.workers import Report
 from cross_checks.judge.vocabulary import OURS
@@ -236,21 +236,16 @@ def _ours(scene: Scene, fine: bool) -> Trajectory | str:
     rtol, outputs = RTOL * (FINER if fine else 1.0), "dense" if fine else "landed"  # steps differ
     more: dict[str, Any] = {"rtol": rtol, "atol": rtol * HALF, "outputs": outputs}
     settings = Settings(method="dop853", reactions=False, estimate="off", **more)
-    times = np.arange(round(scene.duration * RATE) + 1) / RATE
-    return motion(engines.get(OURS), scene, settings, times)
+    return motion(engines.get(OURS), scene, settings, _samples(scene))
+
+
+def _samples(scene: Scene) -> np.ndarray:
+    return np.arange(round(scene.duration * RATE) + 1) / RATE
 
 
 def _sampled(model: ContactModel, method: str, steps: int) -> Callable[[Scene, bool], Trajectory | str]:
     """Return runs with so many steps a sample, or twice as many."""
-
-    def runs(scene: Scene, fine: bool) -> Trajectory | str:
-        every = steps * (2 if fine else 1)
-        path = run(model, method, scene, 1.0 / (RATE * every))
-        if isinstance(path, str):
-            return path
-        return replace(path, times=path.times[::every], **{name: getattr(path, name)[::every] for name in STATE})
-
-    return runs
+    return lambda scene, fine: stepped(model, method, scene, 1.0 / (RATE * steps * (1 + fine)), _samples(scene))
 
 
 @dataclass(frozen=True)

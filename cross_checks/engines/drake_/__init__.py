@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant  # an optional extra
+from pydrake.geometry import SceneGraph  # an optional extra
+from pydrake.multibody.plant import MultibodyPlant
 
 from cross_checks.engine import Engine, Loop, Method, Plan, Refusal, stopped
-from cross_checks.engines.drake_.build import Reader, plant_of, tied_to_ground
+from cross_checks.engines.drake_.build import Reader, Shapes, plant_of, tied_to_ground
 from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
@@ -58,15 +59,18 @@ class Drake(LinkageEngine):
             except Lost as lost:
                 return stopped(scene, Status.ENGINE_ERROR, f"drake did not come back: {lost}")
 
-    def build(self, scene: Scene, plan: Plan) -> Built:
+    def build(self, scene: Scene, plan: Plan, shapes: tuple[Shapes, SceneGraph] | None = None) -> Built:
         linkage = linkage_of(scene)
         loads = applied(linkage)
         step = plan.step if is_discrete(plan) else 0.0
         # with loads, gravity comes with them from the one system of applied forces
-        plant = plant_of(linkage, step, linkage.gravity if loads is None else np.zeros(3), plan.method.name != SAP)
+        gravity = linkage.gravity if loads is None else np.zeros(3)
+        add_shapes, graph = shapes or (None, None)
+        to_world = plan.method.name == WORLD or not is_discrete(plan)
+        plant = plant_of(linkage, step, gravity, to_world, add_shapes)
         reader = Reader(plant, linkage)
         acting = None if loads is None else lambda t, state: loads.wrenches(t, read(linkage, reader, state))
-        model = simulated(plant, reader, acting, plan)
+        model = simulated(plant, reader, acting, plan, graph)
         plant.SetPositionsAndVelocities(model.context, reader.start(linkage))
         return Built(linkage, plant, reader, loads, model)
 
