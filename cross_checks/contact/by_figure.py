@@ -219,12 +219,12 @@ def slope(share: float, load: float) -> Scene:
     return stack.model_copy(update={"gravity": gravity, "contacts": contacts})
 
 
-def pressed(share: float, jaws: int = 1, load: float = 1.0) -> Scene:
+def pressed(share: float, jaws: int = 1, ratio: float = 1.0) -> Scene:
     """Return a block that a force presses to a wall along which its weight pulls, itself or by a jaw that slides.
 
-    The jaw is `load` times as heavy as the block.
+    The jaw is `ratio` times as heavy as the block.
     """
-    scene = slope(share, load if jaws > 1 else 0.0)
+    scene = slope(share, ratio if jaws > 1 else 0.0)
     block, last = scene.bodies[0], scene.bodies[-1]
     force = block.mass * GRAVITY / (jaws * share * FRICTION)
     load = Force(name="press", body=last.name, point=last.position, vector=(0.0, 0.0, -force))

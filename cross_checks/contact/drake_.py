@@ -69,7 +69,9 @@ class OwnContact(Drake):
 
 def _add_pair(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, contact: Any, plan: Plan) -> list[Any]:
     """Add the two shapes of a contact, each with twice the stiffness and half the relaxation time; return their ids."""
-    shapes = [(body, center, np.eye(3), geometry.Sphere(radius)) for body, center, radius in spheres_of(contact)]
+    shapes: list[Any] = [
+        (body, center, np.eye(3), geometry.Sphere(radius)) for body, center, radius in spheres_of(contact)
+    ]
     if not isinstance(contact, RoundPair):
         axes, middle, sides = frame_of(contact)
         depth = contact.thickness or THICK

@@ -4,6 +4,9 @@ Each engine runs the lines that the command prints for it. Its model is built he
 rebound, duration and penetration are read from its coordinates.
 """
 
+# Drake has no type information here.
+# pyright: reportMissingImports=false
+
 import json
 import re
 from typing import Any
