@@ -32,7 +32,7 @@ ROOMS = {
     ),
     "cross_checks": (
         "isolation", "engine", "linkage truths", "engines robots", "writers",
-        "ephemerides", "metrics", "records", "judge", "conformance contact extremes prices trajectory_files",
+        "ephemerides", "metrics", "records", "judge", "contact", "conformance extremes prices trajectory_files",
     ),
     "benchmarks": ("calibration record_changes", "history trees", "suites"),
     "reports": (

@@ -1,11 +1,14 @@
 """Engines with their own contact models, compared by figures: one file for each engine, listed at run time."""
 
 from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
 from cross_checks import engines
-from cross_checks.contact.request import ContactModel
+from cross_checks.contact.request import ContactModel, Request, Translation
+from cross_checks.engine import Engine
+from cross_checks.engines.elsewhere import Elsewhere
 
 ENGINES = ("mujoco", "exudyn", "drake", "dart", "newton")  # that have a contact model of their own
 
@@ -14,11 +17,37 @@ def model_of(engine: str) -> ContactModel | str:
     """Return the contact model of an engine, or the reason why there is none; ValueError for another name."""
     if engine not in ENGINES:
         raise ValueError(f"engine = {engine!r} has no contact model here; allowed: {', '.join(ENGINES)}")
-    if not any(engines.installed([engine])):
+    found = next(engines.installed([engine]), None)
+    if found is None:
         return "not installed"
     if not Path(__file__).with_name(f"{engine}_.py").exists():
         return "its contact parameters are not translated yet"
-    return import_module(f"{__name__}.{engine}_").MODEL
+    if not isinstance(found, Elsewhere):
+        return _model_here(engine)
+    there = Elsewhere(engine, found.home, _engine_here)
+    return ContactModel(there, partial(there.ask, _translation, engine), there.ask(_compared, engine))
+
+
+def _model_here(name: str) -> ContactModel:
+    return import_module(f"{__name__}.{name}_").MODEL
+
+
+def _engine_here(name: str) -> Engine:
+    return _model_here(name).engine
+
+
+def _translation(_: object, name: str, request: Request) -> Translation:
+    return _model_here(name).translate(request)
+
+
+def _compared(_: object, name: str) -> tuple[str, ...]:
+    return _model_here(name).compared
+
+
+def own_engine(name: str) -> Engine:
+    """Return the engine with its own contact model where it has one, else as registered; raises EngineMissing."""
+    model = model_of(name) if name in ENGINES else ""
+    return engines.get(name) if isinstance(model, str) else model.engine
 
 
 def models(names: Sequence[str] = ENGINES) -> tuple[dict[str, ContactModel], list[str]]:

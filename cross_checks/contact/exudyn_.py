@@ -16,7 +16,8 @@ from cross_checks.engine.plan import DEFAULT_STEP
 from cross_checks.engines.exudyn_ import Built, Exudyn
 from cross_checks.engines.exudyn_.contact import FLAT, SLOW, surface_of
 from cross_checks.engines.exudyn_.run import CONTACT, METHODS
-from mbs_ref.scene import GROUND, Scene
+from cross_checks.linkage.surfaces import pair_mass
+from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import RegularisedCoulomb, StickSlip
 
 CORNER = 1e-3  # m, deeper than the corners of bodies at rest sink
@@ -45,8 +46,7 @@ def translated(scene: Scene, step: float) -> Scene:
 
 def _own(scene: Scene, contact: Any, step: float) -> dict[str, object]:
     """Return the law, and for a corner the sphere whose lowest point it is: a sphere of radius 0 touches nothing."""
-    ends = [scene.body_index(name) for name in (contact.body_a, contact.body_b) if name != GROUND]
-    mass, flat = 1.0 / sum(1.0 / scene.bodies[k].mass for k in ends), isinstance(contact, FLAT)
+    mass, flat = pair_mass(scene, contact), isinstance(contact, FLAT)
     own: dict[str, object] = {"law": own_law(contact.law, mass, step, "gap" if flat else "force")}
     if isinstance(contact.friction, StickSlip):
         speed = ramp(contact.friction.coefficient, math.hypot(*scene.gravity), step) or SLOW

@@ -32,7 +32,7 @@ class Elsewhere(Engine):
         self.name, self.home = name, home  # type: ignore[misc]
         self._call: Isolated | None = None
         self._process = 0
-        stated, self._methods, self._version, self.made_of = self._ask(_about, name)
+        stated, self._methods, self._version, self.made_of = self.ask(_about, name)
         vars(self).update(stated)
 
     def methods(self) -> tuple[Method, ...]:
@@ -42,23 +42,26 @@ class Elsewhere(Engine):
         return self._version
 
     def refusals(self, scene: Scene) -> list[Refusal]:
-        return _stay(self.name, scene) or self._ask(_answer, self.name, "refusals", scene)[0]
+        return _stay(self.name, scene) or self.ask(_answer, self.name, "refusals", scene)[0]
 
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
-        return _stay(self.name, scene) or self._ask(_answer, self.name, "method_refusals", scene, method)[0]
+        return _stay(self.name, scene) or self.ask(_answer, self.name, "method_refusals", scene, method)[0]
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         if _stay(self.name, scene):
             return super().run(scene, settings, times)  # says why not
         try:
-            path, cpu_s = self._ask(_answer, self.name, "run", scene, settings, times)
+            path, cpu_s = self.ask(_answer, self.name, "run", scene, settings, times)
             Elsewhere.spent_s += cpu_s
             return path
         except Lost as lost:
             return stopped(scene, Status.ENGINE_ERROR, f"{self.name} did not come back: {lost}")
 
-    def _ask(self, function: Any, *arguments: Any) -> Any:
-        """Call in the engine's environment. A copy of this process has a child of its own: a pipe has two ends."""
+    def ask(self, function: Any, *arguments: Any) -> Any:
+        """Return function(get, *arguments), called in the engine's environment.
+
+        A copy of this process has a child of its own: a pipe has two ends.
+        """
         if self._call is None or self._process != os.getpid():
             around = tuple(surroundings(self.name).items())
             self._call = Isolated(timeout=math.inf, python=str(python_of(self.home)), variables=around)

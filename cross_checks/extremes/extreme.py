@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.engine import Method
+from cross_checks import engines
+from cross_checks.engine import Engine, Method
 from mbs_ref import Scene, Settings, Trajectory
 
 STEP, RTOL = 1e-3, 1e-8  # s and relative: the settings of a run, unless an axis changes them
@@ -69,6 +70,7 @@ class Extreme:
     title: str  # one sentence: what happens, and why it is hard
     axis: Axis
     case: Callable[[float], Case]
+    engine: Callable[[str], Engine] = engines.get  # by name; raises EngineMissing
 
     def values(self, full: bool = False) -> tuple[float, ...]:
         """Return the axis, mild first."""

@@ -29,7 +29,8 @@ Task = tuple[str, str, Extreme]  # engine, method (empty where the engine is not
 def run_point(extreme_name: str, value: float, engine_name: str, method_name: str) -> Point:
     """Make one run and judge it; called in a child."""
     began = time.perf_counter()
-    extreme, engine = named(extreme_name), registry.get(engine_name)
+    extreme = named(extreme_name)
+    engine = extreme.engine(engine_name)
     case, method = extreme.case(value), engine.method(method_name)
     settings = settings_for(case, method)
     if case.unchecked and not engine.checks_start:
@@ -89,12 +90,16 @@ def tasks(extremes: Sequence[Extreme], engines: Collection[str], full: bool) -> 
     """Return every extreme with every method, those of a method together; a few methods only unless `full`."""
     listed: list[Task] = []
     for name in engines:
-        try:
-            offered = [method.name for method in registry.get(name).methods()]
-        except registry.EngineMissing:
-            offered = [""]
-        chosen = [method for method in offered if full or not method or method in QUICK.get(name, offered)]
-        listed += [(name, method, extreme) for method in chosen for extreme in extremes]
+        mine: list[Task] = []
+        for extreme in extremes:
+            try:
+                offered = [method.name for method in extreme.engine(name).methods()]
+            except registry.EngineMissing:
+                offered = [""]
+            few = [method for method in offered if full or not method or method in QUICK.get(name, offered)]
+            mine += [(name, method, extreme) for method in few or offered]
+        first = [task[1] for task in mine]
+        listed += sorted(mine, key=lambda task: first.index(task[1]))
     return listed
 
 
@@ -124,5 +129,5 @@ def _cell(full: bool, call: Any, task: Task) -> Cell:
     if not method:
         reason = f"{MISSING}: {name} is not installed"
         return Cell(extreme.name, extreme.family, name, "", full, Fate.CANNOT, None, (), reason)
-    engine = registry.get(name)
+    engine = extreme.engine(name)
     return cell_of(extreme, engine, engine.method(method), full, call.call)

@@ -3,6 +3,7 @@
 Every body's frame is its joint's, along the world's axes at t = 0.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,11 +14,16 @@ from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant
 from cross_checks.linkage.links import Closure, Link, Linkage
 from cross_checks.linkage.tree import FIXED
 
+Shapes = Callable[[MultibodyPlant, dict[int, Any]], None]
 
-def plant_of(linkage: Linkage, step: float, gravity: np.ndarray, to_world: bool) -> MultibodyPlant:
+
+def plant_of(
+    linkage: Linkage, step: float, gravity: np.ndarray, to_world: bool, add_shapes: Shapes | None = None
+) -> MultibodyPlant:
     """Return the plant; `step` (s) is 0 for continuous time, gravity (3,) in m/s^2.
 
-    Constraints `to_world` are tied to Drake's own world body; else to a body that is welded to it.
+    Constraints `to_world` are tied to Drake's own world body; else to a body that is welded to it. `add_shapes` is
+    called with the plant and its bodies by their index in the scene.
     """
     plant = MultibodyPlant(time_step=step)
     if step:
@@ -32,6 +38,8 @@ def plant_of(linkage: Linkage, step: float, gravity: np.ndarray, to_world: bool)
         anchor = plant.AddRigidBody("anchor", parts.SpatialInertia.SolidSphereWithMass(1.0, 1.0))
         plant.WeldFrames(plant.world_frame(), anchor.body_frame())
         bodies[FIXED] = anchor
+    if add_shapes is not None:
+        add_shapes(plant, bodies)
     for closure in linkage.closures:
         _add_closure(plant, bodies, linkage, closure)
     plant.mutable_gravity_field().set_gravity_vector(gravity)

@@ -10,27 +10,22 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cross_checks.linkage.links import Linkage, Z, lifted
+from cross_checks.linkage.links import Linkage
+from cross_checks.linkage.surfaces import THICK, frame_of, is_half_space, pair_mass, spheres_of
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene import contact as laws
-from mbs_ref.scene.base.part import normals, unit
+from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.contact import CircleOnLine, RoundPair, SphereOnPlane
 from mbs_ref.scene.euler_parameters import from_matrix
-
-CORNER = 1e-9  # m, radius of the sphere that stands for a corner
-REACH, THICK = 100.0, 1.0  # m: half length of an endless surface on a body, and depth of a box without a thickness
-ENDLESS = (2.0 * REACH, 2.0 * REACH)  # m
 
 
 def add_pair(spec, frames, linkage: Linkage, contact):
     """Add the two geoms of a contact and return their pair, apart from which neither touches anything."""
-    if isinstance(contact, RoundPair):
-        _add_sphere(frames, linkage, f"{contact.name}/b", contact.body_b, contact.center_b, contact.radius_b)
-        first = (contact.center_a, contact.radius_a)
-    else:
+    for end, (body, center, radius) in zip("ab", spheres_of(contact), strict=False):
+        size = (radius, 0.0, 0.0)
+        _add_geom(frames, linkage, f"{contact.name}/{end}", body, center, mujoco.mjtGeom.mjGEOM_SPHERE, size=size)
+    if not isinstance(contact, RoundPair):
         _add_surface(frames, linkage, contact)
-        first = (contact.center, contact.radius)
-    _add_sphere(frames, linkage, f"{contact.name}/a", contact.body_a, *first)
     pair = spec.add_pair(name=contact.name, geomname1=f"{contact.name}/b", geomname2=f"{contact.name}/a")
     pair.margin, pair.gap, pair.condim = 0.0, 0.0, 1
     if contact.friction is not None:
@@ -43,36 +38,17 @@ def _add_geom(frames, linkage: Linkage, name: str, body: str, point, kind, **mor
     frame.add_geom(name=name, type=kind, pos=place, mass=0.0, contype=0, conaffinity=0, **more)
 
 
-def _add_sphere(frames, linkage: Linkage, name: str, body: str, center, radius: float) -> None:
-    size = (max(radius, CORNER), 0.0, 0.0)
-    _add_geom(frames, linkage, name, body, center, mujoco.mjtGeom.mjGEOM_SPHERE, size=size)
-
-
 def _add_surface(frames, linkage: Linkage, contact) -> None:
     """Add a plane to the world, or below a bounded or moving surface a box."""
     axes, middle, sides = frame_of(contact)
     place = (frames, linkage, f"{contact.name}/b", contact.body_b)
-    if contact.body_b == GROUND and sides == ENDLESS and contact.thickness is None:
+    if is_half_space(contact):
         kind, size = mujoco.mjtGeom.mjGEOM_PLANE, (0.0, 0.0, 1.0)
     else:
         depth = contact.thickness or THICK
         kind, size = mujoco.mjtGeom.mjGEOM_BOX, (0.5 * sides[0], 0.5 * sides[1], 0.5 * depth)
         middle = middle - 0.5 * depth * axes[:, 2]
     _add_geom(*place, middle, kind, size=size, quat=from_matrix(axes))
-
-
-def frame_of(contact) -> tuple[np.ndarray, np.ndarray, tuple[float, float]]:
-    """Return axes (3, 3) of a flat surface as columns, the normal last, its middle (3,) m, and its sides (m)."""
-    if isinstance(contact, SphereOnPlane):
-        normal, middle, sides = unit(contact.normal), lifted(contact.point), contact.size or ENDLESS
-        along = unit(contact.edge) if contact.edge else normals(normal)[0]
-    else:
-        start, end = lifted(contact.point_1), lifted(contact.point_2)
-        along = unit(end - start)
-        bounded, normal = contact.extent != "line", np.cross(Z, along)
-        middle = 0.5 * (start + end) if bounded else start
-        sides = (float(np.linalg.norm(end - start)), 2.0 * REACH) if bounded else ENDLESS
-    return np.column_stack((along, np.cross(normal, along), normal)), middle, sides
 
 
 def effective_mass(model: mujoco.MjModel, data: mujoco.MjData, contact) -> float:
@@ -96,8 +72,7 @@ PENALTY_SOLIMP = (1e-4, 1e-4, 0.001, 0.5, 2.0)
 def add_contact(spec, frames, linkage: Linkage, contact: laws.Contact) -> None:
     """A sphere against a plane or another sphere, by the scene's law."""
     pair = add_pair(spec, frames, linkage, contact)
-    masses = {body.name: body.mass for body in linkage.scene.bodies} | {GROUND: math.inf}
-    mass = 1.0 / (1.0 / masses[contact.body_a] + 1.0 / masses[contact.body_b])  # no pose changes it: bodies are free
+    mass = pair_mass(linkage.scene, contact)  # no pose changes it: bodies are free
     law: Any = contact.law
     pair.solref = (-law.stiffness / mass, -law.damping / mass)
     pair.solimp = PENALTY_SOLIMP

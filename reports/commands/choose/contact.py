@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from reports import inputs
-from reports.terminal.console import EngineAbsent, NothingSelected, complain, echo_json, show_table
+from reports.terminal.console import EngineAbsent, NothingSelected, complain, echo_json, progress, show_table
 
 if TYPE_CHECKING:
     from cross_checks.contact.request import ContactModel
@@ -33,7 +33,14 @@ if TYPE_CHECKING:
 )
 @click.option("--at", type=float, default=0.0, metavar="T", help="Time of --instant (s); 0 unless given.")
 @inputs.PARAMETERS
-@click.option("--tosses", is_flag=True, help="Compare predictions with measured tosses of a cube instead.")
+@click.option(
+    "--tosses",
+    type=click.IntRange(0),
+    is_flag=False,
+    flag_value=0,
+    metavar="[N]",
+    help="Compare predictions with measured tosses of a cube instead: all, or N drawn at random.",
+)
 @click.option(
     "--folder", type=inputs.FOLDER, help="Of other tosses than those of this package: ContactNets' .pt files."
 )
@@ -41,7 +48,7 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print JSON lines.")
 def command(
     figures: bool, only: tuple[str, ...], holding: bool, instant: Path | None, at: float, parameters: tuple[str, ...],
-    tosses: bool, folder: Path | None, chosen: tuple[str, ...], as_json: bool, **request,
+    tosses: int | None, folder: Path | None, chosen: tuple[str, ...], as_json: bool, **request,
 ):  # fmt: skip
     """Translate a contact into the parameters of each engine.
 
@@ -60,7 +67,7 @@ def command(
         raise click.UsageError(str(error)) from error
     if absent and (chosen or not present):
         raise EngineAbsent("; ".join(absent))
-    if bool(figures) + bool(holding or instant) + bool(tosses or folder) > 1:
+    if bool(figures) + bool(holding or instant) + bool(tosses is not None or folder) > 1:
         raise click.UsageError("--figures, --holding or --instant, and --tosses exclude each other")
     if (at or parameters) and (holding or not instant):
         raise click.UsageError("--at and -p go with --instant FILE --scene SCENE")
@@ -69,8 +76,8 @@ def command(
     if instant and not holding:
         _print(_violations(present, [inputs.scene(name, parameters) for name in only], at, request["step"], instant),
                as_json)  # fmt: skip
-    elif tosses or folder:
-        _print(_predictions(present, folder, request["step"], each=as_json), as_json)
+    elif tosses is not None or folder:
+        _print(_predictions(present, folder, request["step"], tosses or 0, each=as_json), as_json)
     elif figures or holding:
         cases = by_figure.holding() if holding else by_figure.with_contact()
         if unknown := [name for name in only if name not in cases]:
@@ -122,13 +129,16 @@ def _violations(models: dict[str, ContactModel], cases: list[Scene], at: float, 
     return instant.assess(problem, models.values())
 
 
-def _predictions(models: dict[str, ContactModel], folder: Path | None, step: float, *, each: bool) -> Iterable[Any]:
-    """Return the predictions of every toss, or their medians by model."""
+def _predictions(
+    models: dict[str, ContactModel], folder: Path | None, step: float, sample: int, *, each: bool
+) -> Iterable[Any]:
+    """Yield the predictions of every toss, or their medians by model."""
     from cross_checks.contact import tosses
 
     try:
-        predicted = tosses.predict(tosses.stored(folder), models, step)
-        return predicted if each else tosses.summaries(predicted)
+        with progress("tosses") as report:
+            predicted = tosses.predict(tosses.stored(folder), models, step, sample, report)
+            yield from predicted if each else tosses.summaries(predicted)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
 

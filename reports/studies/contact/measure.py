@@ -13,12 +13,10 @@ from cross_checks.contact.tosses import Summary, predict, stored, summaries
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.distance import farthest
 from mbs_ref.observables.energy import is_conservative, kinetic_energy, potential_energy
 from mbs_ref.observables.powers import powers
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Curves, Measured, Row, curves, film, plain
-from reports.studies.crash import largest_gap
 
 STEPS = (375, 750, 1500, 3000, 6000)  # over the ball's 0.4 s
 LAWS = {
@@ -31,33 +29,30 @@ FEW_TOSSES = 4  # one of so many is predicted, unless all are
 VEHICLE_END, VEHICLE_SAMPLES = 2.0, 201
 NOMINAL = 1e-3  # difference from the nominal restitution above which a law does not return it
 FILMED = 5  # samples a picture
-VEHICLE_RUNS = (
-    Settings(method="dop853", rtol=1e-8), Settings(method="rk4", step=1e-4, reactions=False),
-    Settings(method="lsodar", rtol=1e-7, reactions=False),
-)  # fmt: skip
+VEHICLE_RUN = Settings(method="dop853", rtol=1e-8, t_end=VEHICLE_END, samples=VEHICLE_SAMPLES, estimate="off")
 
 
 def measure(full: bool = False) -> Measured:
-    """Measure it; most of the time is the vehicle's. With `full` all tosses are predicted."""
+    """Measure it; most of the time is the engines'. With `full` all tosses are predicted."""
     tosses = stored()
     shown = tosses if full else tosses[::FEW_TOSSES]
     vehicle = scenes.make("tracked_vehicle")
-    paths, runs = vehicle_runs(vehicle)
+    path = _good(simulate(vehicle, VEHICLE_RUN))
     energy = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1, estimate="off"), longest=2e-4)
     orders = tuple(ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located"))
     figures = {f"order.{row['law']}.{row['events']}": row["order"] for row in orders} | {
-        "vehicle.description": vehicle.description, "vehicle.t_end": float(paths[0].times[-1]),
+        "vehicle.description": vehicle.description, "vehicle.t_end": float(path.times[-1]),
         "vehicle.energy_end": float(energy.times[-1]), "vehicle.exchanged": energy.exchanged,
         "vehicle.drift": float(np.max(np.abs(energy.drift))), "tosses.shown": len(shown), "tosses.stored": len(tosses),
     }  # fmt: skip
     tables = {
-        "orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS), "runs": runs,
+        "orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS),
         "engines": tuple(_by_engine(one) for one in compare(models()[0], with_contact(), ENGINES_STEP)),
         "tosses": tuple(_of_tosses(one) for one in summaries(predict(shown, models()[0], TOSSES_STEP))),
     }  # fmt: skip
-    drawn = {f"vehicle: {name}": lines for name, lines in vehicle_curves(vehicle, paths[0], energy).items()}
+    drawn = {f"vehicle: {name}": lines for name, lines in vehicle_curves(vehicle, path, energy).items()}
     drawn |= {f"order: {row['law']}, events {row['events']}": _line(row) for row in orders}
-    return Measured(figures, tables, drawn, {"vehicle": film(vehicle, paths[0], FILMED)})
+    return Measured(figures, tables, drawn, {"vehicle": film(vehicle, path, FILMED)})
 
 
 def _by_engine(one: Obtained) -> Row:
@@ -78,22 +73,6 @@ def _line(row: Row) -> Curves:
     errors = plain([row[str(n)] for n in STEPS])
     label, axis = "error of the speed after the bounce, m/s", "steps over 0.4 s"
     return Curves(plain(STEPS), {"error": errors}, label, axis, log=True, x_log=True, marks="lines+markers")
-
-
-def vehicle_runs(vehicle: Scene) -> tuple[list[Trajectory], tuple[Row, ...]]:
-    """Run the vehicle with each method; the first is what the others are compared with."""
-    more = {"t_end": VEHICLE_END, "samples": VEHICLE_SAMPLES, "estimate": "off"}
-    paths = [simulate(vehicle, settings.model_copy(update=more)) for settings in VEHICLE_RUNS]
-    return paths, tuple(_vehicle_run(vehicle, s, p, paths[0]) for s, p in zip(VEHICLE_RUNS, paths, strict=True))
-
-
-def _vehicle_run(vehicle: Scene, settings: Settings, path: Trajectory, first: Trajectory) -> Row:
-    setting = f"step {settings.step:g} s" if settings.step else f"rtol {settings.rtol:g}"
-    return {
-        "method": f"{settings.method}, {setting}", "steps": int(path.steps), "events": int(path.events),
-        "compliance": largest_gap(path), "difference": farthest(vehicle, path, first)[0],
-        "loop_s": float(path.timing.loop_s), "status": str(path.status) if path.ok else path.message,
-    }  # fmt: skip
 
 
 def _ball(law: str) -> Scene:

@@ -57,6 +57,16 @@ def test_a_block_pressed_to_a_wall_creeps_as_beneath_a_larger_gravity():
     assert 0.5 * creep < figures_of(gripped, other)["creep, m/s"] < creep  # twice the contacts, with less impedance
 
 
+def test_drake_creeps_as_its_friction_is_regularised():
+    """SAP in proportion to the step; else s/sqrt(1 - s^2) of the stiction tolerance of 1e-4 m/s at the share s."""
+    pytest.importorskip("pydrake")
+    share, block = np.tan(ANGLE) / 0.7, holding()["slope at 29% of the cone"]
+    obtained = {name: one["creep, m/s"] for name, one in rows(block, "drake", 2e-3, every=True).items()}
+    for method in ("similar", "lagged", "stock"):
+        assert obtained[method].obtained == pytest.approx(1e-4 * share / np.sqrt(1.0 - share**2), rel=1e-3)
+    assert obtained["sap"].change == pytest.approx(-0.5 * obtained["sap"].obtained, rel=1e-3)
+
+
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
 def test_a_block_stops_where_coulomb_stops_it(engine):
     pytest.importorskip(engine)

@@ -4,6 +4,9 @@ Each engine runs the lines that the command prints for it. Its model is built he
 rebound, duration and penetration are read from its coordinates.
 """
 
+# Drake has no type information here.
+# pyright: reportMissingImports=false
+
 import json
 import re
 from typing import Any
@@ -85,6 +88,39 @@ def _exudyn(request: dict[str, float], snippet: str) -> np.ndarray:
     return np.asarray(system.GetSensorStoredData(sensor), dtype=float)[:, 3] - 2.0 * RADIUS
 
 
+def _drake(request: dict[str, float], snippet: str) -> np.ndarray:
+    """Return the same of two spheres of Drake, the lower one of the world, by the printed lines."""
+    from pydrake import geometry
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, DiscreteContactApproximation
+    from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
+    from pydrake.systems.analysis import Simulator
+    from pydrake.systems.framework import DiagramBuilder
+
+    builder: Any = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, request["step"])
+    names = {"plant": plant, "DiscreteContactApproximation": DiscreteContactApproximation}
+    known: dict[str, Any] = names | {"CoulombFriction": CoulombFriction} | vars(geometry)
+    exec(snippet, known)
+    mass, height = request["mass"], 2.0 * RADIUS + FLIGHT * request["step"] * request["speed"]
+    body = plant.AddRigidBody("ball", SpatialInertia.SolidSphereWithMass(mass, RADIUS))
+    slide = plant.AddJoint(PrismaticJoint("slide", plant.world_frame(), body.body_frame(), np.array([0.0, 0.0, 1.0])))
+    for owner in (plant.world_body(), body):
+        sphere = geometry.Sphere(RADIUS)
+        plant.RegisterCollisionGeometry(owner, RigidTransform(), sphere, "sphere", known["properties"])
+    plant.mutable_gravity_field().set_gravity_vector(np.zeros(3))
+    plant.Finalize()
+    simulator = Simulator(builder.Build())
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    slide.set_translation(context, height)
+    slide.set_translation_rate(context, -request["speed"])
+    gaps = [slide.get_translation(context) - 2.0 * RADIUS]
+    for k in range(900):
+        simulator.AdvanceTo((k + 0.5) * request["step"])  # an update belongs to the time where it begins
+        gaps.append(slide.get_translation(context) - 2.0 * RADIUS)
+    return np.array(gaps)
+
+
 def _figures(gaps: np.ndarray, step: float, speed: float) -> dict[str, float]:
     """Return rebound, duration (s) and penetration (m) of gaps at every step; flights before and after are straight."""
     inside = np.flatnonzero(gaps < 0.0)
@@ -101,7 +137,7 @@ def _figures(gaps: np.ndarray, step: float, speed: float) -> dict[str, float]:
     }
 
 
-RUNS = {"mujoco": _mujoco, "exudyn": _exudyn}
+RUNS = {"mujoco": _mujoco, "exudyn": _exudyn, "drake": _drake}
 
 
 def measured(request: dict[str, float], engine: str) -> tuple[dict[str, tuple[float, float]], list[str]]:
@@ -119,7 +155,7 @@ def measured(request: dict[str, float], engine: str) -> tuple[dict[str, tuple[fl
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", RUNS)
 def test_an_engine_obtains_what_was_requested(engine):
-    pytest.importorskip(engine)
+    pytest.importorskip({"drake": "pydrake"}.get(engine, engine))
     for request in _requests():
         figures, refused = measured(request, engine)
         for name, (requested, obtained) in figures.items():

@@ -98,6 +98,22 @@ def test_stored_tosses_fly_freely_to_the_noise_and_friction_predicts_them_better
     assert one.error == rubbed.error
 
 
+def test_a_sample_is_drawn_at_random_and_bounds_the_median(monkeypatch):
+    """Of 100 errors the order statistics 40 and 61 contain the median with 95 % (Conover 1999, table of ranks)."""
+    monkeypatch.setattr(tosses, "LAWS", tosses.LAWS[:1])
+    monkeypatch.setattr(tosses, "_predicted", lambda toss, *_: toss.name)
+    stored, reported = tosses.stored(), []
+    names = list(tosses.predict(stored, {}, 1e-3, 7, lambda *state: reported.append(state[:2])))
+    assert len(set(names)) == 7 < len(names) == 21  # by three models
+    assert reported[-1] == (21, 21)
+    assert names != list(tosses.predict(stored[:7], {}, 1e-3))
+    with pytest.raises(ValueError, match="sample = 21 tosses; allowed: 1 to 20"):
+        tosses.predict(stored, {}, 1e-3, 21)
+    errors = [tosses.Predicted(str(k), "a", "b", 1e-4, float(k), 0.0) for k in range(100, 0, -1)]
+    (summary,) = tosses.summaries(errors)
+    assert summary.interval == "40 to 61"
+
+
 def test_a_toss_without_a_free_flight_is_refused():
     toss = tosses.Toss("low", np.zeros((5, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (5, 1)))
     with pytest.raises(ValueError, match="toss low: 0 samples of free flight"):

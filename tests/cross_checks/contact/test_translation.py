@@ -64,10 +64,10 @@ def test_mujoco_rebounds_lasts_and_sinks_as_requested(seed):
     assert own_mujoco(request, model.translate(request).snippet) == pytest.approx(requested, rel=SAME)
 
 
-@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn", pytest.param("drake", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("seed", [3, *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 8))])
 def test_an_engine_obtains_what_it_does_not_refuse(engine, seed):
-    pytest.importorskip(engine)
+    pytest.importorskip({"drake": "pydrake"}.get(engine, engine))
     request, model = random_request(seed), model_of(engine)
     translation = model.translate(request)
     obtained = {one.figure: one.obtained for one in measured(model, request, translation)}

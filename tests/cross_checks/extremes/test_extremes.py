@@ -337,3 +337,13 @@ def test_a_run_that_does_not_come_back_is_a_stop_and_not_handled():
     assert [(p.fate, p.handled, p.status, p.reason) for p in found.points] == [
         (Fate.STOPPED, False, "timeout", "it took too long")] * 2  # fmt: skip
     assert (found.fate, found.last) == (Fate.STOPPED, None)
+
+
+def test_a_block_holds_by_the_reference_solver_and_creeps_by_mujocos_own_contacts():
+    """MuJoCo creeps at 765 um/s as shipped, of the 2 m/s that the weight gives within a second."""
+    pytest.importorskip("mujoco")
+    held, creeps = run_point("hold-slope", 0.29, "mbs_ref", "dop853"), run_point("hold-slope", 0.29, "mujoco", "stock")
+    assert held.error < 1e-12
+    assert creeps.error == pytest.approx(765e-6 / 1.95, rel=0.02)
+    methods = {task[1] for task in run.tasks([named("hold-slope"), named("zeno")], ["mujoco"], full=False)}
+    assert {"stock", "euler_noslip", "rk4"} <= methods

@@ -219,16 +219,6 @@ def test_rows_of_contact(monkeypatch):
         tuple(map(float, contact.STEPS)),
         pytest.approx([1.0 / n for n in contact.STEPS], rel=1e-5),
     )
-    vehicle = scenes.make("double_pendulum")
-    first, other = motion(vehicle), motion(vehicle, steps=5, events=4, timing=Timing(loop_s=0.5))
-    shown = contact._vehicle_run(vehicle, contact.VEHICLE_RUNS[1], other, first)
-    gap = np.linalg.norm(other.position - first.position, axis=2).max()
-    assert (shown["method"], shown["steps"], shown["events"], shown["loop_s"]) == ("rk4, step 0.0001 s", 5, 4, 0.5)
-    assert shown["difference"] == pytest.approx(gap)
-    stopped = contact._vehicle_run(
-        vehicle, contact.VEHICLE_RUNS[0], replace(other, status=Status.NON_FINITE, message="bad"), first
-    )
-    assert (stopped["method"], stopped["status"]) == ("dop853, rtol 1e-08", "bad")
 
 
 def test_what_euler_parameters_cost(monkeypatch):

@@ -1,0 +1,124 @@
+"""Drake's discrete point contact: under SAP a spring and a damper, and friction that creeps in proportion to the step.
+
+The normal impulse of a step h is h (k d + k (h + tau) d') >= 0 with the velocity at its end, so that c = k (h + tau).
+Friction is h R_t v below the cone, with R_t = sigma w, sigma = 1e-3 and w the root mean square of the contact's
+mobility: what is held creeps by sigma w m h a, a its acceleration without friction (Castro, Permenter and Han 2022,
+"An unconstrained convex formulation of compliant contact", section V).
+"""
+
+import math
+from typing import Any, ClassVar
+
+import numpy as np
+from pydrake import geometry
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.plant import CoulombFriction, DiscreteContactApproximation, MultibodyPlant
+
+from cross_checks.contact import request as wanted
+from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request, Translation, own_law, snippet
+from cross_checks.engine import Method, Plan, Refusal, fixed
+from cross_checks.engines.drake_ import Built, Drake
+from cross_checks.engines.drake_.build import Shapes
+from cross_checks.engines.drake_.run import SAP
+from cross_checks.linkage.forces import LOCATED
+from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
+from cross_checks.linkage.surfaces import THICK, frame_of, is_half_space, pair_mass, spheres_of
+from cross_checks.truths.of.bouncing import impact
+from mbs_ref import Scene
+from mbs_ref.scene.contact import PinOnSprocket, RoundPair, SpringDamperLaw, StickSlip
+
+SIGMA = 1e-3  # -, of SAP's friction, fixed in Drake
+MOBILITY = math.sqrt(2.0) / 3.0  # of w m: the root mean square over three directions, two of which a planar body has
+STOCK = geometry.DefaultProximityProperties()
+APPROXIMATIONS = {  # by method: what solves the contact problem; stock is as shipped
+    SAP: DiscreteContactApproximation.kSap, "similar": DiscreteContactApproximation.kSimilar,
+    "lagged": DiscreteContactApproximation.kLagged, "stock": DiscreteContactApproximation.kLagged,
+}  # fmt: skip
+
+
+class OwnContact(Drake):
+    """Drake's discrete time with compliant point contact, its parameters translated from the laws of the scene."""
+
+    method_table: ClassVar[tuple[Method, ...]] = tuple(
+        fixed(name, 1, "symplectic Euler with Drake's own contacts", requires=frozenset({"contact"}))
+        for name in APPROXIMATIONS
+    )
+    extra: ClassVar[frozenset[str]] = frozenset(part.model_fields["type"].default for part in LOCATED)
+
+    def topology_refusals(self, scene: Scene) -> list[Refusal]:
+        reasons = closure_refusals(self.name, scene, self.closes)
+        if any(isinstance(contact, PinOnSprocket) for contact in scene.contacts):
+            reasons.append(Refusal("the gaps between teeth are not convex, and Drake's shapes are", True))
+        return reasons
+
+    def build(self, scene: Scene, plan: Plan, shapes: tuple[Shapes, geometry.SceneGraph] | None = None) -> Built:
+        linkage, graph = linkage_of(scene), geometry.SceneGraph()
+
+        def add_shapes(plant: MultibodyPlant, bodies: dict[int, Any]) -> None:
+            plant.RegisterAsSourceForSceneGraph(graph)
+            plant.set_discrete_contact_approximation(APPROXIMATIONS[plan.method.name])
+            pairs = [_add_pair(plant, bodies, linkage, contact, plan) for contact in scene.contacts]
+            every = geometry.GeometrySet([shape for pair in pairs for shape in pair])
+            declared = geometry.CollisionFilterDeclaration().ExcludeWithin(every)
+            for a, b in pairs:
+                declared.AllowBetween(geometry.GeometrySet(a), geometry.GeometrySet(b))
+            graph.collision_filter_manager().Apply(declared)
+
+        return super().build(scene.model_copy(update={"contacts": ()}), plan, (add_shapes, graph))
+
+
+def _add_pair(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, contact: Any, plan: Plan) -> list[Any]:
+    """Add the two shapes of a contact, each with twice the stiffness and half the relaxation time; return their ids."""
+    shapes: list[Any] = [
+        (body, center, np.eye(3), geometry.Sphere(radius)) for body, center, radius in spheres_of(contact)
+    ]
+    if not isinstance(contact, RoundPair):
+        axes, middle, sides = frame_of(contact)
+        depth = contact.thickness or THICK
+        if is_half_space(contact):
+            shapes.append((contact.body_b, middle, axes, geometry.HalfSpace()))
+        else:
+            shapes.append((contact.body_b, middle - 0.5 * depth * axes[:, 2], axes, geometry.Box(*sides, depth)))
+    properties = geometry.ProximityProperties()
+    mu = getattr(contact.friction, "coefficient", 0.0)
+    stiffness, tau = 0.5 * STOCK.point_stiffness, 2.0 * STOCK.relaxation_time  # of two shapes as shipped
+    if plan.method.name != "stock":
+        law = _resolved(own_law(contact.law, pair_mass(linkage.scene, contact), plan.step, "force"), plan.step)
+        stiffness, tau = law.stiffness, law.damping / law.stiffness - plan.step
+    material = {"dissipation": STOCK.hunt_crossley_dissipation, "point_stiffness": 2.0 * stiffness}
+    geometry.AddContactMaterial(properties=properties, friction=CoulombFriction(mu, mu), **material)
+    properties.AddProperty("material", "relaxation_time", 0.5 * tau)
+    ids = []
+    for end, (body, center, axes, shape) in zip("ab", shapes, strict=True):
+        pose = RigidTransform(RotationMatrix(axes), linkage.local(body, center))
+        owner = bodies[linkage.scene.body_index(body)]
+        ids.append(plant.RegisterCollisionGeometry(owner, pose, shape, f"{contact.name}/{end}", properties))
+    return ids
+
+
+def _resolved(law: SpringDamperLaw, step: float) -> SpringDamperLaw:
+    """Return the law with the damping k h at least, which SAP has without a relaxation time; h is the step (s)."""
+    return law.model_copy(update={"damping": max(law.damping, law.stiffness * step)})
+
+
+def translate(request: Request) -> Translation:
+    """Return stiffness, relaxation time and friction of two equal shapes under SAP."""
+    law, mu, step = _resolved(request.law, request.step), request.friction, request.step
+    tau = law.damping / law.stiffness - step
+    friction = StickSlip(coefficient=mu, stiffness=law.stiffness) if mu else None
+    pull = GRAVITY * math.sin(math.atan(wanted.SHARE * mu))
+    refused = {
+        wanted.CREEP: Refused(SIGMA * MOBILITY * step * pull, "friction is regularised in proportion to the step")
+    }
+    refused = refused if mu else {}
+    if law.damping > request.law.damping:
+        free, why = impact(law, request.mass, request.speed), "a step damps as a relaxation time of its length"
+        lasts = free.duration + law.damping / law.stiffness
+        values = {wanted.RESTITUTION: free.restitution, wanted.DURATION: lasts, wanted.PENETRATION: free.penetration}
+        refused |= {label: Refused(value, why) for label, value in values.items()}
+    parameters = {"point_stiffness": 2.0 * law.stiffness, "relaxation_time": 0.5 * tau, "friction": mu}
+    text = snippet("drake.txt", mass=request.mass, step=step, friction=mu, stiffness=2.0 * law.stiffness, tau=0.5 * tau)
+    return Translation(law, friction, parameters, text, refused)
+
+
+MODEL = ContactModel(OwnContact(), translate, (SAP, "stock"))
