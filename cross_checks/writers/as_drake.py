@@ -27,7 +27,7 @@ def write_drake(scene: Scene, settings: Settings) -> str:
     Raises NotWritable where the adapter's force code acts, or for the method that ends its process.
     """
     adapter = get("drake")  # raises EngineMissing before the adapter's modules are imported
-    from cross_checks.engines.drake_ import FIXED as FIXED_STEP
+    from cross_checks.engines.drake_.run import FIXED as FIXED_STEP
     from cross_checks.engines.drake_ import SAP, WORLD
 
     if adapter.method(settings.method).name == WORLD:
