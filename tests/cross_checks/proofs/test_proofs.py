@@ -26,8 +26,8 @@ from cross_checks.truths.proofs.checker.mechanics import Mechanics
 from cross_checks.truths.proofs.checker.model import root
 from cross_checks.truths.proofs.checker.proof import Proof, check
 from cross_checks.truths.proofs.derivation import NotCovered
-from cross_checks.truths.proofs.integrate import prove, prove_family, round_to
-from cross_checks.truths.proofs.taylor import Series, rescaled
+from cross_checks.truths.proofs.integrate import prove, prove_family
+from cross_checks.truths.proofs.taylor import propose, rescaled
 from cross_checks.truths.truth import Truth
 from mbs_ref import Settings, scenes, simulate
 from mbs_ref.observables.distance import farthest, relative, unmasked_distances
@@ -317,13 +317,12 @@ def test_a_step_on_another_branch_is_refused():
     log, proof = copy.deepcopy(log_of("kepler")), Proof(log_of("kepler"))
     numerator, denominator, rows = log["steps"][0]
     proof.step(Fraction(numerator, denominator), rows)
-    series = Series(log["system"], log["bits"], len(rows[0]) - 1)
-    y, z = ([round_to(x, log["bits"]) for x in own] for own in (proof.middle, proof.z))
-    other = series.propose(y, [-x for x in z], -6)
+    start = [[x] for x in (*proof.middle, *[-x for x in proof.z])]
+    other = propose(proof.formulas, Fraction(1, 256), start, len(rows[0]) - 1, log["bits"])[0]
     with pytest.raises(Refused, match="box"):
-        proof.step(Fraction(1, 256), rescaled(other, Fraction(1, 4)))
+        proof.step(Fraction(1, 256), rescaled(other, Fraction(1), log["bits"]))
     proof.z = [-x for x in proof.z]
-    proof.step(Fraction(1, 256), rescaled(other, Fraction(1, 4)))
+    proof.step(Fraction(1, 256), rescaled(other, Fraction(1), log["bits"]))
 
 
 WRONG_CHECKERS = {

@@ -37,7 +37,7 @@ def up(x: Any) -> Any:
 
 def above(x: Any) -> float:
     """Return a float above |x| of a ball."""
-    return float(up(float(x.abs_upper()))) if x.is_finite() else np.inf
+    return float(x.abs_upper()) * (1.0 + 1e-9) + 1e-290 if x.is_finite() else np.inf
 
 
 def exact(x: Fraction) -> arb:

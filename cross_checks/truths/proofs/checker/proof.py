@@ -59,7 +59,7 @@ class Proof:
         w = up(self.z_box + [above(row[0] - z) for row, z in zip(p[n:], self.z, strict=True)])
         defect, disc = own.defects()
         jacobian, error = own.jacobian(disc)
-        flow = bounds.variations(jacobian, n)
+        flow = bounds.variations(jacobian, np.eye(n), np.zeros((ORDER, len(p), n)))
         flow_size, r = size_of(flow), bounds.defects_of(jacobian, error, flow, n)
         inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
         back = up(inverse_bound(basis[None]) @ inverse_bound(flow[:, :n]))
