@@ -18,6 +18,7 @@ pytest.importorskip("flint", reason="proofs need python-flint: pip install 'mbs-
 from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
 from cross_checks.truths import seek_truth, stored_poses
+from cross_checks.truths.proofs import integrate
 from cross_checks.truths.proofs import log as logs
 from cross_checks.truths.proofs.certified import as_truth, examine, kept, varied
 from cross_checks.truths.proofs.checker.balls import Refused, precision
@@ -127,7 +128,8 @@ def test_impacts_of_several_bodies_are_proven():
     assert proof.radius < 1e-20
 
 
-def test_a_grazing_contact_is_not_decided():
+def test_a_grazing_contact_is_not_decided(monkeypatch):
+    monkeypatch.setattr(integrate, "SHORTEST", Fraction(1, 64))
     scene = scenes.make("colliding_spheres")
     a, b = scene.bodies
     radii = {"radius_a": 0.125, "radius_b": 0.125}
