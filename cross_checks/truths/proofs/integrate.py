@@ -44,24 +44,20 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fract
     with precision(proof.bits + 64):
         p = [[arb((int(c), -proof.bits)) for c in row] for row in rows[:n]]
 
-        def gaps(s: arb) -> list[tuple[arb, arb]]:
-            bodies = proof.model.bodies(beside(p, np.zeros(n), s))
-            return [proof.impacts.gap(part, bodies)[:2] for part in proof.impacts.parts]
+        def gap(part: Any, s: arb) -> tuple[arb, arb]:
+            return proof.impacts.gap(part, proof.model.bodies(beside(p, np.zeros(n), s)))[:2]
 
-        for k in range(1, SAMPLES + 1):
-            closed = [j for j, (gap, _) in enumerate(gaps(exact(Fraction(k, SAMPLES)))) if gap < 0]
-            if closed:
-                break
-        else:
-            return None
-        roots = []
-        for j in closed:
-            s = exact(Fraction(2 * k - 1, 2 * SAMPLES))
+        instants = (exact(Fraction(k, SAMPLES)) for k in range(1, SAMPLES + 1))
+        closed = next((own for s in instants if (own := [(p, s) for p in proof.impacts.parts if gap(p, s)[0] < 0])), [])
+        touches = []
+        for part, s in closed:
             for _ in range(ITERATIONS):
-                gap, rate = gaps(s)[j]
-                s = (s - gap / (rate * exact(h) * time)).mid()
-            roots.append((float(s), s, abs(float(rate.mid())) * float(h) * time))
-        _, s, rate = min(roots, key=lambda one: one[0])
+                apart, rate = gap(part, s)
+                s = (s - apart / (rate * exact(h) * time)).mid()
+            touches.append((float(s), s, abs(float(rate)) * float(h) * time))
+        if not touches:
+            return None
+        _, s, rate = min(touches, key=lambda one: one[0])
         spread = length * float(np.max(np.abs(proof.moved) @ proof.box)) + 2.0 ** -(proof.bits - 16)
         mantissa, exponent = s.man_exp()
         end = Fraction(int(mantissa)) * Fraction(2) ** int(exponent) + Fraction(MARGIN * spread / rate)
@@ -92,7 +88,7 @@ def prove(
         last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), bound, left, report, ends)
         if ends or last.proof.radius <= aim or "limit" in last.log["reason"]:
             break
-        lost = DIGITS * factor + math.log10(last.proof.radius)  # digits until the time reached; to the end, as many more
+        lost = DIGITS * factor + math.log10(last.proof.radius)  # digits, until the time reached
         wanted = (lost * times[-1] / last.proof.reached - math.log10(aim)) / DIGITS
         factor *= min(MORE_DIGITS[1], max(MORE_DIGITS[0], wanted / factor))
     assert last is not None
@@ -204,4 +200,3 @@ def _header(
         "scene": scene.model_dump(mode="json"), "inputs": inputs, "bits": bits, "times": list(times),
         "system": derive(whole, READINGS[inputs], units),
     }  # fmt: skip
-

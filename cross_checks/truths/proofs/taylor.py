@@ -1,6 +1,7 @@
 """Taylor polynomials of y' = f(y, z), 0 = g(y, z) by Newton's method: what the prover proposes, unproven."""
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from flint import arb, arb_poly, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
@@ -69,6 +70,6 @@ def continued(p: Polynomials, ratio: Fraction, start: list[arb], bits: int) -> P
         return [[x, *row[1:], *[arb(0)] * (len(p[0]) - max(1, len(row)))] for x, row in zip(start, moved, strict=True)]
 
 
-def round_to(value: arb, bits: int) -> int:
+def round_to(value: Any, bits: int) -> int:
     """Return a ball's middle as an integer over 2^bits."""
     return int((value * arb((1, bits))).mid().floor().unique_fmpz())

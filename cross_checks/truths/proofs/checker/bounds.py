@@ -53,7 +53,7 @@ class Step:
             for j, slope in row.items():
                 own = terms(slope, count)
                 jacobian[:, i, j] = list(map(float, own))
-                error[i, j] = float(sum(own).rad())  # a sum of balls has the sum of their radii, at least
+                error[i, j] = float(sum(own, arb(0)).rad())  # a sum of balls has the sum of their radii, at least
         error = up(error + GAMMA * np.abs(jacobian).sum(0))
         return jacobian * self.factor[:, None], up(error * self.factor[:, None])
 

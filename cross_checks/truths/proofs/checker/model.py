@@ -166,9 +166,16 @@ def _rates(body: Any) -> list[float]:
 
 def newton(formulas: Formulas, y: Sequence[Number], z: Sequence[Number], wide: Sequence[Number]) -> list[arb]:
     """Return the change of z by Newton's method, with the slopes of g on balls that may be wider than z."""
-    right, rows = formulas.run(formulas.g, [*y, *z]), formulas.slopes(formulas.g, [*y, *wide])
-    slopes = arb_mat([[row.get(formulas.n + k, arb(0)) for k in range(formulas.m)] for row in rows])
-    return solve(slopes, arb_mat(formulas.m, 1, [-x for x in right])).entries()
+    right, rows = (
+        formulas.run(formulas.g, [*y, *z]),
+        matrix_of(formulas.slopes(formulas.g, [*y, *wide]), len(y) + len(z)),
+    )
+    return solve(arb_mat([row[formulas.n :] for row in rows]), arb_mat(formulas.m, 1, [-x for x in right])).entries()
+
+
+def matrix_of(rows: list[dict[int, arb]], columns: int) -> list[list[arb]]:
+    """Return derivatives by column as a matrix."""
+    return [[row.get(k, arb(0)) for k in range(columns)] for row in rows]
 
 
 def root(formulas: Formulas, y: list[arb]) -> list[arb]:
