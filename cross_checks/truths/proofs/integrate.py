@@ -29,23 +29,23 @@ SAFETY = 5.5  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
-WIDER = 16  # times so much an impact's window in the next attempt
+WIDER, WIDENED = 16, 4  # times so much an impact's window in the next attempt; attempts before a shorter step
 PARTS = (1, 2, 4, 8, 16)  # of a parameter's interval
 ROUGH_BITS = 64  # of the polynomials that state the unit of time
 FINEST, MORE_DIGITS = 3, (1.1, 2.5)  # attempts at a radius, each with so many times the digits of the last
 
 
-def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fraction, Fraction] | None:
+def first_touch(proof: Proof, h: Fraction, rows: list[list[int]], wider: float) -> tuple[Fraction, Fraction] | None:
     """Return a step's length up to the end of its first impact, and the share of its window; None without one.
 
     Both are hints, which the checker proves.
     """
-    n, (length, time, _) = proof.model.formulas.n, map(float, proof.model.units)
+    n, time, still = proof.n, float(proof.model.units[1]), np.zeros(proof.n)
     with precision(proof.bits + 64):
         p = [[arb((int(c), -proof.bits)) for c in row] for row in rows[:n]]
 
-        def gap(part: Any, s: arb) -> tuple[arb, arb]:
-            return proof.impacts.gap(part, proof.model.bodies(beside(p, np.zeros(n), s)))[:2]
+        def gap(part: Any, s: arb, e: np.ndarray = still) -> tuple[arb, arb]:
+            return proof.impacts.gap(part, proof.model.bodies(beside(p, e, s)))[:2]
 
         instants = (exact(Fraction(k, SAMPLES)) for k in range(1, SAMPLES + 1))
         closed = next((own for s in instants if (own := [(p, s) for p in proof.impacts.parts if gap(p, s)[0] < 0])), [])
@@ -54,11 +54,12 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fract
             for _ in range(ITERATIONS):
                 apart, rate = gap(part, s)
                 s = (s - apart / (rate * exact(h) * time)).mid()
-            touches.append((float(s), s, abs(float(rate)) * float(h) * time))
+            touches.append((float(s), s, part, abs(float(rate)) * float(h) * time))
         if not touches:
             return None
-        _, s, rate = min(touches, key=lambda one: one[0])
-        spread = length * float(np.max(np.abs(proof.moved) @ proof.box)) + 2.0 ** -(proof.bits - 16)
+        _, s, part, rate = min(touches, key=lambda one: one[0])
+        wide = np.abs(proof.moved) @ proof.box + proof.loose
+        spread = wider * (float(gap(part, s, wide)[0].rad()) + 2.0 ** -(proof.bits - 16))
         mantissa, exponent = s.man_exp()
         end = Fraction(int(mantissa)) * Fraction(2) ** int(exponent) + Fraction(MARGIN * spread / rate)
         return h * end, Fraction(2 * MARGIN * spread / rate) / end
@@ -144,9 +145,9 @@ def _attempt(
         h = _dyadic(min(Fraction(radius * share) * unit, proof.times[-1] - proof.t))
         for attempt in range(ATTEMPTS):
             own, window = rescaled(p, h / unit, bits), Fraction(0)
-            touch = first_touch(proof, h, own) if scene.contacts else None
+            touch = first_touch(proof, h, own, WIDER**attempt) if scene.contacts else None
             if touch is not None:
-                h, window = touch[0], touch[1] * WIDER**attempt
+                h, window = touch
                 own = rescaled(p, h / unit, bits)
             try:
                 proof.step(h, own, window)
@@ -157,7 +158,8 @@ def _attempt(
                 reason = f"a step is not proven: {error}" if is_last else ""
                 if is_last:
                     break
-                h, share = _dyadic(h * SHORTER), share * float(SHORTER)
+                if touch is None or attempt % WIDENED == WIDENED - 1:
+                    h, share = _dyadic(h * SHORTER), share * float(SHORTER)
         if reason:
             break
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])

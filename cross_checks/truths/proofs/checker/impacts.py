@@ -141,12 +141,12 @@ class Impacts:
         formulas, (length, unit, _), bodies = self.model.formulas, self.model.units, self.model.bodies(y)
         _, rate, normal, ends = self.gap(part, bodies)
         ball, masses = self.mechanics.ball, [body.mass for body in self.model.scene.bodies]
-        inverse = {k: way / ball(masses[k]) for k, way in zip(ends, (1, -1), strict=True) if k >= 0}
-        impulse, y = -(1 + ball(part.law.restitution)) * rate / sum(map(abs, inverse.values())), list(y)
-        for k, share in inverse.items():
+        inverse = {k: 1 / ball(masses[k]) for k in ends if k >= 0}
+        impulse, y = -(1 + ball(part.law.restitution)) * rate / sum(inverse.values(), arb(0)), list(y)
+        for k, way in ((k, way) for k, way in zip(ends, (1, -1), strict=True) if k >= 0):
             for place, v, x in zip(formulas.outputs[k][8:11], bodies[k][8:11], normal, strict=True):
                 operation, column, _ = formulas.lines[place]
-                v = v + impulse * share * x
+                v = v + impulse * inverse[k] * way * x
                 if operation == "y":
                     y[column] = v / exact(length / unit)
                 elif not all(c.is_zero() for c in terms(v, 2)):

@@ -31,7 +31,7 @@ class Proof:
     def __init__(self, header: dict[str, Any]) -> None:
         self.model, self.bits, self.t = Model(header), int(header["bits"]), Fraction(0)
         self.formulas, self.n = self.model.formulas, self.model.formulas.n
-        self.times = [self.model.mechanics.number(t) / self.model.units[1] for t in header["times"]]
+        self.times = [self.model.mechanics.exact(t) / self.model.units[1] for t in header["times"]]
         if sorted(set(self.times)) != self.times or self.times[:1] < [Fraction(0)]:
             raise Refused("the times do not increase from 0")
         self.enclosures: list[list[list[arb]]] = []  # at the times reached: place, turn, velocity and spin of bodies
