@@ -135,7 +135,7 @@ def _attempt(
     steps, share, unit, p = [], 1.0 / SAFETY, Fraction(1), _constant(proof)
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
-            reason = f"the limit of {limit:g} s of processor time is reached"
+            reason = "the limit of processor time is reached"
             break
         try:
             p, radius = propose(proof.formulas, unit, p, degree, bits)
