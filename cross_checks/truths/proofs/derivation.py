@@ -1,9 +1,11 @@
 """A scene on its way to formulas: its numbers as rationals, in units of the proof, and what its bodies still need."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
+
+import numpy as np
 
 from cross_checks.truths.proofs import kinematics
 from cross_checks.truths.proofs.family import Varied
@@ -97,6 +99,11 @@ class Derivation:
         """Return the points of two bodies that a joint or a load connects."""
         points = (part.point_a, part.point_b) if hasattr(part, "point_a") else (part.point, part.point)
         return [self.mark(body, point) for body, point in zip((part.body_a, part.body_b), points, strict=True)]
+
+    def somewhere(self, formulas: Sequence[Formula]) -> np.ndarray:
+        """Return the values of formulas in floats at one arbitrary point."""
+        y = [0.3 + 0.1 * k for k in range(len(self.unknowns.starts))]
+        return self.tape.values([one.place for one in formulas], y)
 
     def close(self, value: Formula) -> None:
         """Add a closure, which stays as it is: its rate at the start, its acceleration always."""

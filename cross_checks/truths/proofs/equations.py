@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.proofs import kinematics
 from cross_checks.truths.proofs.coverage import DRIVES, complaints
 from cross_checks.truths.proofs.derivation import LEVELS, Derivation, Exact, NotCovered, Units
 from cross_checks.truths.proofs.family import Varied
@@ -63,25 +62,27 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
 def _tree(work: Derivation) -> list[Any]:
     """State the frames of all bodies from ground outward; return the joints that close loops."""
     scene, remaining = work.scene, [joint for joint in work.scene.joints if joint.type not in NO_COORDINATES]
-    queue = deque([GROUND])
-    free = deque(body.name for body in scene.bodies)
-    used: list[str] = []
+    queue, free, used = deque([GROUND]), deque(body.name for body in scene.bodies), set()
+
+    def add(parent: str, name: str, joint: Any) -> None:
+        work.frames[name] = _ADD["free" if joint is None else joint.type](work, parent, name, joint)
+        work.order.append((parent, name, joint))
+        queue.append(name)
+
     while queue or free:
         if not queue:
             name = free.popleft()
-            if name in work.frames:
-                continue
-            _add(work, GROUND, name, None)
-            queue.append(name)
+            if name not in work.frames:
+                add(GROUND, name, None)
+            continue
         here = queue.popleft()
         for joint in remaining:
             if joint.name in used or here not in joint.ends:
                 continue
             there = joint.body_b if here == joint.body_a else joint.body_a
             if there not in work.frames:
-                used.append(joint.name)
-                _add(work, here, there, joint)
-                queue.append(there)
+                used.add(joint.name)
+                add(here, there, joint)
     loops = [joint for joint in scene.joints if joint.name not in used]
     for joint in loops:
         if joint.type not in LOOPS:
@@ -95,16 +96,7 @@ def _is_closed(work: Derivation, loops: list[Any]) -> bool:
     kinds = {(getattr(joint, "type", None), getattr(joint, "axis", None)) for joint in joints}
     if [kind for kind, _ in kinds] != ["revolute"]:
         return False
-    rows = [x.place for joint in loops for x in minus(*work.marks(joint))]
-    y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
-    return float(np.abs(work.tape.values(rows, y)).max()) < IDENTICAL
-
-
-def _add(work: Derivation, parent: str, name: str, joint: Any) -> None:
-    """State the frame of a body that hangs on `parent` by a joint; None where it is free."""
-    kind = "free" if joint is None else joint.type
-    work.frames[name] = _ADD[kind](work, parent, name, joint)
-    work.order.append((parent, name, joint))
+    return np.abs(work.somewhere([x for joint in loops for x in minus(*work.marks(joint))])).max() < IDENTICAL
 
 
 def _free(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
@@ -201,10 +193,10 @@ def _inertial(work: Derivation, body: Any) -> tuple[Vector, Vector]:
     elif body.type == "planar":
         moment = (tape.number(0), tape.number(0), frame.spin[2].rate * work.number(body.inertia, unit))
     else:
-        inertia = _inertia_at_start(work, body, unit)
+        inertia, back = _inertia_at_start(work, body, unit), tuple(zip(*frame.turn, strict=True))
 
         def momentum(w: Vector) -> Vector:
-            return turned(frame.turn, turned(inertia, turned(kinematics.transposed(frame.turn), w)))
+            return turned(frame.turn, turned(inertia, turned(back, w)))  # type: ignore[arg-type]
 
         moment = plus(momentum(rate(frame.spin)), cross(frame.spin, momentum(frame.spin)))
     return force, plus(moment, cross(frame.place, force))
@@ -251,8 +243,7 @@ def _close(work: Derivation, joint: Any) -> None:
 
 def _is_moved(work: Derivation, row: Formula) -> bool:
     """Return whether any motion of the tree changes a closure; without one, it needs no multiplier."""
-    y = [0.3 + 0.1 * k for k in range(len(work.unknowns.starts))]
-    return abs(work.tape.values([row.rate.place], y)[0]) > IDENTICAL
+    return abs(work.somewhere([row.rate])[0]) > IDENTICAL
 
 
 def _drive(work: Derivation, joint: Any) -> None:

@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Refused, beside, exact, precision
+from cross_checks.truths.proofs.checker.balls import Polynomials, Refused, beside, exact, precision
+from cross_checks.truths.proofs.checker.bounds import ORDER
 from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
-from cross_checks.truths.proofs.taylor import NoConvergence, Series, rescaled
+from cross_checks.truths.proofs.taylor import NoConvergence, continued, propose, rescaled
 from mbs_ref import Scene
 from mbs_ref.scene.scales import scales_of
 
@@ -28,39 +29,37 @@ SAFETY = 5.5  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
-WIDER = 16  # times so much an impact's window in the next attempt
+WIDER, WIDENED = 16, 4  # times so much an impact's window in the next attempt; attempts before a shorter step
 PARTS = (1, 2, 4, 8, 16)  # of a parameter's interval
-FINEST = 3  # attempts at a radius, each with half as many digits more
+ROUGH_BITS = 64  # of the polynomials that state the unit of time
+FINEST, MORE_DIGITS = 3, (1.1, 2.5)  # attempts at a radius, each with so many times the digits of the last
 
 
-def first_touch(proof: Proof, h: Fraction, rows: list[list[int]]) -> tuple[Fraction, Fraction] | None:
+def first_touch(proof: Proof, h: Fraction, rows: list[list[int]], wider: float) -> tuple[Fraction, Fraction] | None:
     """Return a step's length up to the end of its first impact, and the share of its window; None without one.
 
     Both are hints, which the checker proves.
     """
-    n, (length, time, _) = proof.model.formulas.n, map(float, proof.model.units)
+    n, time, still = proof.n, float(proof.model.units[1]), np.zeros(proof.n)
     with precision(proof.bits + 64):
         p = [[arb((int(c), -proof.bits)) for c in row] for row in rows[:n]]
 
-        def gaps(s: arb) -> list[tuple[arb, arb]]:
-            bodies = proof.model.bodies(beside(p, np.zeros(n), s))
-            return [proof.impacts.gap(part, bodies)[:2] for part in proof.impacts.parts]
+        def gap(part: Any, s: arb, e: np.ndarray = still) -> tuple[arb, arb]:
+            return proof.impacts.gap(part, proof.model.bodies(beside(p, e, s)))[:2]
 
-        for k in range(1, SAMPLES + 1):
-            closed = [j for j, (gap, _) in enumerate(gaps(exact(Fraction(k, SAMPLES)))) if gap < 0]
-            if closed:
-                break
-        else:
-            return None
-        roots = []
-        for j in closed:
-            s = exact(Fraction(2 * k - 1, 2 * SAMPLES))
+        instants = (exact(Fraction(k, SAMPLES)) for k in range(1, SAMPLES + 1))
+        closed = next((own for s in instants if (own := [(p, s) for p in proof.impacts.parts if gap(p, s)[0] < 0])), [])
+        touches = []
+        for part, s in closed:
             for _ in range(ITERATIONS):
-                gap, rate = gaps(s)[j]
-                s = (s - gap / (rate * exact(h) * time)).mid()
-            roots.append((float(s), s, abs(float(rate.mid())) * float(h) * time))
-        _, s, rate = min(roots, key=lambda one: one[0])
-        spread = length * float(np.max(np.abs(proof.moved) @ proof.box)) + 2.0 ** -(proof.bits - 16)
+                apart, rate = gap(part, s)
+                s = (s - apart / (rate * exact(h) * time)).mid()
+            touches.append((float(s), s, part, abs(float(rate)) * float(h) * time))
+        if not touches:
+            return None
+        _, s, part, rate = min(touches, key=lambda one: one[0])
+        wide = np.abs(proof.moved) @ proof.box + proof.loose
+        spread = wider * (float(gap(part, s, wide)[0].rad()) + 2.0 ** -(proof.bits - 16))
         mantissa, exponent = s.man_exp()
         end = Fraction(int(mantissa)) * Fraction(2) ** int(exponent) + Fraction(MARGIN * spread / rate)
         return h * end, Fraction(2 * MARGIN * spread / rate) / end
@@ -83,14 +82,16 @@ def prove(
     `report` receives the time reached (s) and the radius; `limit` is processor time (s). Raises NotCovered, and Refused
     where the start or the formulas are not the scene's. With `ends`, the whole `family` is enclosed.
     """
-    began, last = time.process_time(), None
+    began, last, factor = time.process_time(), None, max(1.0, -math.log10(aim) / DIGITS_PROVEN)
     for attempt in range(FINEST):
-        factor = 1.5**attempt * max(1.0, -math.log10(aim) / DIGITS_PROVEN)
         left = limit - (time.process_time() - began)
         bound = aim if attempt < FINEST - 1 else math.inf
         last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), bound, left, report, ends)
         if ends or last.proof.radius <= aim or "limit" in last.log["reason"]:
             break
+        lost = DIGITS * factor + math.log10(last.proof.radius)  # digits, until the time reached
+        wanted = (lost * times[-1] / last.proof.reached - math.log10(aim)) / DIGITS
+        factor *= min(MORE_DIGITS[1], max(MORE_DIGITS[0], wanted / factor))
     assert last is not None
     last.log["seconds"] = time.process_time() - began
     return last
@@ -125,32 +126,29 @@ def _attempt(
     header = _header(scene, times, inputs, bits, units, ends)
     proof, reason = Proof(header), ""
     try:
-        reach = float(units.time) * _first_radius(proof, header, bits, degree) / SAFETY
-    except (NoConvergence, ZeroDivisionError) as error:
+        p, radius = propose(proof.formulas, Fraction(1), _constant(proof), ORDER, ROUGH_BITS)
+    except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:
         raise Refused(f"the accelerations at the start are not determined: {error}") from error
-    units = Units(units.length, _power(reach), units.mass)
+    units = Units(units.length, _power(float(units.time) * radius / SAFETY), units.mass)
     header = _header(scene, times, inputs, bits, units, ends)
     proof = Proof(header)
-    series = Series(header["system"], bits, degree)
-    steps, exponent, share = [], 2, 1.0 / SAFETY
+    steps, share, unit, p = [], 1.0 / SAFETY, Fraction(1), _constant(proof)
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
-            reason = f"the limit of {limit:g} s of processor time is reached"
+            reason = "the limit of processor time is reached"
             break
         try:
-            y, z = ([round_to(x, bits) for x in own] for own in (proof.middle, proof.z))
-            rows = series.propose(y, z, exponent)
-        except (NoConvergence, ZeroDivisionError) as error:
+            p, radius = propose(proof.formulas, unit, p, degree, bits)
+        except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:
             reason = f"no polynomial: {error}"
             break
-        length = series.radius() * 2.0**exponent * share
-        h = _dyadic(min(Fraction(length), proof.times[-1] - proof.t))
+        h = _dyadic(min(Fraction(radius * share) * unit, proof.times[-1] - proof.t))
         for attempt in range(ATTEMPTS):
-            own, window = rescaled(rows, h / Fraction(2) ** exponent), Fraction(0)
-            touch = first_touch(proof, h, own) if scene.contacts else None
+            own, window = rescaled(p, h / unit, bits), Fraction(0)
+            touch = first_touch(proof, h, own, WIDER**attempt) if scene.contacts else None
             if touch is not None:
-                h, window = touch[0], touch[1] * WIDER**attempt
-                own = rescaled(rows, h / Fraction(2) ** exponent)
+                h, window = touch
+                own = rescaled(p, h / unit, bits)
             try:
                 proof.step(h, own, window)
                 share = min(1.0 / SAFETY, share * LONGER)
@@ -160,11 +158,13 @@ def _attempt(
                 reason = f"a step is not proven: {error}" if is_last else ""
                 if is_last:
                     break
-                h, share = _dyadic(h * SHORTER), share * float(SHORTER)
+                if touch is None or attempt % WIDENED == WIDENED - 1:
+                    h, share = _dyadic(h * SHORTER), share * float(SHORTER)
         if reason:
             break
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
-        exponent = max(-40, round(math.log2(float(h) / share)))
+        p = _constant(proof) if window else continued(p, h / unit, [*proof.middle, *proof.z], bits)
+        unit = h
         report(float(proof.t * units.time), proof.radius)
         if proof.radius > bound:
             reason = f"the radius exceeds {bound:.1g}"
@@ -173,11 +173,9 @@ def _attempt(
     return Proven(log, proof)
 
 
-def round_to(value: Any, bits: int) -> int:
-    """Return a ball's middle as an integer over 2^bits."""
-    mantissa, exponent = value.mid().man_exp()
-    shift = int(exponent) + bits
-    return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
+def _constant(proof: Proof) -> Polynomials:
+    """Return constant polynomials from where a proof is."""
+    return [[x] for x in (*proof.middle, *proof.z)]
 
 
 def _dyadic(h: Fraction) -> Fraction:
@@ -204,17 +202,3 @@ def _header(
         "scene": scene.model_dump(mode="json"), "inputs": inputs, "bits": bits, "times": list(times),
         "system": derive(whole, READINGS[inputs], units),
     }  # fmt: skip
-
-
-def _first_radius(proof: Proof, header: dict[str, Any], bits: int, degree: int) -> float:
-    """Return the radius of convergence at the start, in units of time."""
-    exponent = -2
-    series = Series(header["system"], bits, degree)
-    for _ in range(4):
-        y, z = ([round_to(x, bits) for x in values] for values in (proof.middle, proof.model.z_start))
-        series.propose(y, z, exponent)
-        found = series.radius() * 2.0**exponent
-        if abs(math.log2(found) - exponent) < 2:
-            break
-        exponent = round(math.log2(found))
-    return found

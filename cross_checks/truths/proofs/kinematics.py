@@ -75,12 +75,6 @@ def turned(matrix: Matrix, vector: Vector) -> Vector:
     return dot(matrix[0], vector), dot(matrix[1], vector), dot(matrix[2], vector)
 
 
-def transposed(matrix: Matrix) -> Matrix:
-    """Return the transposed matrix."""
-    a, b, c = matrix
-    return (a[0], b[0], c[0]), (a[1], b[1], c[1]), (a[2], b[2], c[2])
-
-
 def plane_turn(tape: Tape, angle: Formula) -> Matrix:
     """Return the rotation about z."""
     s, c = angle.sin_cos()

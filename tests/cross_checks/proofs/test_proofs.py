@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import json
 import math
 from fractions import Fraction
@@ -18,20 +19,23 @@ pytest.importorskip("flint", reason="proofs need python-flint: pip install 'mbs-
 from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
 from cross_checks.truths import seek_truth, stored_poses
+from cross_checks.truths.proofs import integrate
 from cross_checks.truths.proofs import log as logs
 from cross_checks.truths.proofs.certified import as_truth, examine, kept, varied
 from cross_checks.truths.proofs.checker.balls import Refused, precision
 from cross_checks.truths.proofs.checker.formulas import Formulas
+from cross_checks.truths.proofs.checker.impacts import Impacts
 from cross_checks.truths.proofs.checker.mechanics import Mechanics
 from cross_checks.truths.proofs.checker.model import root
 from cross_checks.truths.proofs.checker.proof import Proof, check
 from cross_checks.truths.proofs.derivation import NotCovered
-from cross_checks.truths.proofs.integrate import prove, prove_family, round_to
-from cross_checks.truths.proofs.taylor import Series, rescaled
+from cross_checks.truths.proofs.integrate import prove, prove_family
+from cross_checks.truths.proofs.taylor import propose, rescaled
 from cross_checks.truths.truth import Truth
 from mbs_ref import Settings, scenes, simulate
 from mbs_ref.observables.distance import farthest, relative, unmasked_distances
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, SpatialBody, Spherical
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine
 from reports.cli import main
 
 TIMES = [0.0, 0.1, 0.2]  # s
@@ -127,7 +131,53 @@ def test_impacts_of_several_bodies_are_proven():
     assert proof.radius < 1e-20
 
 
-def test_a_grazing_contact_is_not_decided():
+def _bouncing(**discs: tuple[float, float]) -> Any:
+    """Return discs above a floor that fall from heights (m) at places (m), and bounce off it and off one another."""
+    law = scenes.make("newtons_cradle", balls=2, restitution=0.8).contacts[0].law
+    bodies = [PlanarBody(name=name, mass=1.0, inertia=0.1, position=at) for name, at in discs.items()]
+    floor = {"radius": 0.1, "point_1": (0.0, 0.0), "point_2": (1.0, 0.0), "extent": "line", "law": law}
+    parts: list[Any] = [CircleOnLine(name=f"{b.name}.floor", body_a=b.name, center=b.position, **floor) for b in bodies]
+    for a, b in itertools.combinations(bodies, 2):
+        ends = {"body_a": a.name, "center_a": a.position, "body_b": b.name, "center_b": b.position}
+        parts.append(CircleOnCircle(name=a.name + b.name, radius_a=0.1, radius_b=0.1, law=law, **ends))
+    return Scene(name="bouncing", bodies=tuple(bodies), contacts=tuple(parts), gravity=(0.0, -9.81), duration=0.5)
+
+
+def test_impacts_keep_the_digits():
+    """Thirteen impacts of a disc between walls, to 40 digits of the exact place: 10 m folded into 0.8 m."""
+    proof = prove(scenes.make("disc_between_walls", law="rigid"), [0.0, 2.0]).proof
+    radius = Fraction(0.1)
+    way = (Fraction(1, 2) + 10 - radius) % (2 * (1 - 2 * radius))
+    place = radius + min(way, 2 * (1 - 2 * radius) - way)
+    assert (len(proof.impacts.times), proof.radius < 1e-40) == (13, True)
+    with precision(400):
+        assert proof.enclosures[-1][0][0].contains(arb(fmpq(place.numerator, place.denominator)))
+
+
+def test_impacts_of_discs_in_the_plane_are_enclosed_by_finer_ones():
+    scene, times = _bouncing(a=(0.0, 0.5), b=(0.05, 0.8)), [0.0, 0.3, 0.5]
+    coarse, fine = (prove(scene, times, aim).proof for aim in (1e-18, 1e-40))
+    assert len(coarse.impacts.times) == len(fine.impacts.times) >= 3
+    assert fine.radius < 1e-40 < coarse.radius * 1e12
+    with precision(400):
+        pairs = zip(coarse.enclosures[-1], fine.enclosures[-1], strict=True)
+        assert all(a.contains(b) for first, second in pairs for a, b in zip(first, second, strict=True))
+
+
+def test_the_saltation_matrix_of_a_bounce(monkeypatch):
+    """[[-e, 0], [-g (1 + e) / v, -e]] for height and speed v < 0 (di Bernardo et al., Piecewise-smooth Systems)."""
+    found, original = [], Impacts._saltation
+    monkeypatch.setattr(Impacts, "_saltation", lambda *given: found.append(original(*given)) or found[-1])
+    proof = prove(_bouncing(a=(0.0, 0.5)), [0.0, 0.35]).proof
+    assert len(found) == 1
+    units, speed = list(map(float, proof.model.units)), -math.sqrt(2 * 9.81 * 0.4)
+    matrix = np.array([[float(x) for x in row] for row in found[0].tolist()])
+    assert matrix[2:4, 2:4] == pytest.approx(np.array([[-0.8, 0.0], [-9.81 * 1.8 / speed * units[1], -0.8]]))
+    assert matrix[:2, :2] == pytest.approx(np.eye(2))
+
+
+def test_a_grazing_contact_is_not_decided(monkeypatch):
+    monkeypatch.setattr(integrate, "SHORTEST", Fraction(1, 64))
     scene = scenes.make("colliding_spheres")
     a, b = scene.bodies
     radii = {"radius_a": 0.125, "radius_b": 0.125}
@@ -317,13 +367,12 @@ def test_a_step_on_another_branch_is_refused():
     log, proof = copy.deepcopy(log_of("kepler")), Proof(log_of("kepler"))
     numerator, denominator, rows = log["steps"][0]
     proof.step(Fraction(numerator, denominator), rows)
-    series = Series(log["system"], log["bits"], len(rows[0]) - 1)
-    y, z = ([round_to(x, log["bits"]) for x in own] for own in (proof.middle, proof.z))
-    other = series.propose(y, [-x for x in z], -6)
+    start = [[x] for x in (*proof.middle, *[-x for x in proof.z])]
+    other = propose(proof.formulas, Fraction(1, 256), start, len(rows[0]) - 1, log["bits"])[0]
     with pytest.raises(Refused, match="box"):
-        proof.step(Fraction(1, 256), rescaled(other, Fraction(1, 4)))
+        proof.step(Fraction(1, 256), rescaled(other, Fraction(1), log["bits"]))
     proof.z = [-x for x in proof.z]
-    proof.step(Fraction(1, 256), rescaled(other, Fraction(1, 4)))
+    proof.step(Fraction(1, 256), rescaled(other, Fraction(1), log["bits"]))
 
 
 WRONG_CHECKERS = {
@@ -364,6 +413,11 @@ def test_a_family_holds_its_members(name, parameter, value):
     beyond = prove(make(high + 1e-5), TIMES).proof.enclosures[-1]
     pairs = zip(enclosures[-1], beyond, strict=True)
     assert not all(a.overlaps(b) for first, second in pairs for a, b in zip(first, second, strict=True))
+
+
+def test_a_family_of_colliding_bodies_is_refused():
+    with pytest.raises(Refused, match="bodies collide"):
+        prove_family(lambda x: scenes.make("disc_between_walls", law="rigid", mass=x), 1.0, 1.1, TIMES)
 
 
 def test_a_family_whose_start_rates_vary_is_refused():

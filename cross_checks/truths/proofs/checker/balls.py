@@ -1,6 +1,6 @@
 """Balls, floats that bound them, and what is refused."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import reduce
@@ -37,7 +37,12 @@ def up(x: Any) -> Any:
 
 def above(x: Any) -> float:
     """Return a float above |x| of a ball."""
-    return float(up(float(x.abs_upper()))) if x.is_finite() else np.inf
+    return float(x.abs_upper()) * (1.0 + 1e-9) + 1e-290 if x.is_finite() else np.inf
+
+
+def differences(x: Sequence[arb], y: Sequence[arb]) -> np.ndarray:
+    """Return bounds of |x - y|."""
+    return up([above(a - b) for a, b in zip(x, y, strict=True)])
 
 
 def exact(x: Fraction) -> arb:

@@ -43,21 +43,29 @@ class Step:
         tail, radius = min(tails, key=lambda one: np.nan_to_num(one[0], nan=np.inf).max())
         return up(up(sums) + tail), radius
 
-    def jacobian(self, radius: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the series of the Jacobian by y and z to ORDER terms, and bounds of its error."""
-        size = len(self.p)
-        jacobian, error = np.zeros((ORDER, size, size)), np.zeros((size, size))
-        with precision(64, ORDER):
-            bounds = self.formulas.slopes(self.roots, self._discs(radius))
-            series = self.formulas.slopes(self.roots, [arb_series(row[:ORDER], ORDER) for row in self.p])
-        for i, (row, most) in enumerate(zip(series, bounds, strict=True)):
+    def slopes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the series of the Jacobian by y and z to at most ORDER terms, and bounds of their rounding."""
+        size, count = len(self.p), min(ORDER, len(self.p[0]))
+        jacobian, error = np.zeros((count, size, size)), np.zeros((size, size))
+        with precision(64, count):
+            series = self.formulas.slopes(self.roots, [arb_series(row[:count], count) for row in self.p])
+        for i, row in enumerate(series):
             for j, slope in row.items():
-                own = terms(slope, ORDER)
-                jacobian[:, i, j] = [float(c.mid()) for c in own]
-                tail = above(most[j]) * radius ** -float(ORDER) / (1.0 - 1.0 / radius)
-                error[i, j] = sum(float(c.rad()) for c in own) + tail
+                own = terms(slope, count)
+                jacobian[:, i, j] = list(map(float, own))
+                error[i, j] = float(sum(own, arb(0)).rad())  # a sum of balls has the sum of their radii, at least
         error = up(error + GAMMA * np.abs(jacobian).sum(0))
         return jacobian * self.factor[:, None], up(error * self.factor[:, None])
+
+    def jacobian(self, radius: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the series of the Jacobian, and bounds of its error on the step."""
+        jacobian, error = self.slopes()
+        with precision(64):
+            bounds = self.formulas.slopes(self.roots, self._discs(radius))
+        for i, row in enumerate(bounds):
+            for j, slope in row.items():
+                error[i, j] += self.factor[i] * above(slope) * radius ** -float(ORDER) / (1.0 - 1.0 / radius)
+        return jacobian, up(error)
 
     def second_order(self, e: np.ndarray) -> np.ndarray:
         """Return bounds of the second-order terms for deviations |e|."""
@@ -82,15 +90,20 @@ def product(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return whole, up(GAMMA * up(size_of(a) @ size_of(b)))
 
 
-def variations(jacobian: np.ndarray, n: int) -> np.ndarray:
-    """Return V and W, V' = f_y V + f_z W, 0 = g_y V + g_z W, V(0) = 1, to ORDER terms."""
-    flow = np.zeros((ORDER, len(jacobian[0]), n))
-    flow[0, :n] = np.eye(n)
-    inverse = np.linalg.inv(jacobian[0, n:, n:])
-    for k in range(ORDER):
+def variations(jacobian: np.ndarray, start: np.ndarray, source: np.ndarray) -> np.ndarray:
+    """Return V and W, V' = f_y V + f_z W + source, 0 = g_y V + g_z W + source, to as many terms as the source has."""
+    n, flow, rows = len(start), np.zeros_like(source), jacobian.swapaxes(0, 1).reshape(len(jacobian[0]), -1)
+
+    def moved(k: int) -> np.ndarray:
+        """Return coefficient k of the Jacobian times the flow so far."""
+        past = flow[max(0, k + 1 - len(jacobian)) : k + 1][::-1].reshape(-1, flow.shape[2])
+        return source[k] + rows[:, : len(past)] @ past
+
+    flow[0, :n], inverse = start, np.linalg.inv(jacobian[0, n:, n:])
+    for k in range(len(source)):
         if k:
-            flow[k, :n] = sum(jacobian[j, :n] @ flow[k - 1 - j] for j in range(k)) / k
-        flow[k, n:] = -inverse @ sum(jacobian[j, n:] @ flow[k - j] for j in range(k + 1))
+            flow[k, :n] = moved(k - 1)[:n] / k
+        flow[k, n:] = -inverse @ moved(k)[n:]
     return flow
 
 

@@ -8,11 +8,21 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
+from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Polynomials, Refused, above, beside, exact
+from cross_checks.truths.proofs.checker.balls import (
+    GAMMA,
+    Number,
+    Polynomials,
+    Refused,
+    above,
+    beside,
+    exact,
+    terms,
+    up,
+)
 from cross_checks.truths.proofs.checker.mechanics import dot, minus
-from cross_checks.truths.proofs.checker.model import Model, newton
+from cross_checks.truths.proofs.checker.model import Model, matrix_of, newton, solve
 from cross_checks.truths.proofs.coverage import PAIRS
 
 WIDE = 2.0**40  # of z after an impact
@@ -71,40 +81,77 @@ class Impacts:
             self._keep_open(p, e, (low + high) / 2, high, depth - 1)
             return
 
-    def after(self, p: Polynomials, e: np.ndarray, t: Fraction, h: Fraction, window: Fraction) -> list[arb]:
-        """Return y at the end of a step from t: the states in the window after the impulse, moved while it lasts."""
-        formulas, (length, unit, _) = self.model.formulas, self.model.units
-        y = beside(p, e, between(1 - window, Fraction(1)))
+    def after(
+        self, p: Polynomials, e: np.ndarray, t: Fraction, h: Fraction, window: Fraction
+    ) -> tuple[list[arb], list[arb], np.ndarray, np.ndarray]:
+        """Return, at the end of a step from t, where the motion from p is and z of all, and the saltation matrix.
+
+        The matrix has the derivatives of the end of a motion by where it is as the window begins; a bound of its error.
+        """
+        whole, middle = between(1 - window, Fraction(1)), exact(1 - window / 2)
         (part,) = (part for part in self.parts if part.name == self.opening)
-        for k, velocity in self._rebound(part, self.model.bodies(y)):
-            for place, v in zip(formulas.outputs[k][8:11], velocity, strict=True):
-                operation, column, _ = formulas.lines[place]
-                if operation == "y":
-                    y[column] = v / exact(length / unit)
-                elif not v.is_zero():
-                    raise Refused("a velocity is no coordinate")
+        y = beside(p, e, whole)
+        rates, rebound = self._rates(y), self._rebound(part, y)
         lasting, wider = between(Fraction(0), window * h), between(-window * h, 2 * window * h)
-        wide = [x + wider * rate for x, rate in zip(y, self._rates(y), strict=True)]
-        end = [x + lasting * rate for x, rate in zip(y, self._rates(wide), strict=True)]
+        wide = [x + wider * rate for x, rate in zip(rebound, self._rates(rebound), strict=True)]
+        later = self._rates(wide)
+        end = [x + lasting * rate for x, rate in zip(rebound, later, strict=True)]
         if not all(a.contains(b) for a, b in zip(wide, end, strict=True)):
             raise Refused("the motion after an impact is not enclosed")
         for other in self.parts:
             gap, rate, *_ = self.gap(other, self.model.bodies(end))
             if not (rate if other is part else gap) > 0:
                 raise Refused("an impact does not open its contact, or closes another")
-        self.times.append((part.name, between(t + h * (1 - window), t + h) * exact(unit)))
-        return end
+        slopes = beside([[c * k for k, c in enumerate(row)][1:] for row in p], 0 * e, whole)
+        drift = [lasting * (rate - slope / exact(h)) for rate, slope in zip(rates, slopes, strict=True)]
 
-    def _rebound(self, part: Any, bodies: list[list[Number]]) -> list[tuple[int, list[Number]]]:
-        """Return the bodies that an impact moves, and their new velocities: v+ = -e v- along the normal."""
+        def near(s: arb) -> list[arb]:
+            """Return where the motion from p is, at or within a time of the window."""
+            return [x + d for x, d in zip(beside(p, 0 * e, s), drift, strict=True)]
+
+        (gap, *_), (_, rate, *_) = (self.gap(part, self.model.bodies(near(s))) for s in (middle, whole))
+        instant = middle - gap / (rate * exact(h * self.model.units[1]))
+        left, rebounding = (1 - instant) * exact(h), self._rebound(part, near(instant))
+        image = [x + left * rate for x, rate in zip(rebounding, later, strict=True)]
+        self.times.append((part.name, between(t + h * (1 - window), t + h) * exact(self.model.units[1])))
+        rows = self._saltation(part, y, wide, rates, later, window * h).tolist()
+        matrix, rest = (
+            [list(map(float, row)) for row in own] for own in (rows, [[x.rad() for x in row] for row in rows])
+        )
+        return image, self.enclose(end), np.array(matrix), up(up(rest) + GAMMA * np.abs(matrix))
+
+    def _saltation(
+        self, part: Any, y: list[arb], wide: list[arb], rates: list[arb], later: list[arb], lasting: Fraction
+    ) -> arb_mat:
+        """Return M (R M + (R f - f+) u), u = -n M / (n f): R of the rebound, n of the gap, M of motion."""
+        n, columns = len(y), []
+        for k in range(n):
+            along = [arb_series([x, int(j == k)], 2) for j, x in enumerate(y)]
+            values = [self.gap(part, self.model.bodies(along))[0], *self._rebound(part, along)]
+            columns.append([terms(value, 2)[1] for value in values])
+        normal, *rows = map(list, zip(*columns, strict=True))
+        growth = (exact(lasting) * (self._slope(y) + self._slope(wide))).exp() - 1
+        moved = arb_mat([[(j == k) + arb(0, 1) * growth for k in range(n)] for j in range(n)])
+        gradient, turn, f = arb_mat([normal]) * moved, arb_mat(rows), arb_mat(n, 1, rates)
+        jump = (turn * f - arb_mat(n, 1, later)) * (-1 / (arb_mat([normal]) * f)[0, 0])
+        return moved * (turn * moved + jump * gradient)
+
+    def _rebound(self, part: Any, y: list[Number]) -> list[Number]:
+        """Return y after an impact: v+ = -e v- along the normal."""
+        formulas, (length, unit, _), bodies = self.model.formulas, self.model.units, self.model.bodies(y)
         _, rate, normal, ends = self.gap(part, bodies)
         ball, masses = self.mechanics.ball, [body.mass for body in self.model.scene.bodies]
-        inverse = {k: way / ball(masses[k]) for k, way in zip(ends, (1, -1), strict=True) if k >= 0}
-        impulse = -(1 + ball(part.law.restitution)) * rate / sum(map(abs, inverse.values()))
-        return [
-            (k, [v + impulse * share * n for v, n in zip(bodies[k][8:11], normal, strict=True)])
-            for k, share in inverse.items()
-        ]
+        inverse = {k: 1 / ball(masses[k]) for k in ends if k >= 0}
+        impulse, y = -(1 + ball(part.law.restitution)) * rate / sum(inverse.values(), arb(0)), list(y)
+        for k, way in ((k, way) for k, way in zip(ends, (1, -1), strict=True) if k >= 0):
+            for place, v, x in zip(formulas.outputs[k][8:11], bodies[k][8:11], normal, strict=True):
+                operation, column, _ = formulas.lines[place]
+                v = v + impulse * inverse[k] * way * x
+                if operation == "y":
+                    y[column] = v / exact(length / unit)
+                elif not all(c.is_zero() for c in terms(v, 2)):
+                    raise Refused("a velocity is no coordinate")
+        return y
 
     def enclose(self, y: list[arb]) -> list[arb]:
         """Return balls of the one z below WIDE with g(y, z) = 0, for every y in balls (interval Newton)."""
@@ -116,6 +163,18 @@ class Impacts:
 
     def _rates(self, y: list[arb]) -> list[arb]:
         return self.model.formulas.run(self.model.formulas.f, [*y, *self.enclose(y)])
+
+    def _slope(self, y: list[arb]) -> arb:
+        """Return a bound of the norm of the derivatives of the rates by y."""
+        formulas, state, n = self.model.formulas, [*y, *self.enclose(y)], len(y)
+        f, g = (matrix_of(formulas.slopes(rows, state), len(state)) for rows in (formulas.f, formulas.g))
+        through = solve(arb_mat([row[n:] for row in g]), arb_mat([row[:n] for row in g])).entries() if g else []
+        by_y, by_z = ([x for row in f for x in row[part]] for part in (slice(n), slice(n, None)))
+        return _size(by_y) + _size(by_z) * _size(through)
+
+
+def _size(values: list[arb]) -> arb:
+    return sum(map(abs, values), arb(0))
 
 
 def between(low: Fraction, high: Fraction) -> arb:

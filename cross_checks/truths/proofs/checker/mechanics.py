@@ -27,7 +27,7 @@ class Mechanics:
     def __init__(self, scene: Any, inputs: str) -> None:
         if reasons := list(complaints(scene)):
             raise Refused("; ".join(reasons))
-        self.scene, self.now, self.s = scene, arb(0), Fraction(0)  # time, s; parameter of a family
+        self.scene, self.now, self.s = scene, arb(0), arb(0)  # time, s; parameter of a family
         self.exact = Fraction if inputs == "binary64" else lambda x: Fraction(repr(float(x)))
         self.index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
         own = {"planar": (0, 1, 5), "spatial": range(6)}
@@ -35,16 +35,13 @@ class Mechanics:
         self.columns = [(k, c) for k, free in enumerate(self.free) for c in free]
         self.gm = next((load.gm for load in scene.loads if load.type == "newton"), ())
 
-    def number(self, value: float) -> Fraction:
+    def ball(self, value: float) -> Number:
         if isinstance(value, Varied):
-            a, b, c = value.coefficients(self.exact)
+            a, b, c = map(exact, value.coefficients(self.exact))
             return a + self.s * (b + self.s * c)
-        return self.exact(value)
+        return exact(self.exact(value))
 
-    def ball(self, value: float) -> arb:
-        return exact(self.number(value))
-
-    def vector(self, values: Sequence[float]) -> list[arb]:
+    def vector(self, values: Sequence[float]) -> list[Number]:
         return ([self.ball(x) for x in values] + [arb(0)] * 3)[:3]
 
     def angle(self, name: str) -> arb:

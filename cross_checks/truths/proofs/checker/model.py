@@ -44,16 +44,18 @@ class Model:
             self._compare(self.start)
             self.z_start = root(self.formulas, self.start)
             if self.free is not None:
-                self.start[self.free] = arb(0, 1)
+                self.start[self.free] = self.mechanics.s = arb(0, 1)
 
     def _vary_start(self, starts: list[Any]) -> None:
         """Refuse a family whose start values vary, or whose parameter does."""
         varied = any(isinstance(x, Varied) for body in self.scene.bodies for x in _rates(body))
         formulas = self.formulas
+        if self.scene.contacts:
+            raise Refused("a parameter as an interval is not covered where bodies collide")
         if self.free is None or varied or None in starts or formulas.lines[formulas.f[self.free]] != ZERO:
             raise Refused("the start rates vary with the parameter, which is not covered")
         for s in (-1, 1):
-            self.mechanics.s = Fraction(s)
+            self.mechanics.s = arb(s)
             self._same_start([arb(s) if k == self.free else x for k, x in enumerate(self.start)])
 
     @property
@@ -84,7 +86,7 @@ class Model:
 
     def _start(self, given: list[Any]) -> list[arb]:
         """Return the start of y; closures decide what is not given. The outputs must be the scene's start."""
-        number, (length, time, _) = self.mechanics.number, self.units
+        number, (length, time, _) = self.mechanics.exact, self.units
         rates = {number(x) for body in self.scene.bodies for x in _rates(body)} | {Fraction(0)}
         allowed = {(a - b) * unit for a in rates for b in rates for unit in (time, time / length)} | {Fraction(1)}
         allowed |= {number(x) / length for body in self.scene.bodies for x in body.position}
@@ -128,8 +130,7 @@ class Model:
         for point in range(POINTS + 1):
             y = [x + arb(dice.randrange(-1000, 1000)) / 3333 * int(point > 0) for x in start]
             if self.free is not None:
-                self.mechanics.s = Fraction(dice.randrange(-1000, 1000), 3333)
-                y[self.free] = exact(self.mechanics.s)
+                self.mechanics.s = y[self.free] = arb(dice.randrange(-1000, 1000)) / 3333
             for four in turns:  # Euler parameters that are part of y
                 if all(operation == "y" for operation, *_ in four):
                     size = sum((y[k] * y[k] for _, k, _ in four), arb(0)).sqrt()
@@ -166,9 +167,16 @@ def _rates(body: Any) -> list[float]:
 
 def newton(formulas: Formulas, y: Sequence[Number], z: Sequence[Number], wide: Sequence[Number]) -> list[arb]:
     """Return the change of z by Newton's method, with the slopes of g on balls that may be wider than z."""
-    right, rows = formulas.run(formulas.g, [*y, *z]), formulas.slopes(formulas.g, [*y, *wide])
-    slopes = arb_mat([[row.get(formulas.n + k, arb(0)) for k in range(formulas.m)] for row in rows])
-    return solve(slopes, arb_mat(formulas.m, 1, [-x for x in right])).entries()
+    right, rows = (
+        formulas.run(formulas.g, [*y, *z]),
+        matrix_of(formulas.slopes(formulas.g, [*y, *wide]), len(y) + len(z)),
+    )
+    return solve(arb_mat([row[formulas.n :] for row in rows]), arb_mat(formulas.m, 1, [-x for x in right])).entries()
+
+
+def matrix_of(rows: list[dict[int, arb]], columns: int) -> list[list[arb]]:
+    """Return derivatives by column as a matrix."""
+    return [[row.get(k, arb(0)) for k in range(columns)] for row in rows]
 
 
 def root(formulas: Formulas, y: list[arb]) -> list[arb]:

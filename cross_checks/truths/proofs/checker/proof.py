@@ -7,7 +7,16 @@ import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker import bounds
-from cross_checks.truths.proofs.checker.balls import GAMMA, Polynomials, Refused, above, beside, exact, precision, up
+from cross_checks.truths.proofs.checker.balls import (
+    GAMMA,
+    Polynomials,
+    Refused,
+    beside,
+    differences,
+    exact,
+    precision,
+    up,
+)
 from cross_checks.truths.proofs.checker.bounds import ORDER, inverse_bound, size_of
 from cross_checks.truths.proofs.checker.impacts import Impacts
 from cross_checks.truths.proofs.checker.model import Model
@@ -22,21 +31,19 @@ class Proof:
     def __init__(self, header: dict[str, Any]) -> None:
         self.model, self.bits, self.t = Model(header), int(header["bits"]), Fraction(0)
         self.formulas, self.n = self.model.formulas, self.model.formulas.n
-        self.times = [self.model.mechanics.number(t) / self.model.units[1] for t in header["times"]]
+        self.times = [self.model.mechanics.exact(t) / self.model.units[1] for t in header["times"]]
         if sorted(set(self.times)) != self.times or self.times[:1] < [Fraction(0)]:
             raise Refused("the times do not increase from 0")
         self.enclosures: list[list[list[arb]]] = []  # at the times reached: place, turn, velocity and spin of bodies
         self.impacts = Impacts(self.model)
+        self.moved, self.moved_error, self.box = np.eye(self.n), np.zeros((self.n, self.n)), np.zeros(self.n)
         self._begin(self.model.start, self.model.z_start)
 
     def _begin(self, y: list[arb], z: list[arb]) -> None:
         """Begin with balls of y and z."""
         with precision(self.bits + 64):
             self.middle, self.z = ([x.mid() * 1 for x in values] for values in (y, z))
-            self.box, self.z_box = (
-                up([above(x - m) for x, m in zip(*pair, strict=True)]) for pair in ((y, self.middle), (z, self.z))
-            )
-        self.moved, self.moved_error = np.eye(self.n), np.zeros((self.n, self.n))
+            self.loose, self.z_box = differences(y, self.middle), differences(z, self.z)
 
     def step(self, h: Fraction, rows: list[list[int]], window: Fraction = Fraction(0)) -> None:
         """Prove that the motion stays beside a polynomial for a time h; Refused where the bounds do not close.
@@ -56,10 +63,10 @@ class Proof:
     def _step(self, h: Fraction, p: Polynomials, window: Fraction) -> None:
         n, own = self.n, bounds.Step(self.formulas, h, p)
         basis, x0 = self._new_basis([row[0] for row in p[:n]])
-        w = up(self.z_box + [above(row[0] - z) for row, z in zip(p[n:], self.z, strict=True)])
+        w = up(self.z_box + differences([row[0] for row in p[n:]], self.z))
         defect, disc = own.defects()
         jacobian, error = own.jacobian(disc)
-        flow = bounds.variations(jacobian, n)
+        flow = bounds.variations(jacobian, np.eye(n), np.zeros((ORDER, len(p), n)))
         flow_size, r = size_of(flow), bounds.defects_of(jacobian, error, flow, n)
         inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
         back = up(inverse_bound(basis[None]) @ inverse_bound(flow[:, :n]))
@@ -85,19 +92,20 @@ class Proof:
             if s > 1 - window:
                 raise Refused("an output time is that of an impact")
             self._record(s, p[:n], flow[:, :n], basis, new_box)
+        self.moved, self.moved_error = _moved(1 - window, flow[:, :n], basis)
+        self.middle, self.z = ([sum(row, arb(0)) for row in rows] for rows in (p[:n], p[n:]))
+        self.box, self.z_box, self.loose = new_box, new_w, np.zeros(n)
         if window:
-            end = self.impacts.after(p[:n], e[:n], self.t, h, window)
-            self._begin(end, self.impacts.enclose(end))
-        else:
-            self.moved = flow[:, :n].sum(0) @ basis
-            self.moved_error = up(GAMMA * up(flow_size[:n] @ np.abs(basis)))
-            ends = [sum(row, arb(0)) for row in p]
-            self.middle, self.z, self.box, self.z_box = ends[:n], ends[n:], new_box, new_w
+            image, z, matrix, rest = self.impacts.after(p[:n], e[:n], self.t, h, window)
+            self._begin(image, z)
+            error = up(up(np.abs(matrix) + rest) @ self.moved_error)
+            self.moved_error = up(error + up(rest + GAMMA * np.abs(matrix)) @ np.abs(self.moved))
+            self.moved = matrix @ self.moved
         self.t += h
 
     def _new_basis(self, start: list[arb]) -> tuple[np.ndarray, np.ndarray]:
         """Return a basis of floats near the moved one, and the box of the state in it about the polynomial's start."""
-        shift = up([above(x - m) for x, m in zip(start, self.middle, strict=True)])
+        shift = up(differences(start, self.middle) + self.loose)
         basis = self.moved / np.linalg.norm(self.moved, axis=0)
         if not np.linalg.cond(basis) < CONDITION:
             order = np.argsort(-np.linalg.norm(self.moved, axis=0) * self.box)
@@ -109,8 +117,8 @@ class Proof:
 
     def _record(self, s: Fraction, p: Polynomials, flow: np.ndarray, basis: np.ndarray, box: np.ndarray) -> None:
         """Append the enclosures of all bodies at a time of the step."""
-        here = np.tensordot(float(s) ** np.arange(ORDER), flow, 1) @ basis
-        spread = up(up(np.abs(here) + GAMMA * up(size_of(flow) @ np.abs(basis))) @ box)
+        here, error = _moved(s, flow, basis)
+        spread = up(up(np.abs(here) + error) @ box)
         self.enclosures.append(self.model.bodies(beside(p, spread, exact(s))))
 
     @property
@@ -122,6 +130,12 @@ class Proof:
     def reached(self) -> float:
         """The time that the steps reach, s."""
         return float(self.t * self.model.units[1])
+
+
+def _moved(s: Fraction, flow: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the basis at a time of the step, and a bound of its rounding."""
+    here = np.tensordot(float(s) ** np.arange(ORDER), flow, 1) @ basis
+    return here, up(GAMMA * up(size_of(flow) @ np.abs(basis)))
 
 
 def check(log: dict[str, Any]) -> Proof:
