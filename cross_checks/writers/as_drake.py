@@ -28,7 +28,7 @@ def write_drake(scene: Scene, settings: Settings) -> str:
     """
     adapter = get("drake")  # raises EngineMissing before the adapter's modules are imported
     from cross_checks.engines.drake_.run import FIXED as FIXED_STEP
-    from cross_checks.engines.drake_ import SAP, WORLD
+    from cross_checks.engines.drake_.run import SAP, WORLD
 
     if adapter.method(settings.method).name == WORLD:
         raise NotWritable(f"method = {WORLD!r} ends the process that runs it; allowed: {SAP}")
