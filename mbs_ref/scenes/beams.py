@@ -9,7 +9,7 @@ Structures 13 (1981) 45-49).
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -46,7 +46,7 @@ class Beam:
         """Return what joins the segments from x = start (m) on, unstrained, and clamps the first to a body if named."""
         springs: list[PointBushing | TorsionSpring] = []
         for k in range(0 if clamp else 1, self.segments):
-            ends = {"body_a": f"segment{k - 1}" if k else clamp, "body_b": f"segment{k}"}
+            ends: dict[str, Any] = {"body_a": f"segment{k - 1}" if k else clamp, "body_b": f"segment{k}"}
             share, at = (1.0 if k else 2.0) / self.pitch, (start + k * self.pitch, 0.0)
             springs += [
                 PointBushing(name=f"stretch{k}", point=at, stiffness=share * self.axial, **ends),

@@ -95,6 +95,12 @@ def force_scale(scene: Scene) -> float:
     return sum(body.mass for body in scene.bodies) * scales.speed / scales.time
 
 
+def spring_rounding(scene: Scene) -> float:
+    """Return what rounding leaves of the forces of the stiffest spring (N), below which no residual falls."""
+    stiffest = max((float(np.max(getattr(load, "stiffness", 0.0))) for load in scene.loads), default=0.0)
+    return 10.0 * float(np.finfo(float).eps) * stiffest * scales_of(scene).length
+
+
 def options_of(plan: Plan, scene: Scene, *, dense: bool):
     """Return the solver's settings; adaptive halving of the step and output files are off."""
     options = exu.SimulationSettings()
@@ -115,7 +121,8 @@ def options_of(plan: Plan, scene: Scene, *, dense: bool):
         setattr(time.newton, name, value)
     if not scene.joints and "contact" not in traits(scene):
         time.newton.relativeTolerance = FREE
-    time.newton.absoluteTolerance = min(time.newton.absoluteTolerance, RESIDUAL * force_scale(scene))
+    lowest = min(time.newton.absoluteTolerance, RESIDUAL * force_scale(scene))
+    time.newton.absoluteTolerance = max(lowest, spring_rounding(scene))
     if adaptive:
         time.relativeTolerance, time.absoluteTolerance, time.minimumStepSize = plan.rtol, plan.atol, SMALLEST_STEP
     return options

@@ -174,7 +174,7 @@ def _rubber(pins: np.ndarray) -> Iterator[Load]:
     data, n, along = gear.DATA["pin_rubber"], len(pins), np.roll(pins, -1, axis=0) - pins
     angles = np.arctan2(along[:, 1], along[:, 0])
     for k in range(1, n + 1):
-        ends = {"body_a": f"link{k - 1}", "body_b": f"link{k % n}"}
+        ends: dict[str, Any] = {"body_a": f"link{k - 1}", "body_b": f"link{k % n}"}
         turns = float(2.0 * math.pi * np.round((angles[k % n] - angles[k - 1]) / (2.0 * math.pi)))
         yield PointBushing(name=f"pin{k % n}", point=tuple(pins[k % n]), **data["radial"], **ends)
         yield TorsionSpring(name=f"pin{k % n}.turn", rest_angle=turns, **data["torsion"], **ends)
