@@ -182,10 +182,10 @@ def test_rubber_pins_rest_strained_and_without_hinges():
     hinged = scenes.make("tracked_vehicle", start="drawn", torque=0.0)
     assert len(drawn.joints) == len(hinged.joints) - 30
     turns = [load for load in drawn.loads if load.name.endswith(".turn")]
-    angle = {body.name: body.angle for body in drawn.bodies}
-    bent = [abs(angle[x.body_b] - angle[x.body_a] - x.rest_angle) for x in turns]
+    angle: dict[str, float] = {body.name: getattr(body, "angle", 0.0) for body in drawn.bodies}
+    bent = [abs(angle[x.body_b] - angle[x.body_a] - getattr(x, "rest_angle", 0.0)) for x in turns]
     assert max(bent) == pytest.approx(2.0 * np.pi / 10)  # a tooth's pitch, and never a whole turn
-    assert sum(b > 1e-9 for b in bent) == 10
+    assert sum(bent) == pytest.approx(2.0 * np.pi)
 
 
 @pytest.mark.slow
@@ -198,7 +198,7 @@ def test_a_vehicle_on_rubber_pins_rests_in_its_equilibrium():
 def test_rolling_resistance_of_the_wheels_takes_a_lever_of_their_radius():
     scene = scenes.make("tracked_vehicle", rolling=0.05, start="drawn")
     levers = {c.name: c.friction.lever / c.radius for c in scene.contacts if hasattr(c.friction, "lever")}
-    assert set(levers.values()) == {pytest.approx(0.05)}
+    assert list(levers.values()) == pytest.approx([0.05] * len(levers))
     assert len(levers) == 4 * 30
     with pytest.raises(ValueError, match=r"rolling = 0\.05 requires wheel_friction"):
         scenes.make("tracked_vehicle", rolling=0.05, wheel_friction=0.0)
