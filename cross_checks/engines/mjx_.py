@@ -63,7 +63,7 @@ class Mjx(MuJoCo):
     as_shipped: ClassVar[None] = None
     lacks: ClassVar[frozenset[str]] = frozenset(
         {"bushing", "point_bushing", "user_force", "circle_on_line", "circle_on_circle", "pin_on_sprocket"}
-        | {"progressive_law", "hunt_crossley_law", "regularised_coulomb"}
+        | {"progressive_law", "hunt_crossley_law", "regularised_coulomb", "rolling_friction"}
     )
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:

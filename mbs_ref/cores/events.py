@@ -79,10 +79,10 @@ def springs(scene: Scene, places: Axes) -> Springs:
     """Return the springs between points, and in the plane the bushings."""
     loads = [x for x in scene.loads if isinstance(x, SpringDamper | PointBushing)]
     modes = {x.name: len(scene.contacts) + k for k, x in enumerate(_tension_only(scene))}
-    marks = [(x.point, x.point) if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
+    marks = [x.marks if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
     ends = [[places.point(body, mark) for body, mark in zip(x.ends, pair, strict=True)]
             for x, pair in zip(loads, marks, strict=True)]  # fmt: skip
-    given = [getattr(x, "rest_length", None) for x in loads]  # a bushing's marks coincide
+    given = [getattr(x, "rest_length", 0.0) for x in loads]  # a bushing is unstrained where its marks coincide
     rest = [math.dist(*pair) if length is None else length for length, pair in zip(given, marks, strict=True)]
     points = floats(ends, 2, scene.dimension)
     return Springs(

@@ -173,6 +173,5 @@ def bushing_strain(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.nda
 
 def gap_of(motion: Motion, bushing: PointBushing) -> tuple[np.ndarray, np.ndarray]:
     """Return the gap between the marks (n_t, 2), m, and the slip at b's mark (m/s), where both forces act."""
-    a, _ = motion.point(bushing.body_a, bushing.point)
-    b, b_rate = motion.point(bushing.body_b, bushing.point)
+    (a, _), (b, b_rate) = (motion.point(end, at) for end, at in zip(bushing.ends, bushing.marks, strict=True))
     return b - a, b_rate - motion.rate_at(bushing.body_a, b)

@@ -193,6 +193,8 @@ class FrictionNumbers(NamedTuple):
     creep: float = 1.0  # m/s, v_s
     grip_stiffness: float = 0.0  # N/m
     grip_damping: float = 0.0  # N s/m
+    lever: float = 0.0  # m, of rolling resistance
+    roll: float = 1.0  # rad/s, w_s
 
 
 class RegularisedCoulomb(part.Part):
@@ -206,6 +208,26 @@ class RegularisedCoulomb(part.Part):
 
     def numbers(self) -> FrictionNumbers:
         return FrictionNumbers("smooth", self.coefficient, creep=self.speed)
+
+
+class RollingFriction(part.Part):
+    """Friction of `regularised_coulomb`, and resistance to rolling: the force acts ahead of the point of contact.
+
+    With w = (omega_a - omega_b) x n, n the normal, it acts e tanh(|w| / w_s) ahead, along w: a couple e F_n against
+    rolling, as of pressure that leads a wheel (Johnson, Contact Mechanics, 1985, sec. 9.1). Spin about n is free. Below
+    w_s the resistance fades, so that a wheel creeps where it would stand.
+    """
+
+    STICKS: ClassVar[bool] = False
+
+    type: Literal["rolling_friction"] = "rolling_friction"
+    coefficient: part.NonNegative  # -, mu
+    speed: part.Positive = 1e-3  # m/s, v_s
+    lever: part.Positive  # m, e: the coefficient of rolling resistance times the radius
+    rate: part.Positive = 1e-2  # rad/s, w_s
+
+    def numbers(self) -> FrictionNumbers:
+        return FrictionNumbers("smooth", self.coefficient, creep=self.speed, lever=self.lever, roll=self.rate)
 
 
 class StickSlip(part.Part):
@@ -233,7 +255,8 @@ class StickSlip(part.Part):
         return FrictionNumbers("stick_slip", self.coefficient, static, 1.0, self.stiffness, self.damping)
 
 
-Friction = Annotated[RegularisedCoulomb | StickSlip, Field(discriminator="type")]
+Smooth = Annotated[RegularisedCoulomb | RollingFriction, Field(discriminator="type")]
+Friction = Annotated[RegularisedCoulomb | RollingFriction | StickSlip, Field(discriminator="type")]
 
 
 class ContactPart(Attached):
@@ -304,7 +327,7 @@ class RoundPair(ContactPart):
     body_b: part.EndName
     center_b: part.Point  # m, world, t = 0
     radius_b: part.NonNegative  # m
-    friction: RegularisedCoulomb | None = None  # none unless given
+    friction: Smooth | None = None  # none unless given
 
     @model_validator(mode="after")
     def _check(self) -> Self:

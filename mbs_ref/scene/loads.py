@@ -118,18 +118,24 @@ class Bushing(AttachedPair):
 
 
 class PointBushing(AttachedPair):
-    """An isotropic spring and damper between two marks that coincide at t = 0: F = k e + c de/dt, e their gap (plane).
+    """An isotropic spring and damper between two marks: F = k e + c de/dt, e their gap (plane).
 
-    Both forces act at body b's mark, so there is no couple: momentum is conserved, and the damper only dissipates.
-    Body a bears their arm, so it may not be a point mass.
+    The marks coincide at t = 0 unless point_b is given. Both forces act at body b's mark, so there is no couple:
+    momentum is conserved, and the damper only dissipates. Body a bears their arm, so it may not be a point mass.
     """
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (2,)
 
     type: Literal["point_bushing"] = "point_bushing"
-    point: part.Point  # m, world, t = 0
+    point: part.Point  # m, world, t = 0, of the mark on body a
+    point_b: part.Point | None = None  # m, world, t = 0, of the mark on body b; `point` unless given
     stiffness: part.NonNegative  # N/m
     damping: part.NonNegative = 0.0  # N s/m
+
+    @property
+    def marks(self) -> tuple[part.Point, part.Point]:
+        """Both points, of body a and of body b (m, world, t = 0)."""
+        return self.point, self.point if self.point_b is None else self.point_b
 
     def refuses_particle(self, end: str, dimension: int) -> str:
         return "and cannot bear the bushing's couple; let it be body_b" if end == "body_a" else ""

@@ -1,4 +1,4 @@
-"""The scenes of the project: the public functions of this folder's modules that return a Scene."""
+"""The scenes of the project: public functions of this folder's modules that return a Scene, and files in `data/`."""
 
 import importlib
 import inspect
@@ -7,14 +7,17 @@ import typing
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
 from mbs_ref.scene import Scene
+from mbs_ref.scene import toml as scene_file
 from mbs_ref.scene.base.part import OnlyWith
 from mbs_ref.scene.messages import suggest
 
+DATA = files(__name__) / "data"
 Parameter = float | int | str | bool
 
 
@@ -42,7 +45,18 @@ def _builders() -> dict[str, Callable[..., Scene]]:
         for name, item in vars(module).items()
         if inspect.isfunction(item) and item.__module__ == module.__name__ and name[0] != "_"
     ]
-    return {name: item for name, item in own if item.__annotations__.get("return") in (Scene, "Scene")}
+    written = {path.name[:-5]: _written(path.read_text()) for path in DATA.iterdir() if path.name.endswith(".toml")}
+    return written | {name: item for name, item in own if item.__annotations__.get("return") in (Scene, "Scene")}
+
+
+def _written(text: str) -> Callable[..., Scene]:
+    """Return the builder, without parameters, of a scene file whose comments at its head describe it."""
+
+    def builder() -> Scene:
+        return scene_file.loads(text)
+
+    builder.__doc__ = "\n".join(line[2:] for line in text.splitlines() if line.startswith("#"))
+    return builder
 
 
 @cache

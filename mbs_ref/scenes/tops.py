@@ -1,4 +1,4 @@
-"""Spinning bodies: Euler's top, Lagrange's top and two gyroscopes in a row."""
+"""Spinning bodies: Euler's top, Lagrange's top, two gyroscopes in a row, and the tippe top."""
 
 import math
 from typing import Annotated, Literal
@@ -8,6 +8,7 @@ from pydantic import Field
 
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical
 from mbs_ref.scene.base.part import Positive, dot
+from mbs_ref.scene.contact import RegularisedCoulomb, SphereOnPlane, SpringDamperLaw
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
 
@@ -124,4 +125,41 @@ def _wheel(name: str, reach: float, spin: float) -> SpatialBody:
     return SpatialBody(
         name=name, mass=GYRO_MASS, inertia=(GYRO_AXIAL, GYRO_ACROSS, GYRO_ACROSS, 0.0, 0.0, 0.0),
         position=(reach, 0.0, 0.0), angular_velocity=(spin, 0.0, 0.0),
+    )  # fmt: skip
+
+
+BALL, STEM = (0.015, 0.003), (0.005, 0.016)  # m: radius, and how far its centre is above the top's centre of mass
+
+
+def tippe_top(
+    *, friction: Positive = 0.3, spin: Positive = 180.0, tilt: Positive = 0.1, stiffness: Positive = 1e4,
+    slip: Positive = 1e-2, gravity: Positive = 9.81,
+) -> Scene:  # fmt: skip
+    """Spin a tippe top on rough ground: friction turns it upside down, and it goes on spinning on its stem.
+
+    friction (mu), spin (rad/s, about the vertical), tilt (rad), stiffness (N/m) of the ground, slip (m/s) below which
+    friction fades, gravity (m/s^2). While its ball alone touches, Jellett's integral is constant: the angular momentum
+    along the way from the centre of mass to the lowest point.
+    """
+    sine, cosine, depth = math.sin(tilt), math.cos(tilt), 6e-3 * gravity / stiffness
+    axis, place = np.array([sine, 0.0, cosine]), np.array([0.0, 0.0, BALL[0] - depth - BALL[1] * cosine])
+    law = SpringDamperLaw(stiffness=stiffness, damping=0.2 * math.sqrt(stiffness * 6e-3), release="force")
+    grip = RegularisedCoulomb(coefficient=friction, speed=slip)
+    return Scene(
+        name="tippe_top", description="A ball with a low centre of mass and a stem spins on rough ground.",
+        source="Leine, Glocker, Eur. J. Mech. A 22 (2003) 193-216; Jellett, Treatise on the Theory of Friction (1872)",
+        duration=4.0, gravity=(0.0, 0.0, -gravity),
+        bodies=(
+            SpatialBody(
+                name="top", mass=6e-3, inertia=(8e-7, 8e-7, 7e-7, 0.0, 0.0, 0.0), position=tuple(place.tolist()),
+                orientation=(math.cos(0.5 * tilt), 0.0, math.sin(0.5 * tilt), 0.0), angular_velocity=(0.0, 0.0, spin),
+            ),
+        ),
+        contacts=tuple(
+            SphereOnPlane(
+                name=name, body_a="top", center=tuple((place + height * axis).tolist()), radius=radius,
+                point=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0), law=law, friction=grip,
+            )
+            for name, (radius, height) in (("ball", BALL), ("stem", STEM))
+        ),
     )  # fmt: skip

@@ -15,7 +15,14 @@ from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import GROUND, PlanarBody, Scene
 from mbs_ref.scene.base.part import normals, unit
-from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw
+from mbs_ref.scene.contact import (
+    CircleOnCircle,
+    CircleOnLine,
+    RollingFriction,
+    SphereOnPlane,
+    SphereOnSphere,
+    SpringDamperLaw,
+)
 
 REACH = 100.0  # m, how far floors and the search for contact extend
 SLOW = 1e-3  # m/s, its default, pinned: below it Exudyn's friction falls linearly where Coulomb's law would stick
@@ -48,6 +55,8 @@ def _jointed(scene: Scene) -> list[str]:
 def _one_coefficient(contact: Any) -> list[str]:
     """Return why the friction of a contact is refused, if it is."""
     friction = contact.friction
+    if isinstance(friction, RollingFriction):
+        return [f"contact {contact.name!r}: Exudyn has no resistance to rolling"]
     if friction is None or getattr(friction, "static", None) in (None, friction.coefficient):
         return []
     return [f"contact {contact.name!r}: Exudyn has one coefficient of friction; leave static out"]

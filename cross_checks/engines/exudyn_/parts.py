@@ -132,12 +132,22 @@ def _add_bushing(model: Redundant, load: scene.Bushing) -> None:
     )
 
 
+def _add_point_bushing(model: Redundant, load: scene.PointBushing) -> None:
+    markers = model.pair(load, *load.marks)
+    model.mbs.AddObject(
+        item.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, stiffness=[load.stiffness] * 3)
+    )
+
+
 def has_connector(whole: scene.Scene, load: scene.Load) -> bool:
     """Return whether a connector of Exudyn's acts as the load does.
 
     Its torsional spring measures another angle where no joint holds the axis (1.12: 0.03 off after 1 s). Its intrinsic
-    bushing acts in the middle between both frames: on the same torque where that is as stiff about every axis.
+    bushing acts in the middle between both frames: on the same torque where that is as stiff about every axis. Its
+    Cartesian damper acts at both marks, with a couple where they are apart.
     """
+    if isinstance(load, scene.PointBushing):
+        return load.damping == 0.0
     if isinstance(load, scene.Bushing):
         turns = [values[3:] for values in (load.stiffness, load.damping)]
         return not any(load.stiffness[:3] + load.damping[:3]) and all(len(set(values)) == 1 for values in turns)
@@ -188,4 +198,5 @@ JOINTS = {
 LOADS = {
     **dict.fromkeys((scene.Force, scene.Torque, scene.TorqueVector), _add_push),
     scene.SpringDamper: _add_spring, scene.TorsionSpring: _add_torsion, scene.Bushing: _add_bushing,
+    scene.PointBushing: _add_point_bushing,
 }  # fmt: skip

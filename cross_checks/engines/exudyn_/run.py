@@ -58,6 +58,8 @@ METHODS = (
 SPECTRAL_RADIUS = 0.9  # of generalized-alpha at infinite frequency: Exudyn's default, pinned
 # tighter, Newton stops at singular poses (generalized-alpha at 1e-10); looser, the order is lost below 1e-8 m
 NEWTON = {"relativeTolerance": 1e-9, "absoluteTolerance": 1e-9, "maxIterations": 25}
+# without joints or contacts: one norm holds all residuals, and at 1e-9 of an orbit's 9 kN no gravity gradient is left
+FREE = 1e-12
 RESIDUAL = 1e-10  # of the scene's forces, where that is less than Newton's absolute tolerance in N: light bodies
 SMALLEST_STEP = 1e-13  # s, adaptive methods
 CALLED_FROM = re.compile(r"\s*\[Python file '[^']*', line \d+\]")  # at the end of Exudyn's messages
@@ -93,6 +95,12 @@ def force_scale(scene: Scene) -> float:
     return sum(body.mass for body in scene.bodies) * scales.speed / scales.time
 
 
+def spring_rounding(scene: Scene) -> float:
+    """Return what rounding leaves of the forces of the stiffest spring (N), below which no residual falls."""
+    stiffest = max((float(np.max(getattr(load, "stiffness", 0.0))) for load in scene.loads), default=0.0)
+    return 10.0 * float(np.finfo(float).eps) * stiffest * scales_of(scene).length
+
+
 def options_of(plan: Plan, scene: Scene, *, dense: bool):
     """Return the solver's settings; adaptive halving of the step and output files are off."""
     options = exu.SimulationSettings()
@@ -111,7 +119,10 @@ def options_of(plan: Plan, scene: Scene, *, dense: bool):
     time.newton.useModifiedNewton = True  # the same errors to four figures in half the time, and no pose is lost
     for name, value in NEWTON.items():
         setattr(time.newton, name, value)
-    time.newton.absoluteTolerance = min(time.newton.absoluteTolerance, RESIDUAL * force_scale(scene))
+    if not scene.joints and "contact" not in traits(scene):
+        time.newton.relativeTolerance = FREE
+    lowest = min(time.newton.absoluteTolerance, RESIDUAL * force_scale(scene))
+    time.newton.absoluteTolerance = max(lowest, spring_rounding(scene))
     if adaptive:
         time.relativeTolerance, time.absoluteTolerance, time.minimumStepSize = plan.rtol, plan.atol, SMALLEST_STEP
     return options

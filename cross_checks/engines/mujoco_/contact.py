@@ -88,7 +88,7 @@ def contact_refusals(scene: Scene) -> list[str]:
         if not known or not isinstance(contact.law, laws.SpringDamperLaw):
             given = f"{contact.type} with {contact.law.type}"
             reasons.append(f"{where}: mujoco's own contact takes round things with spring_damper_law, not {given}")
-        if isinstance(contact.friction, laws.RegularisedCoulomb):
+        if contact.friction is not None and not isinstance(contact.friction, laws.StickSlip):
             reasons.append(f"{where}: mujoco regularises friction in its own way; it needs stick_slip")
         if contact.friction is not None and not getattr(contact.law, "damping", 1.0):
             reasons.append(f"{where}: mujoco brakes slip by the law's damping, and without it has no friction at all")

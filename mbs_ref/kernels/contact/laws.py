@@ -45,6 +45,8 @@ class ContactLaws(NamedTuple):
     creep: Annotated[Floats, "k"]  # m/s, v_s
     grip_stiffness: Annotated[Floats, "k"]  # N/m
     grip_damping: Annotated[Floats, "k"]  # N s/m
+    lever: Annotated[Floats, "k"]  # m, of rolling resistance; 0 for none
+    roll: Annotated[Floats, "k"]  # rad/s, w_s
     slot: Annotated[Ints, "k"]  # of the row gap = 0 of a constraint contact; -1 for others
 
 
@@ -95,8 +97,13 @@ def normal_force(laws, modes, k, depth, rate):
 
 
 @bare
+def share(speed, creep):
+    """Return tanh(v / v_s) / v of a speed v >= 0."""
+    ratio = speed / creep
+    return 1.0 / creep if ratio < 1e-8 else math.tanh(ratio) / speed
+
+
+@bare
 def drag(laws, k, normal, speed):
     """Return what the slip velocity times gives smooth friction at a slip `speed`, -mu N tanh(v / v_s) / v (N s/m)."""
-    ratio = speed / laws.creep[k]
-    share = 1.0 / laws.creep[k] if ratio < 1e-8 else math.tanh(ratio) / speed
-    return share * (-laws.coefficient[k] * normal)
+    return share(speed, laws.creep[k]) * (-laws.coefficient[k] * normal)

@@ -192,7 +192,7 @@ def rigid_contact_forces(model, work, t, y, out):
         normal = law.normal_force(laws, modes, k, -touch.gap, -touch.closing)
         if laws.release[k] == law.RELEASE_CONSTRAINT:
             normal = contact_push(work, laws, k)
-        force = forces.contact_force(model, work, k, touch, normal)
+        force, lead = forces.contact_force(model, work, k, touch, normal), forces.ahead(model, work, k, touch)
         for c in range(len(place)):
             out[k, 1 + c] = force[c] if touching else 0.0
-            out[k, 1 + len(place) + c] = place[c] + touch.arm_a[c]
+            out[k, 1 + len(place) + c] = place[c] + touch.arm_a[c] + lead[c]

@@ -43,6 +43,16 @@ def contact_force(model, work, k, touch, normal):
     return core.plus(work, force, core.friction_force(model, work, k, touch, normal))
 
 
+@bare
+def ahead(model, work, k, touch):
+    """Return how far (m) ahead of the point of contact the force acts, which resists rolling."""
+    pairs, laws, n = model.contact_pairs, model.contact_laws, touch.normal
+    if laws.lever[k] == 0.0:
+        return core.times(work, 0.0, n)
+    rolling = core.minus(work, core.swing(work, pairs.a[k], n), core.swing(work, pairs.b[k], n))
+    return core.times(work, laws.lever[k] * law.share(magnitude(work, rolling), laws.roll[k]), rolling)
+
+
 @jit
 def find_near(model, work, duration):
     """Let the list of near pairs cover the last `duration` (s) before the pose in `work`; return whether it is new."""
@@ -82,8 +92,9 @@ def rigid_apply_contacts(model, work):
         touch = contact_geometry(model, work, k)
         if is_touching(pairs, laws, modes, k, touch):
             normal = law.normal_force(laws, modes, k, -touch.gap, -touch.closing)
-            force = contact_force(model, work, k, touch, normal)
-            exchange(work, pairs.a[k], touch.arm_a, pairs.b[k], touch.arm_b, force)
+            force, lead = contact_force(model, work, k, touch, normal), ahead(model, work, k, touch)
+            on_a, on_b = core.plus(work, touch.arm_a, lead), core.plus(work, touch.arm_b, lead)
+            exchange(work, pairs.a[k], on_a, pairs.b[k], on_b, force)
 
 
 # --- granules ---------------------------------------------------------------------------------------

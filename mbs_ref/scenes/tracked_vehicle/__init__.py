@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from mbs_ref.scene import PlanarBody, Revolute, Scene, Torque
+from mbs_ref.scene import Load, PlanarBody, PointBushing, Revolute, Scene, Torque, TorsionSpring
 from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative, Positive
 from mbs_ref.scene.contact import CircleOnLine, Contact, PinOnSprocket
 from mbs_ref.scene.signals import Table
@@ -37,6 +37,8 @@ def tracked_vehicle(
     preload: Annotated[NonNegative, BELIEVABLE_ONLY] = BELIEVABLE["preload"],
     start: Annotated[Literal["equilibrium", "drawn"], BELIEVABLE_ONLY] = BELIEVABLE["start"],
     suspension: bool = False,
+    pins: Literal["hinge", "rubber"] = "hinge",
+    rolling: NonNegative = 0.0,
     soil: Literal["hard", "dry_sand", "sandy_loam", "clay"] = "hard",
     ground: Literal["flat", "bump", "slope", "step"] = "flat",
     height: Annotated[float, Field(gt=0.0, le=0.3)] = 0.02,
@@ -51,6 +53,8 @@ def tracked_vehicle(
     law. wheel_friction, Coulomb's coefficient of idler and rollers on the links, which turns them. preload (N) of the
     spring that pushes the idler ahead on its slide where the vehicle is drawn; 0 fixes its axle. start: in the static
     equilibrium without torque (up to 250 bodies), or as drawn. suspension: rollers on trailing arms with torsion bars.
+    pins: hinges, or rubber bushings, which pull the links straight. rolling: coefficient of the wheels' rolling
+    resistance on the links, which needs wheel_friction.
     soil: hard, or one into which feet sink by Bekker's pressure-sinkage law, without a rut behind them.
     ground: flat, or half a metre ahead of the track a bump, a slope or a step of `height` (m; a slope's over 1 m of
     way; a step no higher than half a link).
@@ -64,9 +68,12 @@ def tracked_vehicle(
             f"wheel_friction = {wheel_friction} must be 0 with law = 'constraint', which has no friction; "
             "give model = 'paper'"
         )
+    if rolling and not wheel_friction:
+        raise ValueError(f"rolling = {rolling} requires wheel_friction > 0")
     drawn = _drawn(
-        links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, soil, ground, height
-    )
+        links, rollers, upper_rollers, law, gravity, (wheel_friction, rolling), preload, suspension, pins, soil, ground,
+        height,
+    )  # fmt: skip
     placed = _settled(drawn.model_dump_json()) if start == "equilibrium" else drawn
     return placed.model_copy(update={"loads": (*_drive(torque, ramp), *placed.loads)})
 
@@ -87,9 +94,7 @@ def _settled(drawn: str) -> Scene:
     return at_equilibrium(Scene.model_validate_json(drawn))
 
 
-def _drawn(
-    links, rollers, upper_rollers, law, gravity, wheel_friction, preload, suspension, soil, ground, height
-) -> Scene:
+def _drawn(links, rollers, upper_rollers, law, gravity, rub, preload, suspension, pins, soil, ground, height) -> Scene:
     """Return the vehicle without its torque: chain straight and tangent, every contact at depth 0."""
     track = _pins(links)
     base = (links - gear.TEETH) // 2 * gear.PITCH
@@ -98,15 +103,19 @@ def _drawn(
     front = base + gear.PITCH_RADIUS
     return Scene(
         name="tracked_vehicle",
-        description=_description(links, rollers + upper_rollers, wheel_friction, suspension, ground, height),
+        description=_description(links, rollers + upper_rollers, rub[0], suspension, ground, height),
         source="Fox 2001, tracked off-highway vehicle; numbers and their origin in scenes/data/tracked_vehicle.json",
         duration=2.0,
         gravity=(0.0, -gravity),
         bodies=(hull, *gear.gear_bodies(wheels), *_links(track)),
-        joints=(*gear.gear_joints(wheels), *_chain(track)),
-        loads=(*gear.torsion_bars(wheels, hull.mass * gravity), *gear.tensioners(wheels, preload)),
+        joints=(*gear.gear_joints(wheels), *(_chain(track) if pins == "hinge" else ())),
+        loads=(
+            *gear.torsion_bars(wheels, hull.mass * gravity),
+            *gear.tensioners(wheels, preload),
+            *(_rubber(track) if pins == "rubber" else ()),
+        ),
         contacts=(
-            *(part for k in range(links) for part in _link_contacts(k, track, wheels, law, wheel_friction)),
+            *(part for k in range(links) for part in _link_contacts(k, track, wheels, law, rub)),
             *_ground_contacts(track, law, soil, ground, height, front),
         ),
     )
@@ -160,6 +169,17 @@ def _chain(pins: np.ndarray) -> list[Revolute]:
     ]
 
 
+def _rubber(pins: np.ndarray) -> Iterator[Load]:
+    """Yield what holds link k - 1 and link k together: a ring of rubber, unstrained where both are in a line."""
+    data, n, along = gear.DATA["pin_rubber"], len(pins), np.roll(pins, -1, axis=0) - pins
+    angles = np.arctan2(along[:, 1], along[:, 0])
+    for k in range(1, n + 1):
+        ends: dict[str, Any] = {"body_a": f"link{k - 1}", "body_b": f"link{k % n}"}
+        turns = float(2.0 * math.pi * np.round((angles[k % n] - angles[k - 1]) / (2.0 * math.pi)))
+        yield PointBushing(name=f"pin{k % n}", point=tuple(pins[k % n]), **data["radial"], **ends)
+        yield TorsionSpring(name=f"pin{k % n}.turn", rest_angle=turns, **data["torsion"], **ends)
+
+
 def _drive(torque: float, ramp: float) -> tuple[Torque, ...]:
     """Clockwise on the sprocket: the vehicle drives along +x."""
     if torque == 0.0:
@@ -171,7 +191,9 @@ def _drive(torque: float, ramp: float) -> tuple[Torque, ...]:
     )
 
 
-def _link_contacts(k: int, pins: np.ndarray, wheels: list[gear.Wheel], law: str, rub: float) -> Iterator[Contact]:
+def _link_contacts(
+    k: int, pins: np.ndarray, wheels: list[gear.Wheel], law: str, rub: tuple[float, float]
+) -> Iterator[Contact]:
     """Yield what wheels and sprocket touch of link k."""
     a, b = pins[k], pins[(k + 1) % len(pins)]
     along = (b - a) / gear.PITCH
@@ -180,7 +202,8 @@ def _link_contacts(k: int, pins: np.ndarray, wheels: list[gear.Wheel], law: str,
         yield CircleOnLine(
             name=f"{wheel.name}.link{k}", body_a=wheel.name, center=wheel.center, radius=wheel.radius,
             body_b=f"link{k}", point_1=tuple(a + inner), point_2=tuple(b + inner), extent="segment",
-            thickness=0.5 * gear.HEIGHT, law=gear.contact_law("link_wheel", law), friction=gear.friction(rub),
+            thickness=0.5 * gear.HEIGHT, law=gear.contact_law("link_wheel", law),
+            friction=gear.friction(*rub, wheel.radius),
         )  # fmt: skip
     yield _tooth(k, a, wheels[0].center, law)
 

@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.scene import Joint, Load, PlanarBody, Prismatic, Revolute, SpringDamper, TorsionSpring
-from mbs_ref.scene.contact import ConstraintLaw, ContactLaw, ProgressiveLaw, RegularisedCoulomb, SpringDamperLaw
+from mbs_ref.scene.contact import (
+    ConstraintLaw,
+    ContactLaw,
+    ProgressiveLaw,
+    RegularisedCoulomb,
+    RollingFriction,
+    Smooth,
+    SpringDamperLaw,
+)
 
 DATA: dict[str, Any] = json.loads((files("mbs_ref.scenes") / "data" / "tracked_vehicle.json").read_text())
 PITCH, HEIGHT, TEETH = (DATA[name]["value"] for name in ("pitch", "link_height", "teeth"))
@@ -136,8 +144,9 @@ def contact_law(kind: str, law: str) -> ContactLaw:
     return SpringDamperLaw(stiffness=data["k"], damping=data["c_kv"], release="force")
 
 
-def friction(coefficient: float) -> RegularisedCoulomb | None:
-    """Return friction that creeps where it would stick; None where there is none."""
-    if coefficient == 0.0:
-        return None
-    return RegularisedCoulomb(coefficient=coefficient, speed=DATA["friction_creep"]["value"])
+def friction(coefficient: float, rolling: float = 0.0, radius: float = 0.0) -> Smooth | None:
+    """Return friction that creeps where it would stick, of a wheel that may resist rolling; None without any."""
+    law = {"coefficient": coefficient, "speed": DATA["friction_creep"]["value"]}
+    if rolling:
+        return RollingFriction(lever=rolling * radius, rate=law["speed"] / radius, **law)
+    return RegularisedCoulomb(**law) if coefficient else None

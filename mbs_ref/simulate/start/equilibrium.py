@@ -21,7 +21,17 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import System
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import GROUND, Distance, PlanarBody, PointMass, RollingWheel, Scene, SpringDamper, TorsionSpring
+from mbs_ref.scene import (
+    GROUND,
+    Distance,
+    PlanarBody,
+    PointBushing,
+    PointMass,
+    RollingWheel,
+    Scene,
+    SpringDamper,
+    TorsionSpring,
+)
 from mbs_ref.scene.base.attached import Attached
 from mbs_ref.scene.base.part import Role, fields_of
 from mbs_ref.scene.contact import ContactPart, PinOnSprocket
@@ -45,7 +55,7 @@ def at_equilibrium(scene: Scene) -> Scene:
     """Return the scene at rest in a stable static equilibrium near its start, under the loads at t = 0.
 
     Every part moves with its bodies. NoEquilibrium if none is reached, or if a part is unstrained wherever it starts,
-    as a bushing is; ValueError for a scene without joints, or with more than 250 bodies.
+    as a bushing in space is; ValueError for a scene without joints, or with more than 250 bodies.
     """
     system = compile_scene(scene)
     if not isinstance(system, JointedSystem) or len(scene.bodies) > LARGEST:
@@ -130,7 +140,7 @@ class _AtRest:
 def restated(scene: Scene, path: Trajectory, sign: float = 1.0) -> Scene:
     """Return the scene that starts at the last sample of a motion, its velocities times `sign`.
 
-    Springs keep their laws. A bushing is unstrained where it starts, a contact has no history, signals begin anew.
+    Springs keep their laws. A bushing in space is unstrained at the start, contacts have no history, signals begin new.
     """
     motion = Motion(scene, path)
     bodies = tuple(_body(body, path, k, sign) for k, body in enumerate(scene.bodies))
@@ -171,7 +181,7 @@ def _owner(part: Any, name: str) -> str:
         return part.body if turns or name in ("point", "center") else GROUND
     if name.endswith(("_a", "_b")):
         return fields[f"body{name[-2:]}"]
-    first = name == "center" if isinstance(part, ContactPart) else name != "point"
+    first = name == "center" if isinstance(part, ContactPart) else name != "point" or isinstance(part, PointBushing)
     return fields["body_a" if first else "body_b"]
 
 
@@ -180,6 +190,9 @@ def _as_strained(part: Any, motion: Motion) -> dict[str, Any]:
     if isinstance(part, SpringDamper | Distance):
         name = "length" if isinstance(part, Distance) else "rest_length"
         return {name: math.dist(part.point_a, part.point_b)} if getattr(part, name) is None else {}
+    if isinstance(part, PointBushing):
+        at = part.marks[1]
+        return {"point_b": tuple(motion.point(part.body_b, at)[0][-1].tolist())}
     if isinstance(part, PinOnSprocket) and part.axis is None:
         return {"first_seat": part.first_seat + float(motion.angle(part.body_b)[-1])}
     if not isinstance(part, TorsionSpring):

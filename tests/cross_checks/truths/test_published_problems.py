@@ -10,6 +10,7 @@ from cross_checks.truths import truth_for
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
+from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scenes import puma560
 from mbs_ref.scenes.nesc import FOOT, SPIN
 from mbs_ref.scenes.nesc import R_MEAN as R_EARTH
@@ -113,6 +114,39 @@ def test_the_force_on_painleves_rod_swings_or_grows_as_p_says(friction, p):
     path = simulate(scene, Settings(rtol=1e-10, estimate="off"), times)
     swing = 1.0 - np.cos(rate * times) if p > 0.0 else np.cosh(rate * times) - 1.0
     assert path.contacts["ground"][:, 2] == pytest.approx(9.81 / abs(p) * swing, rel=2e-3, abs=1e-9)
+
+
+def test_the_tippe_top_turns_over_and_keeps_jelletts_integral():
+    """L . r from the centre of mass to the lowest point of the ball is constant, whatever friction does."""
+    scene = scenes.make("tippe_top")
+    path = simulate(scene, Settings(method="dop853", rtol=1e-8, estimate="off"), np.linspace(0.0, 3.0, 301))
+    axes = rotation_matrices(path.orientation[:, 0])
+    spun = np.einsum("tij,j,tkj,tk->ti", axes, (8e-7, 8e-7, 7e-7), axes, path.angular_velocity[:, 0])
+    jellett = np.sum(spun * (0.003 * axes[:, :, 2] - (0.0, 0.0, 0.015)), axis=1)
+    on_ball = np.cumsum(path.contacts["stem"][:, 3] != 0.0) == 0
+    assert np.abs(jellett[on_ball] / jellett[0] - 1.0).max() < 1e-9
+    height = axes[:, 2, 2]
+    assert height[on_ball][-1] < 0.0
+    assert height[-1] < np.cos(np.radians(170.0))  # on its stem
+    assert path.angular_velocity[-1, 0, 2] > 90.0  # rad/s: still spinning the same way, upside down
+
+
+# The toy with rigid contacts and the same geometry, by Moreau's steps of 20 us (computed apart): time (s) and fall (m)
+# of the first peck. With geometry linear in the angles, as published, 0.0810 s and 0.0073 m, and a period of 0.1461 s
+FIRST_PECK = (0.0827, 0.00898)
+
+
+def test_the_woodpecker_jams_and_pecks_as_with_rigid_contacts():
+    scene = scenes.make("woodpecker")
+    times = np.linspace(0.0, 0.1, 1001)
+    first, second = (simulate(scene, Settings(method=method, rtol=1e-8, estimate="off"), times)
+                     for method in ("dop853", "radau"))  # fmt: skip
+    assert np.abs(first.position - second.position).max() < 1e-8  # m
+    pecking = int(np.argmax(first.contacts["beak"][:, 1] != 0.0))
+    assert times[pecking] == pytest.approx(FIRST_PECK[0], rel=0.01)
+    assert -first.position[pecking, 0, 1] == pytest.approx(FIRST_PECK[1], rel=0.01)
+    jammed = (times > 0.03) & (times < 0.05)
+    assert np.ptp(first.position[jammed, 0, 1]) < 1e-5  # m: it does not fall
 
 
 # Robotics Toolbox for Python, tests of its Puma560 at the nominal pose: gravload, coriolis at rates of PATTERN, without

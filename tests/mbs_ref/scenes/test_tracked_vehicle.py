@@ -174,3 +174,31 @@ def test_choices_that_contradict_each_other_are_refused(chosen, words):
 def test_a_step_higher_than_a_foot_is_refused():
     with pytest.raises(ValueError, match="of a step must not exceed half a link"):
         scenes.make("tracked_vehicle", ground="step", height=0.05)
+
+
+def test_rubber_pins_rest_strained_and_without_hinges():
+    """The drawn links are bent where they go round; the torsion springs are unstrained in a line."""
+    drawn = scenes.make("tracked_vehicle", pins="rubber", start="drawn", torque=0.0)
+    hinged = scenes.make("tracked_vehicle", start="drawn", torque=0.0)
+    assert len(drawn.joints) == len(hinged.joints) - 30
+    turns = [load for load in drawn.loads if load.name.endswith(".turn")]
+    angle: dict[str, float] = {body.name: getattr(body, "angle", 0.0) for body in drawn.bodies}
+    bent = [abs(angle[x.body_b] - angle[x.body_a] - getattr(x, "rest_angle", 0.0)) for x in turns]
+    assert max(bent) == pytest.approx(2.0 * np.pi / 10)  # a tooth's pitch, and never a whole turn
+    assert sum(bent) == pytest.approx(2.0 * np.pi)
+
+
+@pytest.mark.slow
+def test_a_vehicle_on_rubber_pins_rests_in_its_equilibrium():
+    scene = scenes.make("tracked_vehicle", pins="rubber", torque=0.0)
+    path = simulate(scene, Settings(estimate="off", reactions=False, t_end=10.0), np.linspace(0.0, 10.0, 6))
+    assert np.abs(path.position - path.position[0]).max() < 5e-9  # m
+
+
+def test_rolling_resistance_of_the_wheels_takes_a_lever_of_their_radius():
+    scene = scenes.make("tracked_vehicle", rolling=0.05, start="drawn")
+    levers = {c.name: c.friction.lever / c.radius for c in scene.contacts if hasattr(c.friction, "lever")}
+    assert list(levers.values()) == pytest.approx([0.05] * len(levers))
+    assert len(levers) == 4 * 30
+    with pytest.raises(ValueError, match=r"rolling = 0\.05 requires wheel_friction"):
+        scenes.make("tracked_vehicle", rolling=0.05, wheel_friction=0.0)

@@ -117,7 +117,7 @@ def _spring(scene: Scene, free: list[str], x: SpringDamper) -> tuple:
 
 
 def _bushing(scene: Scene, free: list[str], x: PointBushing) -> tuple:
-    (a, pa), (b, pb) = mark(scene, free, x.body_a, x.point), mark(scene, free, x.body_b, x.point)
+    (a, pa), (b, pb) = (mark(scene, free, end, at) for end, at in zip(x.ends, x.marks, strict=True))
     return a, b, pa, pb, (x.stiffness, x.damping, 0.0, 0.0)
 
 

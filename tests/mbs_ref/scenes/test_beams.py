@@ -1,0 +1,154 @@
+"""Beams of segments against closed forms and a floating frame with given modes, and this against published digits."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mbs_ref import scenes
+from mbs_ref.scene import PlanarBody, PointBushing, Scene, TorsionSpring
+from mbs_ref.settings import Settings
+from mbs_ref.simulate import simulate
+from mbs_ref.simulate.start.equilibrium import at_equilibrium
+
+LENGTH, AXIAL, BENDING, DENSITY, RATE = 10.0, 2.8e7, 1.4e4, 1.2, 6.0  # m, N, N m^2, kg/m, rad/s: Simo and Vu-Quoc
+
+
+@cache
+def spin_up(segments: int, end: float) -> np.ndarray:
+    """Return time (s), stretch and deflection (m) of the tip as the root sees them (3, n_t)."""
+    times = np.linspace(0.0, end, round(10.0 * end) + 1)
+    scene = scenes.make("spin_up_beam", segments=segments)
+    path = simulate(scene, Settings(method="dop853", rtol=1e-6, estimate="off", reactions=False), times)
+    assert path.ok
+    root, last = path.orientation[:, 0], path.orientation[:, -1]
+    tip = path.position[:, -1] + 0.5 * LENGTH / segments * np.stack([np.cos(last), np.sin(last)], axis=1)
+    along = np.cos(root) * tip[:, 0] + np.sin(root) * tip[:, 1]
+    return np.stack([times, along - LENGTH, np.cos(root) * tip[:, 1] - np.sin(root) * tip[:, 0]])
+
+
+def modal_lag(times: np.ndarray) -> np.ndarray:
+    """Return the tip's deflection (m) by a floating frame with five modes, stiffened as Kane, Ryan and Banerjee do.
+
+    w'' with the stiffness of bending, and of the tension rho A W^2 (L^2 - x^2)/2; J. Guidance 10 (1987) 139-151.
+    """
+    x, weight = np.polynomial.legendre.leggauss(60)
+    x, weight = 0.5 * (x + 1.0), 0.5 * weight
+    roots = np.array([1.875104068711961, 4.694091132974175, 7.854757438237613, 10.99554073487547, 14.1371683910465])
+    sigma = (np.cos(roots) + np.cosh(roots)) / (np.sin(roots) + np.sinh(roots))
+    z, ends = roots[:, None] * x, roots
+
+    def shape(z, s):
+        return np.cosh(z) - np.cos(z) - s * (np.sinh(z) - np.sin(z))
+
+    phi = shape(z, sigma[:, None])
+    slope = roots[:, None] * (np.sinh(z) + np.sin(z) - sigma[:, None] * (np.cosh(z) - np.cos(z)))
+    mass = DENSITY * LENGTH * (phi * weight) @ phi.T
+    stiffness = BENDING / LENGTH**3 * np.diag(roots**4) @ (phi * weight) @ phi.T
+    tension = 0.5 * DENSITY * LENGTH * (slope * weight * (1.0 - x**2)) @ slope.T
+    push = DENSITY * LENGTH**2 * (phi * weight) @ x
+
+    def derivative(t, y):
+        rate = 0.4 * t - 3.0 / np.pi * np.sin(2.0 * np.pi * t / 15.0)
+        rising = 0.4 - 0.4 * np.cos(2.0 * np.pi * t / 15.0)
+        pull = stiffness + rate**2 * (tension - mass)
+        return np.concatenate([y[5:], np.linalg.solve(mass, -rising * push - pull @ y[:5])])
+
+    y = solve_ivp(derivative, (0.0, times[-1]), np.zeros(10), "DOP853", times, rtol=1e-8, atol=1e-10).y
+    return shape(ends, sigma) @ y[:5]
+
+
+def test_a_beam_that_spins_up_lags_as_a_floating_frame_with_given_modes_says():
+    """By two numbers of segments and extrapolation in 1/n^2; the linear theory is off by (deflection/length)^2."""
+    coarse, fine = spin_up(4, 8.0), spin_up(8, 8.0)
+    lag = fine[2] + (fine[2] - coarse[2]) / 3.0
+    modes = modal_lag(fine[0])
+    assert modes.min() == pytest.approx(-0.574, abs=0.002)
+    assert np.abs(lag - modes).max() < 0.01 * 0.574
+    assert np.abs(fine[2] - modes).max() > 3.0 * np.abs(lag - modes).max()  # the segments' own error
+
+
+@pytest.mark.slow
+def test_at_full_speed_the_beam_is_longer_by_its_centrifugal_tension():
+    """u(L) = L (tan(k L)/(k L) - 1), k^2 = rho A W^2/(E A): 5.14e-4 m; the tip still swings: mean of a second."""
+    wave = LENGTH * np.sqrt(DENSITY * RATE**2 / AXIAL)
+    published = LENGTH * (np.tan(wave) / wave - 1.0)
+    assert published == pytest.approx(5.14e-4, rel=1e-3)
+    stretch = [spin_up(n, 15.0)[1, -10:].mean() for n in (4, 8)]
+    assert stretch[1] + (stretch[1] - stretch[0]) / 3.0 == pytest.approx(published, rel=0.01)
+
+
+# IVP test set, slider crank: start, and phi2, x3, q1..q4 at t = 0.1 s (rad, m)
+CRANK_START = (0.0, 0.450016933, 0.0, 0.0, 0.103339863e-4, 0.169327969e-4, -74.99576703969453, -2.689386719979040e-6,
+               0.4448961125815990, 0.4634339319238670e-2, -1.785910760000550e-6, -2.689386719979040e-6)  # fmt: skip
+CRANK_END = (-3.311734987910881e-01, 1.697373326718410e-01, 1.893192460247178e-04, 2.375751865617931e-05,
+             -5.323907988763734e-06, -8.363283141616840e-06)  # fmt: skip
+L1, L2, M2, M3, SPEED, AREA, HEIGHT, E = 0.15, 0.3, 0.151104, 0.075552, 150.0, 0.008**2, 0.008, 0.2e12
+INERTIA = 0.0045339259  # kg m^2, of the rod about its pin
+
+
+def flexible_crank(longitudinal: float, rtol: float) -> np.ndarray:
+    """Return phi2, x3, q1..q4 at 0.1 s of a rod in a floating frame: two sines across it, a parabola along it.
+
+    The test set's mass of the parabola lacks a factor 1/15, its integral over the rod; `longitudinal` is the factor.
+    """
+    pi, stretch = 3.1415927, E * AREA / L2  # as in the source
+    mass = M2 * np.diag([0.5, 0.5, 0.0, 0.0])
+    mass[2:, 2:] = M2 * longitudinal * np.array([[8.0, 1.0], [1.0, 2.0]])
+    stiffness = stretch * (HEIGHT / L2) ** 2 * pi**4 * np.diag([1.0 / 24.0, 2.0 / 3.0, 0.0, 0.0])
+    stiffness[2:, 2:] = stretch / 3.0 * np.array([[16.0, -8.0], [-8.0, 7.0]])
+    along, across = M2 * np.array([0.0, 0.0, 2 / 3, 1 / 6]), M2 * np.array([2 / pi, 0.0, 0.0, 0.0])
+    x_along, x_across = M2 * L2 * np.array([0, 0, 1 / 3, 1 / 6]), M2 * L2 * np.array([1 / pi, -0.5 / pi, 0, 0])
+    both = np.zeros((4, 4))
+    both[0, 2:], both[1, 3] = (-16 / pi**3, 8 / pi**3 - 1 / pi), 0.5 / pi
+    both = M2 * (both - both.T)
+
+    def derivative(t, y):
+        q, qd, turn, w, ahead = y[2:6], y[8:], y[0], y[6], SPEED * t
+        s, c = np.sin(ahead - turn), np.cos(ahead - turn)
+        kkt, due, reach = np.zeros((8, 8)), np.zeros(8), L2 + q[3]
+        kkt[0, 0], kkt[1, 1], kkt[2:6, 2:6] = INERTIA + q @ mass @ q + 2.0 * x_along @ q, M3, mass
+        kkt[0, 2:6] = kkt[2:6, 0] = x_across + q @ both
+        due[0] = SPEED**2 * L1 * (0.5 * L2 * M2 * s + along @ q * s - across @ q * c)
+        due[0] -= 2.0 * w * (x_along @ qd + qd @ mass @ q) + qd @ both @ qd
+        due[2:6] = w**2 * (mass @ q + x_along) + SPEED**2 * L1 * (c * along + s * across) + 2.0 * w * both @ qd
+        due[2:6] -= stiffness @ q
+        sine, cosine = np.sin(turn), np.cos(turn)
+        rows = np.zeros((2, 6))
+        rows[0, 0], rows[0, 5], rows[1, 0], rows[1, 1], rows[1, 5] = reach * cosine, sine, reach * sine, 1.0, -cosine
+        kkt[6:, :6], kkt[:6, 6:] = rows, rows.T
+        due[6] = L1 * np.sin(ahead) * SPEED**2 + reach * sine * w**2 - 2.0 * w * cosine * qd[3]
+        due[7] = -L1 * np.cos(ahead) * SPEED**2 - reach * cosine * w**2 - 2.0 * w * sine * qd[3]
+        return np.concatenate([y[6:], np.linalg.solve(kkt, due)[:6]])
+
+    return solve_ivp(derivative, (0.0, 0.1), CRANK_START, "DOP853", rtol=rtol, atol=1e-3 * rtol).y[:6, -1]
+
+
+@pytest.mark.slow
+def test_a_floating_frame_with_given_modes_ends_at_the_published_digits():
+    np.testing.assert_allclose(flexible_crank(1.0, 1e-11), CRANK_END, rtol=1e-7, atol=1e-10)
+
+
+def test_the_rod_of_segments_ends_with_its_slider_at_the_published_place():
+    """The published rod is not stiffened by its tension, ours is: 1e-5 of the slider's place is left."""
+    scene = scenes.make("flexible_slider_crank", segments=8)
+    path = simulate(scene, Settings(method="dop853", rtol=1e-7, estimate="off", reactions=False), np.array([0.0, 0.1]))
+    assert path.ok
+    assert path.position[-1, -1, 0] == pytest.approx(CRANK_END[1], abs=3e-5)
+    rod = path.position[-1, -1] - path.position[-1, 0] * 2.0
+    assert np.arctan2(rod[1], rod[0]) == pytest.approx(CRANK_END[0], abs=1e-4)
+
+
+def test_a_strained_bushing_rests_in_an_equilibrium():
+    """A block of 2 kg hangs on a bushing by m g/k, and starts there."""
+    block = PlanarBody(name="block", mass=2.0, inertia=0.1, position=(1.0, 0.0))
+    ends = {"body_a": "ground", "body_b": "block"}
+    springs = (PointBushing(name="rubber", point=(1.0, 0.0), stiffness=1e4, damping=50.0, **ends),
+               TorsionSpring(name="turn", stiffness=10.0, **ends))  # fmt: skip
+    rest = at_equilibrium(Scene(name="hung", duration=1.0, gravity=(0.0, -9.81), bodies=(block,), loads=springs))
+    assert rest.bodies[0].position == pytest.approx((1.0, -2.0 * 9.81 / 1e4), abs=1e-12)
+    path = simulate(rest, Settings(estimate="off"), np.array([0.0, 1.0]))
+    assert np.abs(path.position[1] - path.position[0]).max() < 1e-10
