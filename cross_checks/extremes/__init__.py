@@ -1,19 +1,31 @@
-"""Extreme scenes along an axis from mild to hopeless: one file a family, found by listing `families`."""
+"""Extreme scenes along an axis from mild to hopeless: `extremes.toml` describes them, `families` makes them."""
 
-import importlib
-import pkgutil
+import tomllib
 from functools import cache
+from importlib import import_module
+from importlib.resources import files
+from types import ModuleType
+from typing import Any
 
-from cross_checks.extremes import families
-from cross_checks.extremes.extreme import Extreme
+from cross_checks import engines
+from cross_checks.extremes.extreme import Axis, Extreme
+
+LISTED = tomllib.loads((files(__name__) / "extremes.toml").read_text(encoding="utf-8"))
 
 
 @cache
 def every() -> tuple[Extreme, ...]:
-    """Return all extremes, by family in the order of the folder."""
-    names = [module.name for module in pkgutil.iter_modules(families.__path__)]
-    modules = [importlib.import_module(f"{families.__name__}.{name}") for name in names]
-    return tuple(extreme for module in modules for extreme in module.EXTREMES)
+    """Return all extremes in the order of the file."""
+    modules = {family: import_module(f"{__name__}.families.{family}") for family in LISTED}
+    return tuple(_described(modules[family], **entry) for family, entries in LISTED.items() for entry in entries)
+
+
+def _described(module: ModuleType, *, name: str, family: str, title: str, axis: str, **of_axis: Any) -> Extreme:
+    """Return an extreme; an axis of labels has their numbers for values."""
+    numbers = {"values": list(map(float, range(len(of_axis.get("labels", ()))))), "unit": ""}
+    fields = {key: value if key == "unit" else tuple(value) for key, value in (numbers | of_axis).items()}
+    engine = getattr(module, "ENGINE", engines.get)
+    return Extreme(name, family, title, Axis(axis, **fields), module.CASES[name], engine)
 
 
 def named(name: str) -> Extreme:
