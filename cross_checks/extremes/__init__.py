@@ -10,7 +10,8 @@ from typing import Any
 from cross_checks import engines
 from cross_checks.extremes.extreme import Axis, Extreme
 
-LISTED = tomllib.loads((files(__name__) / "extremes.toml").read_text(encoding="utf-8"))
+DATA = tomllib.loads((files(__name__) / "extremes.toml").read_text(encoding="utf-8"))
+LISTED, QUICK = DATA["extremes"], DATA["quick"]
 
 
 @cache
