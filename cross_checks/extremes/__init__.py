@@ -18,15 +18,17 @@ LISTED, QUICK = DATA["extremes"], DATA["quick"]
 def every() -> tuple[Extreme, ...]:
     """Return all extremes in the order of the file."""
     modules = {family: import_module(f"{__name__}.families.{family}") for family in LISTED}
-    return tuple(_described(modules[family], **entry) for family, entries in LISTED.items() for entry in entries)
+    return tuple(_described(modules[family], entry) for family, entries in LISTED.items() for entry in entries)
 
 
-def _described(module: ModuleType, *, name: str, family: str, title: str, axis: str, **of_axis: Any) -> Extreme:
+def _described(module: ModuleType, entry: dict[str, Any]) -> Extreme:
     """Return an extreme; an axis of labels has their numbers for values."""
-    numbers = {"values": list(map(float, range(len(of_axis.get("labels", ()))))), "unit": ""}
-    fields = {key: value if key == "unit" else tuple(value) for key, value in (numbers | of_axis).items()}
-    engine = getattr(module, "ENGINE", engines.get)
-    return Extreme(name, family, title, Axis(axis, **fields), module.CASES[name], engine)
+    labels, full, name = tuple(entry.get("labels", ())), tuple(entry.get("full", ())), entry["name"]
+    values = tuple(entry.get("values", map(float, range(len(labels)))))
+    axis = Axis(entry["axis"], entry.get("unit", ""), values, labels, full)
+    return Extreme(
+        name, entry["family"], entry["title"], axis, module.CASES[name], getattr(module, "ENGINE", engines.get)
+    )
 
 
 def named(name: str) -> Extreme:
