@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from cross_checks import engines
-from cross_checks.extremes import named
+from cross_checks.extremes import DATA, LISTED, named
 from cross_checks.extremes.cell import Cell as ExtremeCell
 from cross_checks.extremes.cell import read as read_cells
 from cross_checks.extremes.run import matrix
@@ -164,7 +164,8 @@ class Gathering:
         if self.is_part:
             return ()
         few, kind = [named(name) for name in FEW_EXTREMES], tuple[ExtremeCell, ...]
-        key = digest_of(["extremes", list(FEW_EXTREMES), *facts.engine_keys(), code_of("cross_checks.extremes.run")])
+        sources = [code_of(f"cross_checks.extremes.{name}") for name in ("run", *(f"families.{one}" for one in LISTED))]
+        key = digest_of(["extremes", list(FEW_EXTREMES), DATA, *facts.engine_keys(), *sources])
         built = partial(matrix, few, engines.names(), progress=self.report, call=self.call)
         return facts.remembered(self.store, key, kind, lambda: tuple(built()))  # type: ignore[type-var]
 

@@ -1,19 +1,34 @@
-"""Extreme scenes along an axis from mild to hopeless: one file a family, found by listing `families`."""
+"""Extreme scenes along an axis from mild to hopeless: `extremes.toml` describes them, `families` makes them."""
 
-import importlib
-import pkgutil
+import tomllib
 from functools import cache
+from importlib import import_module
+from importlib.resources import files
+from types import ModuleType
+from typing import Any
 
-from cross_checks.extremes import families
-from cross_checks.extremes.extreme import Extreme
+from cross_checks import engines
+from cross_checks.extremes.extreme import Axis, Extreme
+
+DATA = tomllib.loads((files(__name__) / "extremes.toml").read_text(encoding="utf-8"))
+LISTED, QUICK = DATA["extremes"], DATA["quick"]
 
 
 @cache
 def every() -> tuple[Extreme, ...]:
-    """Return all extremes, by family in the order of the folder."""
-    names = [module.name for module in pkgutil.iter_modules(families.__path__)]
-    modules = [importlib.import_module(f"{families.__name__}.{name}") for name in names]
-    return tuple(extreme for module in modules for extreme in module.EXTREMES)
+    """Return all extremes in the order of the file."""
+    modules = {family: import_module(f"{__name__}.families.{family}") for family in LISTED}
+    return tuple(_described(modules[family], entry) for family, entries in LISTED.items() for entry in entries)
+
+
+def _described(module: ModuleType, entry: dict[str, Any]) -> Extreme:
+    """Return an extreme; an axis of labels has their numbers for values."""
+    labels, full, name = tuple(entry.get("labels", ())), tuple(entry.get("full", ())), entry["name"]
+    values = tuple(entry.get("values", map(float, range(len(labels)))))
+    axis = Axis(entry["axis"], entry.get("unit", ""), values, labels, full)
+    return Extreme(
+        name, entry["family"], entry["title"], axis, module.CASES[name], getattr(module, "ENGINE", engines.get)
+    )
 
 
 def named(name: str) -> Extreme:

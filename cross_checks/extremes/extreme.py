@@ -1,6 +1,5 @@
 """What an extreme is: a scene driven along an axis, and how its answer is measured."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -39,11 +38,6 @@ class Axis:
     def label(self, value: float) -> str:
         """Return the value as a reader would write it."""
         return self.labels[int(value)] if self.labels else f"{value:.6g}"
-
-
-def kinds(name: str, unit: str, labels: tuple[str, ...]) -> Axis:
-    """Return an axis of kinds without an order between them."""
-    return Axis(name, unit, tuple(float(k) for k in range(len(labels))), labels)
 
 
 @dataclass(frozen=True)
@@ -94,10 +88,3 @@ def grid(t_end: float, step: float = STEP, samples: int = 21) -> np.ndarray:
     """Return output times from 0 to t_end (s), as even as multiples of the step allow."""
     whole = max(1, round(t_end / step))
     return np.unique(np.linspace(0, whole, min(samples, whole + 1)).round()) * step
-
-
-def decades(first: float, last: float, each: float = 1.0) -> tuple[float, ...]:
-    """Return powers of ten from first to last, `each` decades apart."""
-    a, b = math.log10(first), math.log10(last)
-    count = round(abs(b - a) / each)
-    return tuple(float(f"{10.0 ** (a + (b - a) * k / count):.6g}") for k in range(count + 1))

@@ -8,7 +8,7 @@ from typing import Any
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method, output_times
-from cross_checks.extremes import boundary, named
+from cross_checks.extremes import QUICK, boundary, named
 from cross_checks.extremes.cell import Cell, made_of
 from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
 from cross_checks.extremes.fate import Fate, Point, judge
@@ -54,9 +54,8 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
         return Cell(extreme.name, extreme.family, engine.name, method.name, full, Fate.CANNOT, None, (), why)
 
     def probe(value: float) -> Point:
-        is_mildest = (
-            value == extreme.axis.values[0]
-        )  # it loads what all others need, which run in copies of its process
+        # the mildest loads what all others need, which run in copies of its process
+        is_mildest = value == extreme.axis.values[0]
         call.timeout = FIRST if is_mildest else PATIENCE[full] + (LOADING if call.fresh else 0.0)
         make, began = (call if is_mildest else call.apart), time.perf_counter()
         try:
@@ -68,22 +67,6 @@ def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: 
     values = extreme.values(full)
     points = [probe(value) for value in values] if extreme.axis.labels else boundary.search(values, probe, full)
     return made_of(extreme.name, extreme.family, engine.name, method.name, full, points)
-
-
-# The methods of a quick look; an engine without an entry is taken whole.
-QUICK = {
-    "mbs_ref": ("dop853", "rk4", "radau", "gauss", "generalized_alpha", "lsodar"),
-    "exudyn": ("generalized_alpha", "contact_rk44", "tree_dopri5", "tree_rk44"),
-    "mujoco": ("rk4", "implicitfast"),
-    "pinocchio": ("dop853", "rk4"),
-    "pinocchio_cpp": ("dop853", "rk4"),
-    "rebound": ("ias15", "whfast"),
-    "heyoka": ("taylor",),
-    "basilisk": ("rk4",),
-    "mjx": ("rk4",),
-    "opensim": ("rk_merson",),
-    "drake": ("runge_kutta3", "sap"),
-}
 
 
 def tasks(extremes: Sequence[Extreme], engines: Collection[str], full: bool) -> list[Task]:

@@ -2,6 +2,7 @@
 
 import importlib
 import inspect
+import json
 import pkgutil
 import typing
 from collections.abc import Callable
@@ -19,6 +20,11 @@ from mbs_ref.scene.messages import suggest
 
 DATA = files(__name__) / "data"
 Parameter = float | int | str | bool
+
+
+def read_data(name: str) -> dict[str, Any]:
+    """Return mbs_ref/scenes/data/<name>.json: the numbers of a scene that has parameters."""
+    return json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)

@@ -9,26 +9,11 @@ from pydantic import Field
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Revolute, Scene, SpatialBody, Universal
 from mbs_ref.scene.base.part import Positive, dot
 from mbs_ref.scene.signals import Constant
+from mbs_ref.scenes import read_data
 
 SHAFT = (0.02, 0.05, 0.05, 0.0, 0.0, 0.0)  # kg m^2
 SWING = 0.25  # rad, of the crank to both sides of its middle
-# fixed pins (m); the crank's pins, length (m) and middle angle (rad); pins that meet two others at given distances (m),
-# to the left (1) or right (-1) of the way from the first to the second; the other rods
-LINKAGES: dict[str, dict[str, Any]] = {
-    "watt": {
-        "fixed": {"A": (0.0, 0.0), "D": (2.0, -1.0)}, "crank": ("A", "B", 1.0, 0.0),
-        "meet": {"C": ("B", "D", 1.0, 1.0, -1)}, "rods": ("BC", "CD"),
-    },
-    "chebyshev": {
-        "fixed": {"A": (0.0, 0.0), "D": (2.0, 0.0)}, "crank": ("A", "B", 2.5, math.atan2(4.0, 3.0)),
-        "meet": {"C": ("B", "D", 1.0, 2.5, -1)}, "rods": ("BC", "CD"),
-    },
-    "peaucellier": {
-        "fixed": {"O": (0.0, 0.0), "C": (1.0, 0.0)}, "crank": ("C", "P", 1.0, 0.0),
-        "meet": {"A": ("O", "P", 2.5, 1.0, 1), "B": ("O", "P", 2.5, 1.0, -1), "Q": ("A", "B", 1.0, 1.0, 1)},
-        "rods": ("OA", "OB", "PA", "PB", "AQ", "BQ"),
-    },
-}  # fmt: skip
+LINKAGES: dict[str, dict[str, Any]] = read_data("linkages")["linkages"]
 
 
 def straight_line_linkage(

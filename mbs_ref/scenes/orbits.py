@@ -1,13 +1,14 @@
 """Particles under Newton's attraction: Kepler's orbit and classical test problems."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.celestial import AU_M, DAY_S, G_SI, Newton
+from mbs_ref.scenes import read_data
 
 
 def kepler(*, eccentricity: Annotated[float, Field(ge=0.0, le=0.999)] = 0.6, orbits: Positive = 10.0) -> Scene:
@@ -57,38 +58,8 @@ def figure_eight(*, periods: Positive = 1.0) -> Scene:
     )
 
 
-X = (3.0, 3.0, -1.0, -3.0, 2.0, -2.0, 2.0)  # m
-Y = (3.0, -3.0, 2.0, 0.0, 0.0, -4.0, 4.0)  # m
-U = (0.0, 0.0, 0.0, 0.0, 0.0, 1.75, -1.5)  # m/s
-V = (0.0, 0.0, 0.0, -1.25, 1.0, 0.0, 0.0)  # m/s
-
-
-def pleiades() -> Scene:
-    """Let seven stars pass each other closely for three time units (Hairer, Norsett, Wanner)."""
-    stars = zip(X, Y, U, V, strict=True)
-    return Scene(
-        name="pleiades",
-        description="Seven stars in a plane, of gm 1 to 7 m^3/s^2, with close encounters.",
-        source="Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed., sec. II.10",
-        duration=3.0,
-        bodies=tuple(
-            PointMass(name=f"star{k + 1}", mass=k + 1.0, position=(x, y, 0.0), velocity=(u, v, 0.0))
-            for k, (x, y, u, v) in enumerate(stars)
-        ),
-        loads=(Newton(name="newton", gm=tuple(float(k + 1) for k in range(7))),),
-    )
-
-
 G_AU3_DAY2 = 2.95912208286e-4  # au^3/(day^2 solar masses), as the source has it
-# name: mass (solar masses), position (au), velocity (au/day), heliocentric, 1994-09-05 0 h
-OUTER_PLANETS = {
-    "sun": (1.00000597682, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
-    "jupiter": (0.000954786104043, (-3.5023653, -3.8169847, -1.5507963), (0.00565429, -0.00412490, -0.00190589)),
-    "saturn": (0.000285583733151, (9.0755314, -3.0458353, -1.6483708), (0.00168318, 0.00483525, 0.00192462)),
-    "uranus": (0.0000437273164546, (8.3101420, -16.2901086, -7.2521278), (0.00354178, 0.00137102, 0.00055029)),
-    "neptune": (0.0000517759138449, (11.4707666, -25.7294829, -10.8169456), (0.00288930, 0.00114527, 0.00039677)),
-    "pluto": (1.0 / 1.3e8, (-15.5387357, -25.2225594, -3.1902382), (0.00276725, -0.00170702, -0.00136504)),
-}
+OUTER_PLANETS: dict[str, Any] = read_data("outer_planets")["bodies"]
 
 
 def outer_solar_system(*, days: Positive = 200_000.0) -> Scene:

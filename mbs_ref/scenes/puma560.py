@@ -1,17 +1,14 @@
 """The PUMA 560 arm, driven at every joint: inverse dynamics with published torques."""
 
-import json
-from importlib.resources import files
-from typing import Any
-
 import numpy as np
 
 from mbs_ref.scene import GROUND, Revolute, RotationDrive, Scene, SpatialBody
 from mbs_ref.scene.base.part import NonNegative, dot
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, rotation_matrices
 from mbs_ref.scene.signals import Table
+from mbs_ref.scenes import read_data
 
-DATA: dict[str, Any] = json.loads((files("mbs_ref.scenes") / "data" / "puma560.json").read_text())
+DATA = read_data("puma560")
 PATTERN = np.array([1.0, 2.0, 3.0, 1.0, 2.0, 3.0])  # rad/s and rad/s^2: the joints' share of a rate of 1
 DURATION = 0.5  # s
 

@@ -11,6 +11,7 @@ from mbs_ref import ephemeris
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.scene.base.part import Positive
 from mbs_ref.scene.celestial import DAY_S, G_SI, Epoch, LunarFigure, Newton, Oblateness, Relativity, Ring, Tide
+from mbs_ref.scenes import read_data
 
 Formulation = Literal["point", "euler_parameters"]
 Triple = tuple[float, float, float]
@@ -44,20 +45,7 @@ class Rotation(NamedTuple):
         return rate * math.cos(d) * math.cos(a), rate * math.cos(d) * math.sin(a), rate * math.sin(d)
 
 
-# Archinal et al., Celest. Mech. Dyn. Astr. 109 (2011) 101, tables 1, 2, 4 and 5, at J2000
-ROTATIONS = {
-    "sun": Rotation(696_000.0, 286.13, 63.87, 14.1844),
-    "mercury": Rotation(2439.7, 281.0097, 61.4143, 6.1385025),
-    "venus": Rotation(6051.8, 272.76, 67.16, -1.4813688),
-    "earth": Rotation(6371.0084, 0.0, 90.0, 360.9856235),
-    "moon": Rotation(1737.4, 269.9949, 66.5392, 13.17635815),
-    "mars": Rotation(3389.5, 317.68143, 52.8865, 350.89198226),
-    "jupiter": Rotation(69_911.0, 268.056595, 64.495303, 870.536),
-    "saturn": Rotation(58_232.0, 40.589, 83.537, 810.7939024),
-    "uranus": Rotation(25_362.0, 257.311, -15.175, -501.1600928),
-    "neptune": Rotation(24_622.0, 299.36, 43.46, 536.3128492),
-    "pluto": Rotation(1195.0, 132.993, -6.163, 56.3625225),
-}
+ROTATIONS = {name: Rotation(*numbers) for name, numbers in read_data("rotations")["bodies"].items()}
 
 
 def solar_system(

@@ -1,1 +1,1 @@
-"""Families of extremes: each file offers EXTREMES, and is found by listing this folder."""
+"""Families of extremes: each file offers CASES, by the names under which `extremes.toml` describes them."""

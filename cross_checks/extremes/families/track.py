@@ -11,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid
+from cross_checks.extremes.extreme import Case, Measured, grid
 from cross_checks.extremes.parts import GRAVITY
 from mbs_ref import Trajectory, scenes
 from mbs_ref.observables import kinetic_energy
 from mbs_ref.scene import PlanarBody, Scene, SpringDamper
 
-FAMILY = "track"
 END, STEP, RTOL = 0.03, 1e-4, 1e-7  # s, s
 OPEN = measures.open_joints(0.154)  # m: the track's pitch
 
@@ -93,11 +92,4 @@ def _downhill(scene: Scene, path: Trajectory) -> Measured:
     return Measured(max(float(np.max(gained)) / (total * strength * longest), float(np.max(ahead)) / longest))
 
 
-EXTREMES = (
-    Extreme("track-speed", FAMILY, "A vehicle afloat drives its track ever faster; its momentum stays zero.",
-            Axis("torque", "N m", (1e3, 1e4, 1e5), full=(1e6,)), _afloat),
-    Extreme("track-tension", FAMILY, "A vehicle afloat whose track is drawn ever tighter; its momentum stays zero.",
-            Axis("force", "N", (1e3, 1e5, 1e6), full=(1e7,)), _tight),
-    Extreme("track-slope", FAMILY, "The vehicle is let go on ever steeper slopes; its energy may only fall.",
-            Axis("slope", "degrees", (0.0, 20.0, 45.0, 90.0)), _slope),
-)  # fmt: skip
+CASES = {"track-speed": _afloat, "track-tension": _tight, "track-slope": _slope}

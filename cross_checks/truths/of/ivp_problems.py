@@ -10,35 +10,45 @@ from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
 from cross_checks.truths.truth import Truth
 from mbs_ref import Scene
-from mbs_ref.scenes import andrews as given
-from mbs_ref.scenes.car_axis import AMPLITUDE, HEIGHT, LENGTH, MASS, OMEGA
+
+# Andrews' squeezer in the source's names, m: fixed points; joint to joint, K1 to K5, K7, K6; the spring's hook on K3
+A, B, C = (-0.06934, -0.00227), (-0.03635, 0.03273), (0.014, 0.072)
+RR, D, SS, E, ZT, U, ZF = 0.007, 0.028, 0.035, 0.02, 0.04, 0.04, 0.02
+HOOK = (0.018, 0.02)  # along K3 from B, and to the left
+STIFFNESS, REST, DRIVE = 4530.0, 0.07785, 0.033  # N/m, m, N m
+BETA = -0.0617138900142764496358948458001  # rad, at t = 0
+# of K1 to K7: the centre, m, along a body from its first joint and to the left; quarter turns from the source's angle
+# to the body's direction from its first to its second joint
+CENTRES = (((0.00092, 0.0), 0), ((0.0115, 0.0), 2), ((0.01874, 0.01043), -1), ((E - 0.01421, 0.0), -1),
+           ((0.02308, 0.00916), 0), ((ZF - 0.01421, 0.0), 0), ((0.01228, -0.00449), -1))  # fmt: skip
+# The car axis: m, of the axis and of the springs at rest; kg, of each end; m, rad/s, of the right wheel on its road
+LENGTH, HEIGHT, MASS, AMPLITUDE, OMEGA = 1.0, 0.5, 5e-4, 0.1, 10.0
 
 
 def andrews(scene: Scene, times: np.ndarray) -> Truth:
     """Lagrange's and Hamilton's equations in beta; neither knows a constraint or a multiplier."""
     how = "Hamilton's equations in the crank angle, loops closed by circles, by extrapolation in extended precision"
-    start, ways = np.longdouble(given.START["beta"]), ("Lagrange's by DOP853", how)
+    start, ways = np.longdouble(BETA), ("Lagrange's by DOP853", how)
     return agree_on(scene, _squeezer_poses, start, np.longdouble(0), times, ways, stored=_stored, is_costly=True)
 
 
 def _squeezer_poses(beta: Jet) -> tuple[Jet, Jet]:
     """Return the centres (7, 2) and angles (7,) of K1 to K7."""
     centres, angles = [], []
-    for (name, (ahead, left)), (root, along) in zip(given.CENTRES.items(), _legs(beta), strict=True):
+    for ((ahead, left), quarters), (root, along) in zip(CENTRES, _legs(beta), strict=True):
         centres.append(root + along * ahead + _left(along) * left)
-        angles.append(_angle(_turned(along, -given.AHEAD[name])))
+        angles.append(_angle(_turned(along, -quarters)))
     return jet.stack(centres), jet.stack(angles)
 
 
 def _legs(beta: Jet) -> list[tuple[Jet, Jet]]:
     """Return the first joint (2,) m and the unit vector (2,) to the second joint of K1 to K7."""
-    origin, a, b = (jet.lift(np.array(point)) for point in ((0.0, 0.0), given.A, given.B))
+    origin, a, b = (jet.lift(np.array(point)) for point in ((0.0, 0.0), A, B))
     crank = jet.stack([jet.cos(beta), jet.sin(beta)])
-    pin = crank * given.RR
-    apex = _apex(pin, b, given.D, given.SS, 1)
-    upper, lower = _apex(a, apex, given.ZT, given.E, 1), _apex(a, apex, given.U, given.ZF, -1)
-    second = ((pin, apex, given.D), (b, apex, given.SS), (upper, apex, given.E), (a, upper, given.ZT),
-              (lower, apex, given.ZF), (a, lower, given.U))  # fmt: skip
+    pin = crank * RR
+    apex = _apex(pin, b, D, SS, 1)
+    upper, lower = _apex(a, apex, ZT, E, 1), _apex(a, apex, U, ZF, -1)
+    second = ((pin, apex, D), (b, apex, SS), (upper, apex, E), (a, upper, ZT), (lower, apex, ZF), (a, lower, U))
     return [(origin, crank), *((root, (end - root) * (1.0 / length)) for root, end, length in second)]
 
 
@@ -54,10 +64,10 @@ def _apex(first: Jet, second: Jet, r: float, s: float, side: int) -> Jet:
 def _stored(beta: Jet) -> Jet:
     """Return the energy of the spring less the work of the motor, J."""
     root, along = _legs(beta)[2]
-    hook = root + along * given.HOOK[0] + _left(along) * given.HOOK[1]
-    reach = hook - jet.lift(np.array(given.C))
-    stretch = jet.sqrt(_dot(reach, reach)) - given.REST
-    return stretch * stretch * (0.5 * given.STIFFNESS) - beta * given.DRIVE
+    hook = root + along * HOOK[0] + _left(along) * HOOK[1]
+    reach = hook - jet.lift(np.array(C))
+    stretch = jet.sqrt(_dot(reach, reach)) - REST
+    return stretch * stretch * (0.5 * STIFFNESS) - beta * DRIVE
 
 
 def _dot(a: Jet, b: Jet) -> Jet:
@@ -68,9 +78,9 @@ def _left(a: Jet) -> Jet:
     return jet.stack([-a[1], a[0]])
 
 
-def _turned(a: Jet, angle: float) -> Jet:
-    """Return a vector turned by a multiple of a right angle, exactly."""
-    for _ in range(round(angle / (np.pi / 2)) % 4):
+def _turned(a: Jet, quarters: int) -> Jet:
+    """Return a vector turned by right angles, exactly."""
+    for _ in range(quarters % 4):
         a = _left(a)
     return a
 

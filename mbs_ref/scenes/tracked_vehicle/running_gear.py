@@ -3,11 +3,8 @@
 The numbers of the vehicle and their origin are in scenes/data/tracked_vehicle.json.
 """
 
-import json
 import math
 from dataclasses import dataclass
-from importlib.resources import files
-from typing import Any
 
 import numpy as np
 
@@ -21,8 +18,9 @@ from mbs_ref.scene.contact import (
     Smooth,
     SpringDamperLaw,
 )
+from mbs_ref.scenes import read_data
 
-DATA: dict[str, Any] = json.loads((files("mbs_ref.scenes") / "data" / "tracked_vehicle.json").read_text())
+DATA = read_data("tracked_vehicle")
 PITCH, HEIGHT, TEETH = (DATA[name]["value"] for name in ("pitch", "link_height", "teeth"))
 PITCH_RADIUS = PITCH / (2.0 * math.sin(math.pi / TEETH))  # m
 APOTHEM = PITCH / (2.0 * math.tan(math.pi / TEETH))  # m

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from importlib import import_module
+from pkgutil import iter_modules
 
 import numpy as np
 import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.extremes import boundary, cell, every, named, run
+from cross_checks.extremes import LISTED, boundary, cell, every, families, named, run
 from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid
+from cross_checks.extremes.families import bad_input
 from cross_checks.extremes.fate import Fate, Point, judge
 from cross_checks.extremes.measures import unjudged
 from cross_checks.extremes.run import run_point
@@ -219,6 +222,15 @@ def test_every_extreme_is_a_scene_along_an_axis():
         assert not extreme.axis.labels or len(extreme.axis.labels) == len(extreme.axis.values)
     with pytest.raises(ValueError, match="unknown"):
         named("no-such-extreme")
+
+
+def test_the_file_of_extremes_names_every_case_and_its_kinds():
+    modules = {info.name: import_module(f"{families.__name__}.{info.name}") for info in iter_modules(families.__path__)}
+    listed = {family: [entry["name"] for entry in entries] for family, entries in LISTED.items()}
+    assert {name: list(module.CASES) for name, module in modules.items()} == listed
+    for name, unit, numbers in (("any-mass", "kg", bad_input.MASSES), ("any-start", "rad/s", bad_input.SPEEDS)):
+        assert named(name).axis.labels == tuple(f"{number:g} {unit}" for number in numbers)
+    assert len(named("any-orbit").axis.labels) == len(bad_input.SPEEDS)
 
 
 def standing(case: Case) -> Trajectory:
