@@ -19,8 +19,8 @@ VALUES = ("uncertainty", "difference", "how", "kind")  # its other stored fields
 
 
 def physics_of(scene: Scene) -> str:
-    """Return a digest of everything that a motion depends on; the scene's name is no part of it."""
-    dumped = scene.model_dump(mode="json")
+    """Return a digest of everything that a motion depends on; neither the scene's name nor what is not given is."""
+    dumped = scene.model_dump(mode="json", exclude_none=True)
     return hashlib.sha256(json.dumps([dumped[part] for part in PHYSICS], sort_keys=True).encode()).hexdigest()
 
 

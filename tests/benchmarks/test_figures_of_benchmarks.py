@@ -141,7 +141,7 @@ def test_residuals_of_any_sign_count():
         def initial_state(self) -> np.ndarray:
             return np.zeros(6)
 
-        def applied_forces(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:
             return np.array([[6.0, 0.0, 0.0]])  # m/s^2 of a mass of 2 kg that does not move
 
         def derivative(self, t: float, y: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
 ANGLE = 0.2  # rad
-REFUSED = {"tracked_vehicle", "ball_on_driven_seat"}
+REFUSED = {"tracked_vehicle", "ball_on_driven_seat", "woodpecker"}
 STEPS = {"android_spatial": 1e-4, "android_vertebral": 2e-5}  # s, that their joints' springs and dampers require
 
 
