@@ -221,7 +221,7 @@ class _Data:
         value = density(_on_grid(self.log_error), centre, _on_grid(WIDTHS)[:, None])
         if self.is_hidden.any():
             below = np.minimum(0.0, (math.log10(self.hidden + TINY) - centre) / _on_grid(WIDTHS)[:, None])
-            value = np.where(_on_grid(self.is_hidden) > 0.0, -2.5 * np.log(1.0 + 0.25 * below**2), value)
+            value = np.where(self.is_hidden[:, None, None], -2.5 * np.log(1.0 + 0.25 * below**2), value)
         return _mix(value, STRAY)
 
     def _gaps_by_law(self, amplitude: np.ndarray) -> np.ndarray:
