@@ -21,7 +21,7 @@ limit its steps, the tighter companion follows.
 If the companion takes no more steps, the difference is negligible, or stages were projected close to a singular pose,
 the tolerance does not control the steps with the largest errors; a third run is then two decades tighter. If a
 companion does not reach the end, or roundoff forbids a tighter one, a coarser one replaces it, whose errors are the
-larger ones, so that d bounds them. If that fails or was made already, another method is used.
+larger ones, so that d bounds them. If that fails, or ran already, another method is used.
 """
 
 import math
@@ -187,6 +187,8 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion
     wanted = compared[0].is_uninformative or (own.run.near_singular and not plan.options.step)
     tighter = [_tighter(plan, DECADE**2 * _tolerance_ratio(plan), 2.0 * _tolerance_ratio(plan))] if wanted else []
     _, *further = {one.share: one for one in (begun, *tighter, _coarser(plan), _by_another_method(plan))}.values()
+    if compared[0].has_ended:
+        further = further[:-1] or further  # another method, which may cost far more, only for want of any other
     while further and compared[-1].status is not Status.INTERRUPTED and (wanted or not compared[-1].has_ended):
         compared.append(_compared(system, plan, own, further.pop(0)))
         wanted = False

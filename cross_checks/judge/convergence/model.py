@@ -181,9 +181,7 @@ def saturated(log_amplitude: np.ndarray, bound: float) -> np.ndarray:
 class _Data:
     """Log densities of each datum under the law: of modes (m), runs (i), and a grid of orders (p), amplitudes (b)."""
 
-    def __init__(
-        self, ladder: Ladder, orders: np.ndarray | None = None, amplitudes: np.ndarray = AMPLITUDES
-    ) -> None:  # fmt: skip
+    def __init__(self, ladder: Ladder, orders: np.ndarray | None = None, amplitudes: np.ndarray = AMPLITUDES) -> None:
         n, bound = len(ladder), ladder.bound  # a run that has blown up is as far off as motions go
         ladder = replace(ladder, errors=np.minimum(ladder.errors, bound), gaps=np.minimum(ladder.gaps, bound))
         self.ladder, self.n = ladder, n

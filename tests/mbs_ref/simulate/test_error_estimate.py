@@ -417,6 +417,19 @@ def test_ctrl_c_in_a_companion_starts_no_further_one(companions, monkeypatch, se
     assert len(companions) == 1 + bool(settings.step)
 
 
+def test_where_the_first_companion_ends_no_other_method_follows_those_that_do_not(companions, monkeypatch):
+    """A method that takes far shorter steps there may cost far more than all of them."""
+    rerun = error_estimate._rerun
+
+    def failing(*given):
+        run = rerun(*given)
+        return run if len(companions) == 1 else run._replace(status=Status.STEP_TOO_SMALL)
+
+    monkeypatch.setattr(error_estimate, "_rerun", failing)
+    simulate(scenes.make("n_four_bar", loops=1), Settings(rtol=1e-8, t_end=1.0, samples=3))
+    assert companions == [("dop853", pytest.approx(rtol)) for rtol in (1e-9, 1e-11, 1e-7)]
+
+
 def test_where_a_sphere_stops_sliding_radau_has_an_estimate():
     """Its iteration fails at the search for that time at some tolerances; a shorter step then decides."""
     path = simulate(scenes.make("rolling_sphere"), Settings(method="radau", rtol=1e-8))
