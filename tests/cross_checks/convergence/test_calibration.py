@@ -51,13 +51,14 @@ def test_the_kept_odds_come_true_within_a_factor_2_but_for_two_known_bins(family
         assert abs(math.log(factor)) <= math.log(BEYOND[family][ends])
 
 
-@pytest.mark.parametrize("seed", range(FIRST, FIRST + 3))
+@pytest.mark.parametrize("seed", [FIRST + 2, FIRST + 3, FIRST + 6])
 def test_sums_in_single_precision_give_the_odds_of_double_precision(monkeypatch, seed):
     search = Searched(draw(seed, HELD_OUT))
-    for setting in np.geomspace(search.coarsest, search.finest, 6):
+    for setting in np.geomspace(search.coarsest, search.finest, 4):
         search.try_(search.typed(float(setting)))
     shown = search.shown()
     assert shown is not None
+    assert max(shown.weights.values()) < 0.95  # certain odds would be equal in any precision
     monkeypatch.setattr(model, "REAL", np.float64)
     for name in ("WIDTHS", "LEVELS"):
         monkeypatch.setattr(model, name, getattr(model, name).astype(np.float64))
