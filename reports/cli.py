@@ -14,6 +14,7 @@ from pathlib import Path
 
 import click
 
+from cross_checks.records.record import out_of_memory
 from reports import commands
 from reports.terminal import console as exit_codes
 from reports.terminal.console import Defect, Incomplete
@@ -45,21 +46,17 @@ def _sentence(error: BaseException) -> str:
         case ImportError():
             return f"{error}: install the module (`mbs-ref doctor` shows what is missing)"
         case _:
-            return f"memory is exhausted {error}: request fewer samples or runs at once"
+            return out_of_memory(error)
 
 
 def _defect(error: Exception) -> Defect:
     """Return the line for an error that no input should cause; its traceback is stored."""
-    last, file = (
-        traceback.extract_tb(error.__traceback__)[-1],
-        Path(tempfile.gettempdir(), f"mbs-ref-{os.getpid()}.txt"),
-    )
+    last = traceback.extract_tb(error.__traceback__)[-1]
+    file = Path(tempfile.gettempdir(), f"mbs-ref-{os.getpid()}.txt")
     with suppress(OSError):
         file.write_text("".join(traceback.format_exception(error)))
-    where = f"{type(error).__name__} at {last.filename}:{last.lineno}: {error}"
-    return Defect(
-        f"this is a defect of mbs-ref; please report it with the command and {file}: {' '.join(where.split())}"
-    )
+    where = " ".join(f"{type(error).__name__} at {last.filename}:{last.lineno}: {error}".split())
+    return Defect(f"this is a defect of mbs-ref; please report it with the command and {file}: {where}")
 
 
 class Commands(click.Group):

@@ -13,7 +13,7 @@ from cross_checks import engines
 from cross_checks.engine import Engine, output_times
 from cross_checks.judge.measure import measure
 from cross_checks.metrics.metric import Judged
-from cross_checks.records.record import CANNOT, MISSING, Record
+from cross_checks.records.record import CANNOT, MISSING, Record, out_of_memory
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, Settings, Status, Trajectory
@@ -76,7 +76,7 @@ def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:
     try:
         return run()
     except MemoryError as error:
-        return "out-of-memory", f"memory is exhausted: {error}; request fewer samples and repeat"
+        return "out-of-memory", f"{out_of_memory(error)}, and repeat"
     except ENGINE_FAILURES as error:
         return str(Status.ENGINE_ERROR), f"{type(error).__name__}: {error}"
     except ValueError as error:

@@ -156,7 +156,7 @@ class Search(ABC):
             served.append(target)
         if not served:
             return None
-        best = int(np.argmax(np.where(able, worth - bounds.DOUBTFUL * steps, -np.inf)))
+        best = int(np.argmax(np.where(able, worth - bounds.PRICE * steps, -np.inf)))
         near = [t for t in served if odds_below(shown, knobs[best : best + 1], t)[0] > bounds.DOUBTFUL]
         return float(knobs[best]), near or served[:1]
 
@@ -271,9 +271,8 @@ class Search(ABC):
             return None
         follows = shown.weights["right"] >= 1.0 - bounds.DOUBTFUL
         unresolved = self.reference is not None and (self.good[-1].error or 0.0) > bounds.RESOLVED
-        if len(self.points) >= bounds.MOST_RUNS // (
-            1 + (unresolved or (follows and len(shown.ladder) >= bounds.LEVELS))
-        ):
+        needs_fewer = unresolved or (follows and len(shown.ladder) >= bounds.LEVELS)
+        if len(self.points) >= bounds.MOST_RUNS // (1 + needs_fewer):
             return None
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array(self.knobs))).min(axis=1)
         knobs = knobs[(apart > math.log(bounds.FINER[self.kind]) / 4.0) & (self._odds_to_run(knobs) >= bounds.LIKELY)]

@@ -56,7 +56,7 @@ def judge(
 
 
 def _by_error(good: Sequence[Point], shown: Posterior, documented: float, levels: int = 0) -> Judgement:
-    """Return the verdict by errors; of so many `levels`, rounding explains those that the posterior does not hold."""
+    """Return the verdict by errors. `levels`: number of successful levels, those that rounding explains included."""
     ladder = shown.ladder
     levels = max(levels, len(ladder))
     place = above_rounding(ladder)
@@ -72,11 +72,10 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float, levels
         return _agreement(good, shown, limit + stall)
     if error <= max(AGREEMENT, ONE_FIGURE * uncertainty):
         return Judgement(Verdict.BELOW_TRUTH, f"{error:.1e} at {last}; the truth is known to {uncertainty:.1e}")
-    if len(ladder) >= LEVELS:
-        wrong = _wrong(good, shown, limit, stall + shown.weights["right"] * slow)
-        if wrong is not None:
-            return wrong
-    return _approach(last, shown, documented, slow, levels > LEVELS)
+    wrong = _wrong(good, shown, limit, stall + shown.weights["right"] * slow) if len(ladder) >= LEVELS else None
+    if wrong is not None:
+        return wrong
+    return _approach(last, shown, documented, slow, levels)
 
 
 def above_rounding(ladder: Ladder) -> int:
@@ -114,8 +113,8 @@ def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) 
     return Judgement(Verdict.DIVERGED, f"the error does not fall: still {error:.1e} at {last}", odds)
 
 
-def _approach(last: str, shown: Posterior, documented: float, slow: float, tested: bool) -> Judgement:
-    """Return whether errors approach zero: as many runs as unknowns fit any law, and one more has `tested` it."""
+def _approach(last: str, shown: Posterior, documented: float, slow: float, levels: int) -> Judgement:
+    """Return whether errors approach zero on more `levels` than LEVELS, the unknowns: as many runs fit any law."""
     ladder, error = shown.ladder, float(shown.ladder.errors[-1])
     least = max(error / SCATTER, ROUNDED * float(ladder.rounding[-1]))
     doubts = {
@@ -126,7 +125,7 @@ def _approach(last: str, shown: Posterior, documented: float, slow: float, teste
     }
     odds = sum(doubts.values())
     is_best = error <= SCATTER * float(np.min(ladder.errors))
-    if tested and len(ladder) >= LEVELS and error <= RESOLVED and is_best and odds < DOUBTFUL:
+    if levels > LEVELS <= len(ladder) and error <= RESOLVED and is_best and odds < DOUBTFUL:
         pace = f"falling with order {shown.order:.2g}"
         pace += f", below half of {documented:.2g}" if shown.order < 0.5 * documented else ""
         return Judgement(Verdict.CONVERGING, f"{error:.1e} at {last}, {pace}", _capped(odds))

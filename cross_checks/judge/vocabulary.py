@@ -58,7 +58,7 @@ MEANINGS = {
     Verdict.FAILED: Meaning("MBS.V08", "bad", "the engine stopped with an error before the end"),
     Verdict.CRASHED: Meaning("MBS.V09", "bad", "the engine's process died"),
     Verdict.TIMEOUT: Meaning("MBS.V10", "bad", "a run exceeded its time limit"),
-    Verdict.OUT_OF_MEMORY: Meaning("MBS.V11", "bad", "a run exceeded its memory limit"),
+    Verdict.OUT_OF_MEMORY: Meaning("MBS.V11", "bad", "a run exceeded its memory limit, or no memory was left"),
     Verdict.CANNOT: Meaning("MBS.V12", "plain", "the engine cannot model this scene, with the reason"),
     Verdict.ENGINE_MISSING: Meaning("MBS.V13", "plain", "the engine is not installed"),
 }

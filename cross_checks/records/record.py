@@ -111,6 +111,11 @@ def usable(record: Record) -> bool:
     return record.status == Status.SUCCESS and record.error is not None and record.times.get("loop_s", 0.0) > 0.0
 
 
+def out_of_memory(error: BaseException) -> str:
+    """Return what a MemoryError says, which may be nothing, and the next step."""
+    return f"{f'memory is exhausted: {error}'.removesuffix(': ')}; request fewer samples or runs at once"
+
+
 def known_error(record: Record) -> float:
     """Return the error with the truth's uncertainty added."""
     assert record.error is not None

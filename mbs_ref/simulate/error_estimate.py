@@ -18,10 +18,10 @@ Where outputs end nearly all steps of an explicit method, a companion with steps
 run: only every second output ends a step, and tolerances are 2^p times as large. Then e = d / (2^p - 1). If tolerances
 limit its steps, the tighter companion follows.
 
-If the companion takes no more steps, the difference is negligible, or the run comes close to a singular pose, the
-tolerance does not control the steps with the largest errors; a third run is then two decades tighter. If a companion
-does not reach the end, a coarser one replaces it, whose errors are the larger ones, so that d bounds them. If that
-fails too, another method is used.
+If the companion takes no more steps, the difference is negligible, or stages were projected close to a singular pose,
+the tolerance does not control the steps with the largest errors; a third run is then two decades tighter. If a
+companion does not reach the end, or roundoff forbids a tighter one, a coarser one replaces it, whose errors are the
+larger ones, so that d bounds them. If that fails, or ran already, another method is used.
 """
 
 import math
@@ -175,21 +175,23 @@ def _tolerance_ratio(plan: Plan) -> float:
 
 
 def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
-    """Return the comparisons with the companions that are needed: one as a rule, which may be computed already."""
+    """Return the comparisons with the needed companions, no two alike: one as a rule, which may be computed already."""
     if is_coarsened(system, plan, own.run) and (first is None or first.is_coarse):
-        coarse = _by_doubled_steps(system, plan, own, first)
-        if coarse is not None:
+        if (coarse := _by_doubled_steps(system, plan, own, first)) is not None:
             return [coarse]
         first = None
-    compared = [_compared(system, plan, own, _first(system, plan), first)]
+    begun = _first(system, plan)
+    compared = [_compared(system, plan, own, begun, first)]
     if plan.options.step and compared[0].has_ended:
         compared[0] = _by_observed_order(system, plan, own, compared[0])
-    if compared[0].is_uninformative or (own.run.near_singular and not plan.options.step):
-        compared.append(_compared(system, plan, own, _tighter(plan, DECADE**2 * _tolerance_ratio(plan))))
-    if not compared[-1].has_ended and compared[-1].status is not Status.INTERRUPTED:
-        compared.append(_compared(system, plan, own, _coarser(plan)))
-        if not any(one.has_ended or one.status is Status.INTERRUPTED for one in compared):
-            compared.append(_compared(system, plan, own, _by_another_method(plan)))
+    wanted = compared[0].is_uninformative or (own.run.near_singular and not plan.options.step)
+    tighter = [_tighter(plan, DECADE**2 * _tolerance_ratio(plan), 2.0 * _tolerance_ratio(plan))] if wanted else []
+    _, *further = {one.share: one for one in (begun, *tighter, _coarser(plan), _by_another_method(plan))}.values()
+    if compared[0].has_ended:
+        further = further[:-1] or further  # another method, which may cost far more, only for want of any other
+    while further and compared[-1].status is not Status.INTERRUPTED and (wanted or not compared[-1].has_ended):
+        compared.append(_compared(system, plan, own, further.pop(0)))
+        wanted = False
     return compared
 
 
@@ -244,6 +246,8 @@ def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Com
     run, (finer, gaps, sizes, _) = own.run, half.other
     nominal, floor = _error_ratio(system, plan), NOISY * _roundoff(finer)
     double = _compared(system, plan, own, _coarser(plan))
+    if double.status is Status.INTERRUPTED:
+        return half._replace(status=double.status)
     shown = _shrinkage(double.other.gaps, gaps, floor)
     is_coarser = double.has_ended and double.other.run.counts.steps < MIN_COARSENING * run.counts.steps
     if not is_coarser or np.min(shown) < math.sqrt(nominal):
@@ -294,10 +298,10 @@ def _error_ratio(system: System, plan: Plan) -> float:
     return 2.0 ** (1 if touching(system.scene) or system.scene.events else plan.integrator.order)
 
 
-def _tighter(plan: Plan, factor: float) -> _Request:
-    """Request a tolerance tighter by a factor, or the coarser one if roundoff forbids a tighter one."""
+def _tighter(plan: Plan, factor: float, least: float = DECADE) -> _Request:
+    """Request a tolerance tighter by a factor, or the coarser one if roundoff forbids one tighter by the `least`."""
     options = plan.options
-    if options.rtol / DECADE < TIGHTEST:
+    if options.rtol / least < TIGHTEST:
         return _coarser(plan)
     smaller = min(factor, options.rtol / TIGHTEST)
     tight = options._replace(

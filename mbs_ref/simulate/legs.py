@@ -105,7 +105,7 @@ class Run(NamedTuple):
     message: str
     loop_s: float  # s in the integrator
     carried_share: float  # of the simulated time, integrated by DOP853 in place of a multistep method
-    near_singular: bool  # steps came close to a singular pose
+    near_singular: bool  # the method, or DOP853 in its place, projected stages close to a singular pose; else unknown
 
 
 class LegPlan(NamedTuple):

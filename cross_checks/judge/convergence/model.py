@@ -181,9 +181,7 @@ def saturated(log_amplitude: np.ndarray, bound: float) -> np.ndarray:
 class _Data:
     """Log densities of each datum under the law: of modes (m), runs (i), and a grid of orders (p), amplitudes (b)."""
 
-    def __init__(
-        self, ladder: Ladder, orders: np.ndarray | None = None, amplitudes: np.ndarray = AMPLITUDES
-    ) -> None:  # fmt: skip
+    def __init__(self, ladder: Ladder, orders: np.ndarray | None = None, amplitudes: np.ndarray = AMPLITUDES) -> None:
         n, bound = len(ladder), ladder.bound  # a run that has blown up is as far off as motions go
         ladder = replace(ladder, errors=np.minimum(ladder.errors, bound), gaps=np.minimum(ladder.gaps, bound))
         self.ladder, self.n = ladder, n
@@ -221,7 +219,7 @@ class _Data:
         value = density(_on_grid(self.log_error), centre, _on_grid(WIDTHS)[:, None])
         if self.is_hidden.any():
             below = np.minimum(0.0, (math.log10(self.hidden + TINY) - centre) / _on_grid(WIDTHS)[:, None])
-            value = np.where(_on_grid(self.is_hidden) > 0.0, -2.5 * np.log(1.0 + 0.25 * below**2), value)
+            value = np.where(self.is_hidden[:, None, None], -2.5 * np.log(1.0 + 0.25 * below**2), value)
         return _mix(value, STRAY)
 
     def _gaps_by_law(self, amplitude: np.ndarray) -> np.ndarray:

@@ -65,6 +65,7 @@ def test_unknown_names_are_the_callers_mistake(swing):
         (raising(RuntimeError("singular")), "engine-error", "singular"),
         (raising(ZeroDivisionError("by zero")), "engine-error", "by zero"),
         (raising(MemoryError("9 GiB")), "out-of-memory", "memory is exhausted: 9 GiB; request fewer samples"),
+        (raising(MemoryError()), "out-of-memory", "memory is exhausted; request fewer samples"),
         (raising(ValueError("stabilization = 'baumgarte' is not offered")), "cannot", "baumgarte"),
         (raising(ValueError("cannot reshape")), "engine-error", "ValueError: cannot reshape"),
         (spoiled(50), "non-finite", "after t = 4.9 s"),

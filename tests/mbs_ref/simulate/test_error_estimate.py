@@ -374,6 +374,62 @@ def test_where_both_companions_fail_another_method_is_the_witness(monkeypatch):
     assert of(path).value < 1e-5
 
 
+@pytest.fixture
+def companions(monkeypatch) -> list[tuple[str, float]]:
+    """Method and tolerance of every further run of a parallelogram's."""
+    made, rerun = [], error_estimate._rerun
+
+    def noted(system, plan, *given):
+        made.append((plan.integrator.name, plan.options.rtol))
+        return rerun(system, plan, *given)
+
+    monkeypatch.setattr(error_estimate, "_rerun", noted)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("method", "rtol", "expected"),
+    [
+        ("dop853", 1e-8, [("dop853", 1e-9), ("dop853", 1e-11)]),
+        ("dop853", 1e-12, [("dop853", 1e-13), ("dop853", 1e-11)]),  # nothing tighter is left
+        ("dop853", 5e-13, [("dop853", 5e-12), ("lsodar", 5e-13)]),  # a coarser run is the first
+    ],
+)
+def test_close_to_a_singular_pose_the_third_run_is_unlike_the_second(companions, method, rtol, expected):
+    simulate(scenes.make("n_four_bar", loops=1), Settings(method=method, rtol=rtol, t_end=1.0, samples=3))
+    assert [name for name, _ in companions] == [name for name, _ in expected]
+    assert [at for _, at in companions] == pytest.approx([at for _, at in expected], rel=1e-6)
+
+
+@pytest.mark.parametrize("settings", [Settings(rtol=1e-8), Settings(method="rk4", step=1e-2)])
+def test_ctrl_c_in_a_companion_starts_no_further_one(companions, monkeypatch, settings):
+    """Of the fixed step, it comes in the second one."""
+    rerun = error_estimate._rerun
+
+    def interrupted(*given):
+        run = rerun(*given)
+        return run._replace(status=Status.INTERRUPTED) if len(companions) == 1 + bool(settings.step) else run
+
+    monkeypatch.setattr(error_estimate, "_rerun", interrupted)
+    chosen = settings.model_copy(update={"t_end": 1.0, "samples": 3})
+    path = simulate(scenes.make("n_four_bar", loops=1), chosen)
+    assert path.estimate is None
+    assert len(companions) == 1 + bool(settings.step)
+
+
+def test_where_the_first_companion_ends_no_other_method_follows_those_that_do_not(companions, monkeypatch):
+    """A method that takes far shorter steps there may cost far more than all of them."""
+    rerun = error_estimate._rerun
+
+    def failing(*given):
+        run = rerun(*given)
+        return run if len(companions) == 1 else run._replace(status=Status.STEP_TOO_SMALL)
+
+    monkeypatch.setattr(error_estimate, "_rerun", failing)
+    simulate(scenes.make("n_four_bar", loops=1), Settings(rtol=1e-8, t_end=1.0, samples=3))
+    assert companions == [("dop853", pytest.approx(rtol)) for rtol in (1e-9, 1e-11, 1e-7)]
+
+
 def test_where_a_sphere_stops_sliding_radau_has_an_estimate():
     """Its iteration fails at the search for that time at some tolerances; a shorter step then decides."""
     path = simulate(scenes.make("rolling_sphere"), Settings(method="radau", rtol=1e-8))

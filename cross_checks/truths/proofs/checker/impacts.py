@@ -115,10 +115,9 @@ class Impacts:
         image = [x + left * rate for x, rate in zip(rebounding, later, strict=True)]
         self.times.append((part.name, between(t + h * (1 - window), t + h) * exact(self.model.units[1])))
         rows = self._saltation(part, y, wide, rates, later, window * h).tolist()
-        matrix, rest = (
-            [list(map(float, row)) for row in own] for own in (rows, [[x.rad() for x in row] for row in rows])
-        )
-        return image, self.enclose(end), np.array(matrix), up(up(rest) + GAMMA * np.abs(matrix))
+        matrix = np.array([[float(x) for x in row] for row in rows])
+        rest = [[float(x.rad()) for x in row] for row in rows]
+        return image, self.enclose(end), matrix, up(up(rest) + GAMMA * np.abs(matrix))
 
     def _saltation(
         self, part: Any, y: list[arb], wide: list[arb], rates: list[arb], later: list[arb], lasting: Fraction
