@@ -1,14 +1,16 @@
 """Engines with their own contact models, compared by figures: one file for each engine, listed at run time."""
 
 from collections.abc import Sequence
-from functools import partial
+from copy import copy
+from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
 
 from cross_checks import engines
 from cross_checks.contact.request import ContactModel, Request, Translation
-from cross_checks.engine import Engine
+from cross_checks.engine import Engine, Refusal
 from cross_checks.engines.elsewhere import Elsewhere
+from cross_checks.judge.vocabulary import OURS
 
 ENGINES = ("mujoco", "exudyn", "drake", "dart", "newton")  # that have a contact model of their own
 
@@ -22,10 +24,13 @@ def model_of(engine: str) -> ContactModel | str:
         return "not installed"
     if not Path(__file__).with_name(f"{engine}_.py").exists():
         return "its contact parameters are not translated yet"
-    if not isinstance(found, Elsewhere):
-        return _model_here(engine)
-    there = Elsewhere(engine, found.home, _engine_here)
-    return ContactModel(there, partial(there.ask, _translation, engine), there.ask(_compared, engine))
+    return _model_there(engine, found.home) if isinstance(found, Elsewhere) else _model_here(engine)
+
+
+@cache
+def _model_there(name: str, home: Path) -> ContactModel:
+    there = Elsewhere(name, home, _engine_here)
+    return ContactModel(there, partial(there.ask, _translation, name), there.ask(_compared, name))
 
 
 def _model_here(name: str) -> ContactModel:
@@ -45,9 +50,13 @@ def _compared(_: object, name: str) -> tuple[str, ...]:
 
 
 def own_engine(name: str) -> Engine:
-    """Return the engine with its own contact model where it has one, else as registered; raises EngineMissing."""
-    model = model_of(name) if name in ENGINES else ""
-    return engines.get(name) if isinstance(model, str) else model.engine
+    """Return the engine with its own contact model, or ours; others refuse every scene. Raises EngineMissing."""
+    model = model_of(name) if name in ENGINES else f"{name} has no contact model of its own"
+    if isinstance(model, ContactModel):
+        return model.engine
+    engine = copy(engines.get(name))
+    vars(engine).update({} if name == OURS else {"refusals": lambda _: [Refusal(model, permanent=False)]})
+    return engine
 
 
 def models(names: Sequence[str] = ENGINES) -> tuple[dict[str, ContactModel], list[str]]:

@@ -1,9 +1,9 @@
 """Drake's discrete point contact: under SAP a spring and a damper, and friction that creeps in proportion to the step.
 
 The normal impulse of a step h is h (k d + k (h + tau) d') >= 0 with the velocity at its end, so that c = k (h + tau).
-Friction is h R_t v below the cone, with R_t = sigma w, sigma = 1e-3 and w the root mean square of the contact's
-mobility: what is held creeps by sigma w m h a, a its acceleration without friction (Castro, Permenter and Han 2022,
-"An unconstrained convex formulation of compliant contact", section V).
+Below the cone friction's impulse is -v/R_t, R_t = sigma w, sigma = 1e-3 and w = ||W||_F/3 of the contact's mobility W
+(3, 3): what is held creeps by sigma w m h a, a its acceleration without friction (Castro, Permenter and Han 2022, "An
+unconstrained convex formulation of compliant contact", section V).
 """
 
 import math
@@ -22,13 +22,13 @@ from cross_checks.engines.drake_.build import Shapes
 from cross_checks.engines.drake_.run import SAP
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.surfaces import THICK, frame_of, is_half_space, pair_mass, spheres_of
+from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is_half_space, pair_mass, spheres_of
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import Scene
 from mbs_ref.scene.contact import PinOnSprocket, RoundPair, SpringDamperLaw, StickSlip
 
 SIGMA = 1e-3  # -, of SAP's friction, fixed in Drake
-MOBILITY = math.sqrt(2.0) / 3.0  # of w m: the root mean square over three directions, two of which a planar body has
+MOBILITY = math.sqrt(2.0) / 3.0  # w m = m ||W||_F/3 with W = diag(1, 0, 1)/m of a planar body that does not turn
 STOCK = geometry.DefaultProximityProperties()
 APPROXIMATIONS = {  # by method: what solves the contact problem; stock is as shipped
     SAP: DiscreteContactApproximation.kSap, "similar": DiscreteContactApproximation.kSimilar,
@@ -37,7 +37,10 @@ APPROXIMATIONS = {  # by method: what solves the contact problem; stock is as sh
 
 
 class OwnContact(Drake):
-    """Drake's discrete time with compliant point contact, its parameters translated from the laws of the scene."""
+    """Drake's discrete time with compliant point contact, its parameters translated from the laws of the scene.
+
+    Damping is so for SAP alone: "similar" and "lagged" take stiffness and friction, and Drake's default dissipation.
+    """
 
     method_table: ClassVar[tuple[Method, ...]] = tuple(
         fixed(name, 1, "symplectic Euler with Drake's own contacts", requires=frozenset({"contact"}))
@@ -47,6 +50,7 @@ class OwnContact(Drake):
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         reasons = closure_refusals(self.name, scene, self.closes)
+        reasons += [Refusal(why, False) for one in scene.contacts for why in friction_refusals(self.name, one)]
         if any(isinstance(contact, PinOnSprocket) for contact in scene.contacts):
             reasons.append(Refusal("the gaps between teeth are not convex, and Drake's shapes are", True))
         return reasons
@@ -107,10 +111,8 @@ def translate(request: Request) -> Translation:
     tau = law.damping / law.stiffness - step
     friction = StickSlip(coefficient=mu, stiffness=law.stiffness) if mu else None
     pull = GRAVITY * math.sin(math.atan(wanted.SHARE * mu))
-    refused = {
-        wanted.CREEP: Refused(SIGMA * MOBILITY * step * pull, "friction is regularised in proportion to the step")
-    }
-    refused = refused if mu else {}
+    creep = Refused(SIGMA * MOBILITY * step * pull, "friction is regularised in proportion to the step")
+    refused = {wanted.CREEP: creep} if mu else {}
     if law.damping > request.law.damping:
         free, why = impact(law, request.mass, request.speed), "a step damps as a relaxation time of its length"
         lasts = free.duration + law.damping / law.stiffness

@@ -16,7 +16,7 @@ from cross_checks.engine.plan import DEFAULT_STEP
 from cross_checks.engines.exudyn_ import Built, Exudyn
 from cross_checks.engines.exudyn_.contact import FLAT, SLOW, surface_of
 from cross_checks.engines.exudyn_.run import CONTACT, METHODS
-from cross_checks.linkage.surfaces import pair_mass
+from cross_checks.linkage.surfaces import friction_refusals, pair_mass
 from mbs_ref.scene import Scene
 from mbs_ref.scene.contact import RegularisedCoulomb, StickSlip
 
@@ -48,7 +48,7 @@ def _own(scene: Scene, contact: Any, step: float) -> dict[str, object]:
     """Return the law, and for a corner the sphere whose lowest point it is: a sphere of radius 0 touches nothing."""
     mass, flat = pair_mass(scene, contact), isinstance(contact, FLAT)
     own: dict[str, object] = {"law": own_law(contact.law, mass, step, "gap" if flat else "force")}
-    if isinstance(contact.friction, StickSlip):
+    if isinstance(contact.friction, StickSlip) and not friction_refusals("Exudyn", contact):
         speed = ramp(contact.friction.coefficient, math.hypot(*scene.gravity), step) or SLOW
         own["friction"] = RegularisedCoulomb(coefficient=contact.friction.coefficient, speed=speed)
     if flat and not contact.radius:
@@ -69,15 +69,13 @@ def translate(request: Request) -> Translation:
     zone = ramp(mu, GRAVITY, request.step)
     shapes = {"contactStiffness": 2.0 * request.stiffness, "contactDamping": 0.5 * request.law.damping}
     parameters = {**shapes, "contactDamping of triangles": 0.5 * floor.damping, "frictionProportionalZone": zone}
-    refused = {
-        wanted.CREEP: Refused(wanted.SHARE * zone, "friction is in proportion to slip below frictionProportionalZone")
-    }
+    creep = Refused(wanted.SHARE * zone, "friction is in proportion to slip below frictionProportionalZone")
     text = wanted.snippet(
         "exudyn.txt", mass=request.mass, step=request.step, friction=mu, ramp=zone, stiffness=2.0 * request.stiffness,
         damping=0.5 * request.law.damping, floor_damping=0.5 * floor.damping,
     )  # fmt: skip
     friction = RegularisedCoulomb(coefficient=mu, speed=zone) if mu else None
-    return Translation(request.law, friction, parameters, text, refused if mu else {}, floor)
+    return Translation(request.law, friction, parameters, text, {wanted.CREEP: creep} if mu else {}, floor)
 
 
 MODEL = ContactModel(OwnContact(), translate, (CONTACT,))

@@ -21,6 +21,7 @@ from cross_checks.engines.mujoco_.contact import add_pair, effective_mass
 from cross_checks.engines.mujoco_.forces import force_refusals, shared_forces, takes_shared_forces
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import closure_refusals, linkage_of
+from cross_checks.linkage.surfaces import friction_refusals
 from mbs_ref import Scene
 from mbs_ref.scene.contact import Friction, PinOnSprocket, RegularisedCoulomb, SpringDamperLaw
 from mbs_ref.scene.joints import Drive
@@ -51,6 +52,7 @@ class OwnContact(MuJoCo):
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         bare = linkage_of(scene.model_copy(update={"contacts": ()}))
         reasons = closure_refusals(self.name, scene, self.closes) + force_refusals(bare)
+        reasons += [Refusal(why, False) for one in scene.contacts for why in friction_refusals(self.name, one)]
         if any(isinstance(contact, PinOnSprocket) for contact in scene.contacts):
             reasons.append(Refusal("the gaps between teeth are not convex, and MuJoCo's geoms are", True))
         if any(isinstance(joint, Drive) for joint in scene.joints):
@@ -108,9 +110,7 @@ def translate(request: Request) -> Translation:
                   "solimp": (d, d, *STOCK_SOLIMP[2:]), "friction": mu, "impratio": impratio}  # fmt: skip
     refused = {
         wanted.CREEP: Refused(creep, "friction is regularised: (1 - d) a/(d b impratio) without noslip_iterations"),
-        wanted.SINK: Refused(
-            (1.0 - d) * request.mass * GRAVITY / law.stiffness, "the impedance bears d m g at depth 0"
-        ),
+        wanted.SINK: Refused((1.0 - d) * request.mass * GRAVITY / law.stiffness, "the impedance bears d m g"),
     }
     refused = refused if mu else {}
     if law.stiffness < request.stiffness:

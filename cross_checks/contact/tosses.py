@@ -256,30 +256,31 @@ class Summary:
     model: str
     tosses: int  # predicted
     failed: int
-    error: float | None  # m, median of the corners' errors
-    interval: str  # m, that contains the median of all tosses with 95 %, if these are a random sample
+    error: float | None  # m, median of the corners' errors; a failed toss counts as infinitely wrong here and below
+    interval: str  # m, of the median of all tosses with 95 %; empty unless these are six or more at random
     quartiles: str  # m, of the errors
     share: float | None  # -, median of numerical over total error
     flight: float  # m, median noise of the measured corners
     reason: str  # of the first failure
 
 
-def summaries(predicted: Iterable[Predicted]) -> list[Summary]:
-    """Return the medians of each model over its tosses."""
+def summaries(predicted: Iterable[Predicted], *, random: bool = False) -> list[Summary]:
+    """Return the medians of each model over its tosses; `random` says that they are a random sample of all."""
     groups: dict[tuple[str, str], list[Predicted]] = {}
     for one in predicted:
         groups.setdefault((one.engine, one.model), []).append(one)
-    return [_summary(*key, group) for key, group in groups.items()]
+    return [_summary(*key, group, random) for key, group in groups.items()]
 
 
-def _summary(engine: str, model: str, group: list[Predicted]) -> Summary:
+def _summary(engine: str, model: str, group: list[Predicted], random: bool) -> Summary:
     known = [(one.error, one.numerical) for one in group if one.error is not None and one.numerical is not None]
     noise, failed = float(np.median([one.flight for one in group])), [one.reason for one in group if one.reason]
     if not known:
         return Summary(engine, model, 0, len(failed), None, "", "", None, noise, failed[0])
     errors, numerical = np.array(known).T
-    low, middle, high = np.percentile(errors, (25, 50, 75)).tolist()
     share, why = float(np.median(numerical / errors)), failed[0] if failed else ""
-    ranked, rank = np.sort(errors), max(int(0.5 * len(errors) - 0.98 * math.sqrt(len(errors))), 1)  # binomial, 95 %
-    between, spread = (f"{a:.3g} to {b:.3g}" for a, b in ((ranked[rank - 1], ranked[-rank]), (low, high)))
-    return Summary(engine, model, len(known), len(failed), middle, between, spread, share, noise, why)
+    ranked, n = np.array([*np.sort(errors), *[math.inf] * len(failed)]), len(group)
+    middle, rank = float(np.median(ranked)), max(int(0.5 * n - 0.98 * math.sqrt(n)), 1)  # binomial, 95 %
+    between, spread = (f"{ranked[k]:.3g} to {ranked[-1 - k]:.3g}" for k in (rank - 1, n // 4))
+    error, between = middle if math.isfinite(middle) else None, between if random and n > 5 else ""  # 2/2^5 > 5 %
+    return Summary(engine, model, len(known), len(failed), error, between, spread, share, noise, why)

@@ -36,8 +36,7 @@ def run_point(extreme_name: str, value: float, engine_name: str, method_name: st
     if case.unchecked and not engine.checks_start:
         settings = settings.model_copy(update={"initial_tolerance": UNCHECKED})
     run = checked_run(engine, case.scene, settings, output_times(case.scene, settings, case.times))
-    point = judge(case, method, value, run)
-    return replace(point, seconds=time.perf_counter() - began)
+    return replace(judge(case, method, value, run), seconds=time.perf_counter() - began)
 
 
 def cannot(extreme: Extreme, engine: Engine, method: Method) -> str:
@@ -49,13 +48,11 @@ def cannot(extreme: Extreme, engine: Engine, method: Method) -> str:
 
 def cell_of(extreme: Extreme, engine: Engine, method: Method, full: bool, call: Isolated) -> Cell:
     """Return one cell; runs that do not come back are stops with a reason."""
-    why = cannot(extreme, engine, method)
-    if why:
+    if why := cannot(extreme, engine, method):
         return Cell(extreme.name, extreme.family, engine.name, method.name, full, Fate.CANNOT, None, (), why)
 
     def probe(value: float) -> Point:
-        # the mildest loads what all others need, which run in copies of its process
-        is_mildest = value == extreme.axis.values[0]
+        is_mildest = value == extreme.axis.values[0]  # it loads what others need, which run in copies of its process
         call.timeout = FIRST if is_mildest else PATIENCE[full] + (LOADING if call.fresh else 0.0)
         make, began = (call if is_mildest else call.apart), time.perf_counter()
         try:
@@ -99,9 +96,8 @@ def matrix(
     """Yield every cell as soon as it is known; those of `known` are not run again. `call` is a cluster's caller."""
     before = {cell.key for cell in known}
     wanted = [task for task in tasks(extremes, engines, full) if (task[2].name, *task[:2], full) not in before]
-    for done, (_, cell) in enumerate(
-        each(wanted, partial(_cell, full), 0 if call else children, memory=MEMORY, call=call), 1
-    ):
+    found = each(wanted, partial(_cell, full), 0 if call else children, memory=MEMORY, call=call)
+    for done, (_, cell) in enumerate(found, 1):
         if progress is not None:
             progress(done, len(wanted), f"{cell.engine} {cell.method} {cell.extreme}")
         yield cell

@@ -5,7 +5,7 @@ import numpy as np
 from cross_checks.linkage.links import Z, lifted
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.part import normals, unit
-from mbs_ref.scene.contact import RoundPair, SphereOnPlane
+from mbs_ref.scene.contact import RollingFriction, RoundPair, SphereOnPlane
 
 CORNER = 1e-9  # m, radius of the sphere that stands for a corner
 REACH, THICK = 100.0, 1.0  # m: half length of an endless surface on a body, and depth of a box without a thickness
@@ -37,6 +37,15 @@ def frame_of(contact) -> tuple[np.ndarray, np.ndarray, tuple[float, float]]:
 def is_half_space(contact) -> bool:
     """Whether the flat surface of a contact is endless, without a thickness, and fixed to the world."""
     return contact.body_b == GROUND and frame_of(contact)[2] == ENDLESS and contact.thickness is None
+
+
+def friction_refusals(engine: str, contact) -> list[str]:
+    """Return why the friction of a contact is refused by an engine that takes nothing of it but one coefficient."""
+    friction, where = contact.friction, f"contact {contact.name!r}: {engine}"
+    if isinstance(friction, RollingFriction):
+        return [f"{where} is given no resistance to rolling here"]
+    one = getattr(friction, "static", None) in (None, getattr(friction, "coefficient", None))
+    return [] if one else [f"{where} has one coefficient of friction; leave static out"]
 
 
 def pair_mass(scene: Scene, contact) -> float:

@@ -9,6 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from importlib.resources.abc import Traversable
+from itertools import takewhile
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
@@ -51,17 +53,18 @@ def _builders() -> dict[str, Callable[..., Scene]]:
         for name, item in vars(module).items()
         if inspect.isfunction(item) and item.__module__ == module.__name__ and name[0] != "_"
     ]
-    written = {path.name[:-5]: _written(path.read_text()) for path in DATA.iterdir() if path.name.endswith(".toml")}
+    written = {path.name[:-5]: _written(path) for path in DATA.iterdir() if path.name.endswith(".toml")}
     return written | {name: item for name, item in own if item.__annotations__.get("return") in (Scene, "Scene")}
 
 
-def _written(text: str) -> Callable[..., Scene]:
+def _written(path: Traversable) -> Callable[..., Scene]:
     """Return the builder, without parameters, of a scene file whose comments at its head describe it."""
+    text = path.read_text(encoding="utf-8")
 
     def builder() -> Scene:
         return scene_file.loads(text)
 
-    builder.__doc__ = "\n".join(line[2:] for line in text.splitlines() if line.startswith("#"))
+    builder.__doc__ = "\n".join(line[2:] for line in takewhile(lambda line: line[:1] == "#", text.splitlines()))
     return builder
 
 

@@ -80,10 +80,8 @@ def spin_up_beam(*, segments: Segments = 16, speed: Positive = 6.0, rise: Positi
 
 CRANK, SLIDER, SPEED = 0.15, 0.075552, 150.0  # m, kg, rad/s
 ROD = (0.3, 1.28e7, 0.2e12 * 0.008**4 / 12.0, 7870.0 * 0.008**2, 7870.0 * 0.008**4 / 12.0)  # see Beam, without segments
-BOW, STRETCH = (
-    (0.4448961125815990, 0.4634339319238670e-2),
-    (0.1033398630e-4, 0.1693279690e-4),
-)  # m/s; m: half-way, whole
+BOW = (0.4448961125815990, 0.4634339319238670e-2)  # m/s, rates of the sines q1, q2: start of the IVP test set, as below
+STRETCH = (0.1033398630e-4, 0.1693279690e-4)  # m, q3 and q4: along the rod at its middle and at its end
 SWING = -74.99576703969453  # rad/s, of the rod
 
 

@@ -128,6 +128,7 @@ def _wheel(name: str, reach: float, spin: float) -> SpatialBody:
     )  # fmt: skip
 
 
+TIPPE_MASS = 6e-3  # kg
 BALL, STEM = (0.015, 0.003), (0.005, 0.016)  # m: radius, and how far its centre is above the top's centre of mass
 
 
@@ -141,9 +142,9 @@ def tippe_top(
     friction fades, gravity (m/s^2). While its ball alone touches, Jellett's integral is constant: the angular momentum
     along the way from the centre of mass to the lowest point.
     """
-    sine, cosine, depth = math.sin(tilt), math.cos(tilt), 6e-3 * gravity / stiffness
+    sine, cosine, depth = math.sin(tilt), math.cos(tilt), TIPPE_MASS * gravity / stiffness
     axis, place = np.array([sine, 0.0, cosine]), np.array([0.0, 0.0, BALL[0] - depth - BALL[1] * cosine])
-    law = SpringDamperLaw(stiffness=stiffness, damping=0.2 * math.sqrt(stiffness * 6e-3), release="force")
+    law = SpringDamperLaw(stiffness=stiffness, damping=0.2 * math.sqrt(stiffness * TIPPE_MASS), release="force")
     grip = RegularisedCoulomb(coefficient=friction, speed=slip)
     return Scene(
         name="tippe_top", description="A ball with a low centre of mass and a stem spins on rough ground.",
@@ -151,7 +152,7 @@ def tippe_top(
         duration=4.0, gravity=(0.0, 0.0, -gravity),
         bodies=(
             SpatialBody(
-                name="top", mass=6e-3, inertia=(8e-7, 8e-7, 7e-7, 0.0, 0.0, 0.0), position=tuple(place.tolist()),
+                name="top", mass=TIPPE_MASS, inertia=(8e-7, 8e-7, 7e-7, 0.0, 0.0, 0.0), position=tuple(place.tolist()),
                 orientation=(math.cos(0.5 * tilt), 0.0, math.sin(0.5 * tilt), 0.0), angular_velocity=(0.0, 0.0, spin),
             ),
         ),

@@ -12,17 +12,11 @@ import numpy as np
 
 from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.model import Redundant
+from cross_checks.linkage.surfaces import friction_refusals
 from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import GROUND, PlanarBody, Scene
 from mbs_ref.scene.base.part import normals, unit
-from mbs_ref.scene.contact import (
-    CircleOnCircle,
-    CircleOnLine,
-    RollingFriction,
-    SphereOnPlane,
-    SphereOnSphere,
-    SpringDamperLaw,
-)
+from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw
 
 REACH = 100.0  # m, how far floors and the search for contact extend
 SLOW = 1e-3  # m/s, its default, pinned: below it Exudyn's friction falls linearly where Coulomb's law would stick
@@ -37,7 +31,7 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
         if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, (*FLAT, *ROUND)):
             reasons.append(f"{where}: GeneralContact takes circles with spring_damper_law, not {contact.law.type}")
             continue
-        reasons += _one_coefficient(contact)
+        reasons += friction_refusals("Exudyn", contact)
         rule = "gap" if isinstance(contact, FLAT) else "force"
         if contact.law.damping and getattr(contact.law, "release", rule) != rule:
             reasons.append(f"{where}: GeneralContact ends a contact of {contact.type} by release = {rule!r} alone")
@@ -50,16 +44,6 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
 
 def _jointed(scene: Scene) -> list[str]:
     return [f"joint {joint.name!r}: Exudyn's explicit solvers support no joints" for joint in scene.joints]
-
-
-def _one_coefficient(contact: Any) -> list[str]:
-    """Return why the friction of a contact is refused, if it is."""
-    friction = contact.friction
-    if isinstance(friction, RollingFriction):
-        return [f"contact {contact.name!r}: Exudyn has no resistance to rolling"]
-    if friction is None or getattr(friction, "static", None) in (None, friction.coefficient):
-        return []
-    return [f"contact {contact.name!r}: Exudyn has one coefficient of friction; leave static out"]
 
 
 def _mixed_refusals(scene: Scene) -> list[str]:
@@ -131,7 +115,7 @@ def pair_contact_refusals(scene: Scene) -> list[Refusal]:
     reasons = _jointed(scene)
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
-        reasons += _one_coefficient(contact)
+        reasons += friction_refusals("Exudyn", contact)
         if not isinstance(contact.law, SpringDamperLaw):
             reasons.append(f"{where}: the connectors take spring_damper_law, not {contact.law.type}")
         elif contact.law.damping and contact.law.release != "gap":

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from cross_checks.linkage.links import Linkage
-from cross_checks.linkage.surfaces import THICK, frame_of, is_half_space, pair_mass, spheres_of
+from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is_half_space, pair_mass, spheres_of
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene import contact as laws
 from mbs_ref.scene.base.part import unit
@@ -92,8 +92,7 @@ def contact_refusals(scene: Scene) -> list[str]:
             reasons.append(f"{where}: mujoco regularises friction in its own way; it needs stick_slip")
         if contact.friction is not None and not getattr(contact.law, "damping", 1.0):
             reasons.append(f"{where}: mujoco brakes slip by the law's damping, and without it has no friction at all")
-        if getattr(contact.friction, "static", None) not in (None, getattr(contact.friction, "coefficient", None)):
-            reasons.append(f"{where}: mujoco has one coefficient of friction; leave static out")
+        reasons += friction_refusals("mujoco", contact)
         if getattr(contact.law, "damping", 0.0) and getattr(contact.law, "release", "force") != "force":
             reasons.append(f"{where}: mujoco's contact force is never negative; it needs release = 'force'")
         endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None

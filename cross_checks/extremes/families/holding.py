@@ -1,4 +1,4 @@
-"""Does it hold? Blocks that Coulomb's law holds, by each engine's own contact model: they creep, slide or stay."""
+"""Blocks that Coulomb's law holds creep, slide or stay by the reference solver and by engines' own contact models."""
 
 import numpy as np
 

@@ -16,8 +16,7 @@ from mbs_ref.scenes.tracked_vehicle import running_gear as gear
 from mbs_ref.scenes.tracked_vehicle.terrain import foot
 
 FEET = (-0.25, 0.25)  # of the pitch: where a link's two round feet are
-SLIDING = "Without friction at idler and rollers nothing turns them: the track slides under them."
-
+SLIDING = " Without friction at idler and rollers nothing turns them: the track slides under them."
 
 BELIEVABLE: dict[str, Any] = {"wheel_friction": 0.4, "preload": 10_000.0, "start": "equilibrium"}
 PAPER: dict[str, Any] = {"wheel_friction": 0.0, "preload": 0.0, "start": "drawn"}
@@ -103,7 +102,7 @@ def _drawn(links, rollers, upper_rollers, law, gravity, rub, preload, suspension
     front = base + gear.PITCH_RADIUS
     return Scene(
         name="tracked_vehicle",
-        description=_description(links, rollers + upper_rollers, rub[0], suspension, ground, height),
+        description=_description(links, rollers + upper_rollers, rub, suspension, pins, ground, height),
         source="Fox 2001, tracked off-highway vehicle; numbers and their origin in scenes/data/tracked_vehicle.json",
         duration=2.0,
         gravity=(0.0, -gravity),
@@ -121,11 +120,12 @@ def _drawn(links, rollers, upper_rollers, law, gravity, rub, preload, suspension
     )
 
 
-def _description(links: int, rollers: int, rub: float, suspension: bool, ground: str, height: float) -> str:
+def _description(links: int, rollers: int, rub: tuple, suspension: bool, pins: str, ground: str, height: float) -> str:
     arms = ", on trailing arms with torsion bars," if suspension else ""
     where = "flat ground" if ground == "flat" else f"ground with a {ground} of {height:g} m"
-    words = f"Chassis, sprocket, idler, {rollers} rollers{arms} and {links} links on {where}."
-    return words if rub else f"{words} {SLIDING}"
+    joined = " with rubber pins" if pins == "rubber" else ""
+    more = (f" Rolling resistance is {rub[1]:g} of a wheel's load." if rub[1] else "") if rub[0] else SLIDING
+    return f"Chassis, sprocket, idler, {rollers} rollers{arms} and {links} links{joined} on {where}.{more}"
 
 
 def _pins(links: int) -> np.ndarray:

@@ -138,7 +138,7 @@ def _predictions(
     try:
         with progress("tosses") as report:
             predicted = tosses.predict(tosses.stored(folder), models, step, sample, report)
-            yield from predicted if each else tosses.summaries(predicted)
+            yield from predicted if each else tosses.summaries(predicted, random=sample > 0)
     except ValueError as error:
         raise click.UsageError(str(error)) from error
 

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
-from cross_checks.contact import model_of
+from cross_checks import contact
+from cross_checks.contact import model_of, own_engine
 from cross_checks.contact.by_figure import compare, figures_of, holding, run, with_contact
+from cross_checks.engine import Engine
 from mbs_ref import scenes
+from mbs_ref.scene.contact import RollingFriction, StickSlip
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
@@ -84,7 +87,54 @@ def test_mujoco_runs_each_scene_with_contact_or_says_why_not():
     refused = {name for name, reason in reasons.items() if reason}
     assert refused == REFUSED
     assert "not convex" in reasons["tracked_vehicle"]
-    assert "mocap" in reasons["ball_on_driven_seat"]
+    assert all("mocap" in reasons[name] for name in ("ball_on_driven_seat", "woodpecker"))
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn", "drake"])
+@pytest.mark.parametrize(("friction", "why"), [
+    (RollingFriction(coefficient=0.7, lever=1e-3), "is given no resistance to rolling"),
+    (StickSlip(coefficient=0.7, static=0.8, stiffness=1e5), "has one coefficient of friction"),
+    (StickSlip(coefficient=0.7, static=0.7, stiffness=1e5), ""),
+])  # fmt: skip
+def test_friction_beyond_one_coefficient_is_refused(engine, friction, why):
+    """The same scene runs with one coefficient; each of its contacts is named."""
+    pytest.importorskip({"drake": "pydrake"}.get(engine, engine))
+    model, scene = model_of(engine), scenes.make("bouncing_ball")
+    ground = scene.contacts[0].model_copy(update={"friction": friction})
+    refusal = model.engine.refusal(scene.model_copy(update={"contacts": (ground,)}), model.engine.methods()[0])
+    assert refusal.startswith(f"contact {ground.name!r}: ") == bool(why)
+    assert why in refusal
+    assert bool(refusal) == bool(why)
+
+
+def test_an_engine_elsewhere_is_started_once(monkeypatch, tmp_path):
+    class There(Engine):
+        def __init__(self, name, home, get):
+            started.append(name)
+            self.home = home
+
+        def ask(self, *_):
+            return ("way",)
+
+    started: list[str] = []
+    monkeypatch.setattr(contact, "Elsewhere", There)
+    monkeypatch.setattr(contact.engines, "installed", lambda names: iter([There("registered", tmp_path, None)]))
+    assert model_of("mujoco") is model_of("mujoco")
+    assert own_engine("mujoco") is model_of("mujoco").engine
+    assert started.count("mujoco") == 1
+
+
+def test_engines_without_a_contact_model_refuse_and_ours_does_not(monkeypatch):
+    scene = holding()["slope at 29% of the cone"]
+    monkeypatch.setattr(contact.engines, "get", lambda name: Registered())
+    assert own_engine("rebound").refusals(scene)[0].reason == "rebound has no contact model of its own"
+    assert own_engine("mbs_ref").refusals(scene) == []
+    assert Registered().refusals(scene) == []  # elsewhere it is as registered
+
+
+class Registered(Engine):
+    def refusals(self, scene):
+        return []
 
 
 @pytest.mark.slow

@@ -110,8 +110,14 @@ def test_a_sample_is_drawn_at_random_and_bounds_the_median(monkeypatch):
     with pytest.raises(ValueError, match="sample = 21 tosses; allowed: 1 to 20"):
         tosses.predict(stored, {}, 1e-3, 21)
     errors = [tosses.Predicted(str(k), "a", "b", 1e-4, float(k), 0.0) for k in range(100, 0, -1)]
-    (summary,) = tosses.summaries(errors)
-    assert summary.interval == "40 to 61"
+    (summary,) = tosses.summaries(errors, random=True)
+    assert (summary.interval, summary.error, summary.quartiles) == ("40 to 61", 50.5, "26 to 75")
+    worse = [*errors[2:], *(tosses.Predicted(str(k), "a", "b", 1e-4, reason="stops") for k in range(2))]
+    (missed,) = tosses.summaries(worse, random=True)  # the two largest are as good as infinite
+    assert (missed.error, missed.interval, missed.failed) == (50.5, "40 to 61", 2)
+    assert tosses.summaries(worse[-3:])[0].error is None  # most have failed
+    assert [tosses.summaries(errors[-n:], random=True)[0].interval for n in (5, 6)] == ["", "1 to 6"]  # 1 - 2/2^n
+    assert tosses.summaries(errors)[0].interval == ""
 
 
 def test_a_toss_without_a_free_flight_is_refused():

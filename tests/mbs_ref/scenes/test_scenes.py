@@ -63,3 +63,8 @@ def test_traits(name, present, absent):
     found = traits(scenes.make(name))
     assert present <= found
     assert not absent & found
+
+
+def test_a_scene_file_is_described_by_the_comments_at_its_head_alone(tmp_path):
+    (tmp_path / "made.toml").write_text('# Swing.\n#\n# At 1 µm.\nname = "made"\n# a choice\n', encoding="utf-8")
+    assert scenes._written(tmp_path / "made.toml").__doc__ == "Swing.\n\nAt 1 µm."

@@ -51,6 +51,14 @@ def test_wheels_roll_by_default_and_stand_still_in_the_papers_model():
     assert "slides" not in scene.description
 
 
+def test_the_description_states_pins_and_rolling_resistance():
+    plain, rubber = (scenes.make("tracked_vehicle", start="drawn", **more).description
+                     for more in ({}, {"pins": "rubber", "rolling": 0.02}))  # fmt: skip
+    assert "30 links with rubber pins on flat ground. Rolling resistance is 0.02 of a wheel's load." in rubber
+    assert "30 links on flat ground." in plain
+    assert "olling" not in plain
+
+
 def test_slip_of_a_wheel_driven_at_a_known_rate():
     """A wheel of radius r held above a surface that passes at v turns at w: its slip is w r / v - 1."""
     radius, speed, turning = 0.25, 2.0, 9.0
