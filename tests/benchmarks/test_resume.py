@@ -19,21 +19,22 @@ from reports.commands.publish.show import last_report
 KILLS = 20
 COMMAND = [sys.executable, "-c", "from reports.cli import main; main()"]
 SWEEP = ["sweep", "pendulum", "--engine", "mbs_ref", "--method", "rk4", "--method", "euler", "-o"]
+OUT = {"sweep": "out.jsonl", "report": "out"}  # a file, a folder
 REPORT = ["report", "--scene", "pendulum", "--engine", "mbs_ref", "--target", "1e-3", "-o"]
 
 
 def swept(place: Path) -> list[Any]:
     """Return the keys of the records; a torn line is named, skipped and computed again."""
-    records, problems = read(place / "out") if (place / "out").exists() else ([], [])
+    records, problems = read(place / OUT["sweep"]) if (place / OUT["sweep"]).exists() else ([], [])
     assert all("no record" in problem for problem in problems)
     return sorted(key_of(record) for record in records)
 
 
 def reported(place: Path) -> list[Any]:
     """Return every cell with its runs: whatever does not depend on the clock."""
-    if not (place / "out" / "index.html").exists():
+    if not (place / OUT["report"] / "index.html").exists():
         return []
-    data = last_report(place / "out")
+    data = last_report(place / OUT["report"])
     assert len(set(map(key_of, data.records))) == len(data.records)
     runs = [(key_of(r), r.status, r.error, r.steps, r.rhs_calls, r.measures) for r in data.records]
     cells = [(c.label, c.engine, c.method, c.verdict, c.error, c.order, [t.answer for t in c.targets])
@@ -44,7 +45,7 @@ def reported(place: Path) -> list[Any]:
 def begin(words: list[str], place: Path) -> subprocess.Popen[bytes]:
     place.mkdir(exist_ok=True)
     kept = os.environ | {"MBS_REF_STORE": str(place / "store.sqlite")}
-    return subprocess.Popen([*COMMAND, *words, str(place / "out")], env=kept,
+    return subprocess.Popen([*COMMAND, *words, str(place / OUT[words[0]])], env=kept,
                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
 
 
