@@ -243,11 +243,8 @@ class JointedSystem(ContactSystem):
         result = self.scratch.rows.multiplier.copy()
         if not len(self.groups.loops.slot) or self.scratch.closures.rank.sum() == self.n_closure_rows or not len(dy):
             return result
-        force, acceleration, mass = (
-            self.applied_forces(t, y).ravel(),
-            self.accelerations(t, y).ravel(),
-            self.mass_matrix(),
-        )
+        force, acceleration = self.applied_forces(t, y).ravel(), self.accelerations(t, y).ravel()
+        mass = self.mass_matrix()
         unbalanced = force - (mass @ acceleration if mass.ndim == 2 else mass * acceleration)
         found = np.linalg.lstsq(self.jacobian(t, y).T, unbalanced, rcond=RANK_TOLERANCE)[0]
         for value, (_, slot, row) in zip(found, self.rows(), strict=True):

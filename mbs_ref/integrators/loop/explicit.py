@@ -12,6 +12,10 @@ from mbs_ref.kernels.algebra.dense import weighted_norm
 from mbs_ref.kernels.border.questions import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit, loop_jit
 
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+    from mbs_ref.integrators.stages.tableau import Tableau
+
 STAGE_ITERATIONS = 6
 
 
@@ -150,10 +154,6 @@ def _interpolate(share, h, y, stages, last, bumps, out):
         total = (total + way - h * stages.slopes[last, k] - leaning) * share
         out[k] = y[k] + ((total + leaning) * rest + way) * share
 
-
-if TYPE_CHECKING:
-    from mbs_ref.cores.system import System
-    from mbs_ref.integrators.stages.tableau import Tableau
 
 # Roundoff in an acceleration grows as eps / sigma^3 near a singular pose, with the relative closure pivot
 # sigma^2. A step that ends where this harms the accuracy is shortened once, so that the next one

@@ -23,6 +23,9 @@ from mbs_ref.kernels.border.handles import make_handle
 from mbs_ref.kernels.residual import GGL, INDEX_1, INDEX_2, INDEX_3, Dae, DaeGroups, largest_balance, residual_for_c
 from mbs_ref.trajectory import Status
 
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
 _OBJECT, _OBJECT_PLACE = c_void_p, POINTER(c_void_p)
 _PROTOTYPES: dict[str, tuple[Any, ...]] = {  # what is returned, then what is taken
     "SUNContext_Create": (c_int, c_int, _OBJECT_PLACE),
@@ -75,9 +78,6 @@ def count_of(function: Any, memory: c_void_p) -> int:
     function(memory, byref(count))
     return count.value
 
-
-if TYPE_CHECKING:
-    from mbs_ref.cores.system import System
 
 PACKAGE = "sundials4py"
 NO_MPI = 0  # SUN_COMM_NULL

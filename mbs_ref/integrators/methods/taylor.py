@@ -20,6 +20,9 @@ from mbs_ref.kernels.algebra.dense import all_finite
 from mbs_ref.kernels.jit import loop_jit
 from mbs_ref.kernels.relative.series import evaluate, expand, longest_step, start_at
 
+if TYPE_CHECKING:
+    from mbs_ref.cores.system import System
+
 
 @loop_jit
 def advance_taylor(model, work, expanded, options, order, run, y, outputs):
@@ -55,9 +58,6 @@ def advance_taylor(model, work, expanded, options, order, run, y, outputs):
         code, is_new = stepping.accept(model, work, options, run, attempt, verdict, y, y_new, table, outputs), True
     return code
 
-
-if TYPE_CHECKING:
-    from mbs_ref.cores.system import System
 
 MIN_ORDER = 4
 PER_STEP, PER_ORDER = 150, 30  # products that cost as much as a step and an order do besides, measured on chains
