@@ -157,10 +157,13 @@ def _interpolate(share, h, y, stages, last, bumps, out):
 
 # Roundoff in an acceleration grows as eps / sigma^3 near a singular pose, with the relative closure pivot
 # sigma^2. A step that ends where this harms the accuracy is shortened once, so that the next one
-# passes over the pose; where that does not help it may end there, unless even positions would suffer.
+# passes over the pose; where that does not help it may end there, unless even positions would suffer. Where no shorter
+# step avoids that either, the step that accuracy allows ends there, unless rounding would determine the branch:
+# branches are sigma apart, and rounding moves the pose by eps / sigma.
 NOISY_PIVOT = 2e-17  # over rtol, to the power 2/3
 NOISY_STAGE = 1e-19  # likewise for a stage inside a step, whose weight is smaller
 SINGULAR_PIVOT = 1e-17  # over rtol
+AMBIGUOUS_PIVOT = 1e-11  # rounding of 1e-14 of the mechanism, a thousand times
 TIGHTEST = 1e-13  # rtol that double precision can meet
 PATIENT_AVOIDED, MOST_AVOIDED = 6, 60  # attempts in a row to end a step away from a singular pose
 NEAR_SINGULAR = 0.1  # relative closure pivot below which stages are projected
@@ -184,7 +187,8 @@ def is_noisy(pivot, limit, rtol):
 def is_too_near(pivot, stage_pivot, rtol, avoided, adaptive):
     """Return whether a step is not to end at this pivot, with its worst stage's; `avoided` attempts have not either."""
     noisy = is_noisy(pivot, NOISY_PIVOT, rtol) or is_noisy(stage_pivot, NOISY_STAGE, rtol)
-    return (noisy and avoided < PATIENT_AVOIDED) or (adaptive and pivot < SINGULAR_PIVOT / rtol)
+    harmed = adaptive and pivot < SINGULAR_PIVOT / rtol and (avoided < MOST_AVOIDED or pivot < AMBIGUOUS_PIVOT)
+    return (noisy and avoided < PATIENT_AVOIDED) or harmed
 
 
 @jit
@@ -271,7 +275,8 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             code = leg.DONE if run.next_output == outputs.times.shape[0] else leg.RUNNING
         else:
             natural = max(natural, run.h)
-            run.h = attempt.h * (AVOID if is_noisy(there, NOISY_PIVOT, rtol) else AVOID_STAGE)
+            shorter = attempt.h * (AVOID if is_noisy(there, NOISY_PIVOT, rtol) else AVOID_STAGE)
+            run.h = natural if avoided == MOST_AVOIDED else shorter
     return code
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene
 from mbs_ref.settings import Settings
@@ -111,6 +112,15 @@ def test_a_fixed_step_that_would_end_in_a_singular_pose_is_divided(scene):
     assert run.ok
     assert 5120 < run.steps < 1.05 * 5120
     assert np.abs(run.position[-1] - truth.position[-1]).max() < 1e-7
+
+
+@pytest.mark.parametrize("loops", [2, 10, 40])
+def test_a_tolerance_that_rounding_forbids_near_a_singular_pose_does_not_end_the_run(loops):
+    """With 10 and 40 loops the run ended with singular: each shorter step ended as close to the flat pose."""
+    scene = scenes.make("n_four_bar", loops=loops)
+    run = simulate(scene, Settings(method="dop853", rtol=1e-13, t_end=1.0, samples=2, estimate="off"))
+    assert run.ok, run.message
+    assert np.abs(run.position - truth_for(scene, run.times).position).max() < 1e-11
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-5, 1e-7, 1e-9])
