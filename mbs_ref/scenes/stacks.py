@@ -30,6 +30,7 @@ def box_stack(
     """
     law = contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
     masses = [mass * ratio**k for k in range(boxes)]
+    _refuse_stack("box_stack", masses, BOX_HEIGHT, 2.0 * stiffness, gravity)
     return Scene(
         name="box_stack",
         description=f"{boxes} boxes stacked without friction, each {ratio:g} times as heavy as the one below.",
@@ -45,6 +46,21 @@ def box_stack(
         ),
         contacts=tuple(_box_corner(k, side, law) for k in range(boxes) for side in (0, 1)),
     )  # fmt: skip
+
+
+def _refuse_stack(name: str, masses: list[float], height: float, stiffness: float, gravity: float) -> None:
+    """Refuse a weight that the lowest body cannot carry, and a body whose weight is lost in rounding of positions."""
+    sinks = 2.0 * sum(masses) * gravity / stiffness  # m, without damping twice as far as at rest
+    if sinks >= height:
+        raise ValueError(
+            f"{name}: the lowest body would sink by {sinks:.3g} m, its height is {height:g} m: reduce the weight"
+        )
+    rounding = stiffness * np.finfo(float).eps * height * len(masses)  # N
+    if min(masses) * gravity <= rounding:
+        raise ValueError(
+            f"{name}: the lightest body weighs {min(masses) * gravity:.3g} N, which rounding of contact forces "
+            f"({rounding:.3g} N) exceeds: it must be heavier, or the contacts softer"
+        )
 
 
 def _box_corner(k: int, side: int, law: contact.SpringDamperLaw) -> contact.CircleOnLine:
@@ -74,13 +90,15 @@ def block_stack(
     damping (N s/m) of each of the four corners, gravity (m/s^2). They start just touching.
     """
     law = contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
+    masses = [mass * ratio**k for k in range(blocks)]
+    _refuse_stack("block_stack", masses, HEIGHT, 4.0 * stiffness, gravity)
     return Scene(
         name="block_stack",
         description=f"{blocks} blocks stacked without friction, each {ratio:g} times as heavy as the one below.",
         source="Textbook statics",
         duration=1.0,
         gravity=(0.0, 0.0, -gravity),
-        bodies=tuple(_block(k, mass * ratio**k) for k in range(blocks)),
+        bodies=tuple(_block(k, m) for k, m in enumerate(masses)),
         contacts=tuple(
             _block_corner(k, x, y, law) for k in range(blocks) for x, y in itertools.product((-1, 1), (-1, 1))
         ),
