@@ -11,7 +11,8 @@ search for a target as well; where the verdict within it is open or wrong, nothi
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -41,7 +42,7 @@ class Search(ABC):
     def __init__(self) -> None:
         self.points: dict[float, Point] = {}  # by setting
         self.reference: tuple[float, float] | None = None  # setting and error of a reference method
-        self._shown: tuple[tuple, Posterior | None] = ((), None)
+        self._computed: dict[tuple, Any] = {}  # from the runs at some time
 
     @abstractmethod
     def typed(self, knob: float) -> float:
@@ -83,21 +84,28 @@ class Search(ABC):
 
     def shown(self) -> Posterior | None:
         """Return the posterior of the runs that succeeded; None without one."""
-        state = (len(self.points), self.reference)
-        if self._shown[0] != state:
-            good, facts = self.good, self.facts()
-            if self.reference is not None:
-                setting, error = self.reference
-                facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
-            gaps = np.array([[self.gap(a.knob, b.knob) for b in good] for a in good])
-            ladder = ladder_of(good, gaps, **facts)
-            self._shown = state, None if ladder is None else posterior(ladder)
-        return self._shown[1]
+        return self._once("shown", self._posterior)
 
     def verdict(self) -> Judgement:
         """Return the verdict on all runs."""
         points = [self.points[knob] for knob in self.knobs]
-        return judge(points, self.shown(), self.documented_order, self.why_no_truth)
+        return self._once("verdict", lambda: judge(points, self.shown(), self.documented_order, self.why_no_truth))
+
+    def _once[Answer](self, what: str, compute: Callable[[], Answer]) -> Answer:
+        """Return what was computed from the same runs before, else what `compute` returns."""
+        state = what, len(self.points), self.reference
+        if state not in self._computed:
+            self._computed[state] = compute()
+        return self._computed[state]
+
+    def _posterior(self) -> Posterior | None:
+        good, facts = self.good, self.facts()
+        if self.reference is not None:
+            setting, error = self.reference
+            facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
+        gaps = np.array([[self.gap(a.knob, b.knob) for b in good] for a in good])
+        ladder = ladder_of(good, gaps, **facts)
+        return None if ladder is None else posterior(ladder)
 
     def try_(self, knob: float) -> Point:
         """Run a typed setting."""

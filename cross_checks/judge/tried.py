@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge.bounds import AGREEMENT, FAILING, MOST_STEPS, TARGETS
@@ -59,7 +61,8 @@ class Tried(Search):
     def run(self, knob: float) -> Point:
         """Return the run at a setting, judged."""
         settings = settings_at(self.method, self.scene, knob)
-        run = self.runs.run(self.scene, self.engine, settings)
+        seconds = self.seconds(float(self.steps(np.array([knob]))[0]))
+        run = self.runs.run(self.scene, self.engine, settings, seconds or 0.0)
         record = against(self.scene, run, self.truth)
         self.records[knob], self.paths[knob] = record, run.path
         error = record.error.value if record.error is not None and record.status == "success" else None
@@ -74,10 +77,11 @@ class Tried(Search):
         return self.gaps[key]
 
     def seconds(self, steps: float) -> float | None:
-        """Return the processor time (s) of so many steps, by the longest run; None where none shows it."""
-        times = [(point.steps, self.records[point.knob].times) for point in self.good if point.steps]
-        made, known = max(times, key=lambda one: one[0], default=(0, {}))
-        cost = known.get("loop_s", 0.0) * min(known.get("cpu_share", 0.0), 1.0)
+        """Return the processor time (s) of so many steps, by the longest run that succeeded, else of any; else None."""
+        known = [self.records[point.knob] for point in self.good] or list(self.records.values())
+        times = [(record.steps, record.times) for record in known if record.steps]
+        made, spent = max(times, key=lambda one: one[0], default=(0, {}))
+        cost = spent.get("loop_s", 0.0) * min(spent.get("cpu_share", 0.0), 1.0)
         return cost / made * steps if cost else None
 
     def affordable(self) -> float:

@@ -49,7 +49,7 @@ class MadeUp:
     longest: float = np.inf
     asked: list = field(default_factory=list)
 
-    def run(self, scene, engine, settings):
+    def run(self, scene, engine, settings, seconds=0.0):
         knob = settings.step or settings.rtol
         self.asked.append(knob)
         steps = int(scene.duration / knob) if settings.step else int((self.count or (lambda r: 30 * r**-0.1))(knob))
