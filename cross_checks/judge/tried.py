@@ -48,6 +48,7 @@ class Tried(Search):
         self.kind = self.method.kind
         self.duration, self.outputs, self.local_order = self.scene.duration, SAMPLES - 1, self.method.local_order
         self.documented_order = documented_order(self.method, self.scene)
+        self.is_exempt = bool(self.method.exemption(self.scene))
         self.expected = expected_order(self.method, self.scene)
         self.coarsest = coarsest(self.method, self.scene)
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
@@ -152,7 +153,8 @@ def search(
 ) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
     """Search the method's settings for every target; return all runs and what became of each target.
 
-    Unless `settle`, no run is made for the verdict. One open or wrong within `runs.longest` is sought without it.
+    Unless `settle`, no run is made for the verdict. One open or wrong within `runs.longest` is sought without it; not
+    where a documented weakness exempts the method, which neither verdict classifies.
     """
     tried = Tried(runs, scene, engine, method, truth, most_steps)
     if not tried.begin(first_knob(scene, method)):
@@ -161,7 +163,8 @@ def search(
         return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
     if isinstance(truth, Truth):
         tried.reach(sorted(targets, reverse=True))
-    if settle and tried.settle().verdict in {Verdict.NOT_SHOWN, *WRONG} and runs.longest < math.inf:
+    is_open = settle and tried.settle().verdict in {Verdict.NOT_SHOWN, *WRONG}
+    if is_open and not tried.is_exempt and runs.longest < math.inf:
         return search(replace(runs, longest=math.inf), scene, engine, method, truth, targets, most_steps)
     return tried, [_result(tried, target, settle) for target in sorted(targets, reverse=True)]
 
