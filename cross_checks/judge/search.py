@@ -2,11 +2,12 @@
 
 A run is worth the odds that it reaches a target from within WINDOW, less what its steps cost. An error below the
 window costs more than need be: it is worth LIKELY, the odds from which a cheaper run is made. A target is given
-up where no setting within the work limit may reach it. Further runs follow only while the verdict is not settled: a
-finer one, halfway to the finest setting where a plateau or a limit of its own may hide the law. A method is classified
-as wrong only after a run plainly finer than all others, even beyond the work limit. Work is counted in steps, the same
-for every engine, so that the choice does not depend on how busy a machine is. A limit of processor time may end the
-search for a target as well; where the verdict within it is open or wrong, nothing is limited.
+up where no setting within the work limit may reach it. Further runs follow only while the verdict is not settled: of
+the settings that may show the law, finer ones where a plateau or a limit of its own may hide it, the one that shows
+most for its cost. A method is classified as wrong only after a run plainly finer than all others, even beyond the work
+limit. Work is counted in steps, the same for every engine, so that the choice does not depend on how busy a machine is.
+A limit of processor time may end the search for a target as well; where the verdict within it is open or wrong, nothing
+is limited, unless a documented weakness explains it.
 """
 
 import math
