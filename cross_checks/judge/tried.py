@@ -49,7 +49,6 @@ class Tried(Search):
         self.duration, self.outputs, self.local_order = self.scene.duration, SAMPLES - 1, self.method.local_order
         self.documented_order = documented_order(self.method, self.scene)
         self.is_exempt = bool(self.method.exemption(self.scene))
-        self.expected = expected_order(self.method, self.scene)
         self.coarsest = coarsest(self.method, self.scene)
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
         self.why_no_truth = self.truth.reason if isinstance(self.truth, NoTruth) else ""
@@ -160,7 +159,8 @@ def search(
     if not tried.begin(first_knob(scene, method)):
         refused = all(record.status in REFUSED for record in tried.records.values())
         answer: Answer = "cannot" if refused else "not-reached"
-        return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
+        last = tried.records[tried.knobs[-1]]
+        return tried, [TargetResult(target, answer, None, last.message or last.status) for target in targets]
     if isinstance(truth, Truth):
         tried.reach(sorted(targets, reverse=True))
     is_open = settle and tried.settle().verdict in {Verdict.NOT_SHOWN, *WRONG}
@@ -198,8 +198,3 @@ def _result(tried: Tried, target: float, settled: bool) -> TargetResult:
         if is_possible or (not settled and omitted.setting < finest):
             return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
     return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}", omitted)
-
-
-def _last_message(tried: Tried) -> str:
-    last = tried.records[tried.knobs[-1]]
-    return last.message or last.status
