@@ -57,14 +57,14 @@ class Remote(Isolated):
 
     def cancel(self) -> None:
         """Cancel the running call, from another thread, and every later one."""
-        self._cancelled = True
+        self.is_cancelled = True
         if self._future is not None:
             self._future.cancel()
 
     def _call(
         self, function: Callable[..., Any], arguments: tuple[Any, ...], apart: bool, timeout: float | None = None
     ) -> Any:
-        if self._cancelled:
+        if self.is_cancelled:
             raise Cancelled("the calls were given up")
         limits = timeout or self.timeout, self.memory
         self._future = self.client.submit(_made, function, arguments, *limits, retries=RETRIES, pure=False)

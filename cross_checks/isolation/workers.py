@@ -45,9 +45,16 @@ class _Worker:
         """What makes calls without a limit on time."""
         return self.call.patient
 
+    def expect(self, seconds: float) -> None:
+        """Raise Late or Lost in place of a call that is expected to compute for longer (s) than it may."""
+        self._tried(self.call.expect, seconds)
+
     def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        return self._tried(self.call, function, *arguments)
+
+    def _tried(self, call: Callable[..., Any], *arguments: Any) -> Any:
         try:
-            return self.call(function, *arguments)
+            return call(*arguments)
         except Lost as lost:
             raise Late(str(lost)) if self.is_first and lost.status == "timeout" else lost from None
 

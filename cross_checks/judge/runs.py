@@ -45,8 +45,8 @@ class Runs:
         run = self.run(scene, engine, settings)
         return against(scene, run, truth)
 
-    def run(self, scene: Scene, engine: str, settings: Settings) -> Run:
-        """Return the run; computed unless the store holds it."""
+    def run(self, scene: Scene, engine: str, settings: Settings, seconds: float = 0.0) -> Run:
+        """Return the run; computed unless the store holds it, or it is expected to compute for longer than it may."""
         try:
             held = self.held(scene, engine, settings)
         except engines.EngineMissing as missing:
@@ -55,6 +55,7 @@ class Runs:
             return held
         self.computed += 1
         try:
+            getattr(self.call, "expect", lambda seconds: None)(seconds)
             run = self.call(make, scene, engine, settings, self.grid(scene))
         except Lost as lost:
             run = Run(without_run(scene, engine, settings, lost.status, str(lost)), None)

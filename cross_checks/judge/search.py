@@ -2,16 +2,18 @@
 
 A run is worth the odds that it reaches a target from within WINDOW, less what its steps cost. An error below the
 window costs more than need be: it is worth LIKELY, the odds from which a cheaper run is made. A target is given
-up where no setting within the work limit may reach it. Further runs follow only while the verdict is not settled: a
-finer one, halfway to the finest setting where a plateau or a limit of its own may hide the law. A method is classified
-as wrong only after a run plainly finer than all others, even beyond the work limit. Work is counted in steps, the same
-for every engine, so that the choice does not depend on how busy a machine is. A limit of processor time may end the
-search for a target as well; where the verdict within it is open or wrong, nothing is limited.
+up where no setting within the work limit may reach it. Further runs follow only while the verdict is not settled: of
+the settings that may show the law, finer ones where a plateau or a limit of its own may hide it, the one that shows
+most for its cost. A method is classified as wrong only after a run plainly finer than all others, even beyond the work
+limit. Work is counted in steps, the same for every engine, so that the choice does not depend on how busy a machine is.
+A limit of processor time may end the search for a target as well; where the verdict within it is open or wrong, nothing
+is limited, unless a documented weakness explains it.
 """
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -37,11 +39,12 @@ class Search(ABC):
     outputs: int  # intervals between output times
     most_steps: int
     why_no_truth: str
+    is_exempt: bool = False  # a documented weakness explains a failure: no run takes long for the verdict alone
 
     def __init__(self) -> None:
         self.points: dict[float, Point] = {}  # by setting
         self.reference: tuple[float, float] | None = None  # setting and error of a reference method
-        self._shown: tuple[tuple, Posterior | None] = ((), None)
+        self._computed: dict[tuple, Any] = {}  # from the runs at some time
 
     @abstractmethod
     def typed(self, knob: float) -> float:
@@ -83,21 +86,28 @@ class Search(ABC):
 
     def shown(self) -> Posterior | None:
         """Return the posterior of the runs that succeeded; None without one."""
-        state = (len(self.points), self.reference)
-        if self._shown[0] != state:
-            good, facts = self.good, self.facts()
-            if self.reference is not None:
-                setting, error = self.reference
-                facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
-            gaps = np.array([[self.gap(a.knob, b.knob) for b in good] for a in good])
-            ladder = ladder_of(good, gaps, **facts)
-            self._shown = state, None if ladder is None else posterior(ladder)
-        return self._shown[1]
+        return self._once("shown", self._posterior)
 
     def verdict(self) -> Judgement:
         """Return the verdict on all runs."""
         points = [self.points[knob] for knob in self.knobs]
-        return judge(points, self.shown(), self.documented_order, self.why_no_truth)
+        return self._once("verdict", lambda: judge(points, self.shown(), self.documented_order, self.why_no_truth))
+
+    def _once[Answer](self, what: str, compute: Callable[[], Answer]) -> Answer:
+        """Return what was computed from the same runs before, else what `compute` returns."""
+        state = what, len(self.points), self.reference
+        if state not in self._computed:
+            self._computed[state] = compute()
+        return self._computed[state]
+
+    def _posterior(self) -> Posterior | None:
+        good, facts = self.good, self.facts()
+        if self.reference is not None:
+            setting, error = self.reference
+            facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
+        gaps = np.array([[self.gap(a.knob, b.knob) for b in good] for a in good])
+        ladder = ladder_of(good, gaps, **facts)
+        return None if ladder is None else posterior(ladder)
 
     def try_(self, knob: float) -> Point:
         """Run a typed setting."""
@@ -212,7 +222,7 @@ class Search(ABC):
         """Find a first setting at which the method runs; return whether there is one.
 
         Finer settings follow where it is refused or fails: steps in growing leaps, tolerances in the middle and at both
-        ends.
+        ends. After LEVELS failures another setting hardly runs, and is tried only within what a target is worth.
         """
         finest = self.finest
         tightest = math.inf  # tolerances above which steps become too small
@@ -220,6 +230,9 @@ class Search(ABC):
             knob = self.typed(wish)
             if knob in self.points or (tightest < math.inf and knob <= tightest):
                 continue
+            failed = [one for one in self.points.values() if one.status not in REFUSED]
+            if len(failed) >= bounds.LEVELS and self.steps(np.array([knob]))[0] > self.affordable():
+                return False
             point = self.try_(knob)
             if point.ok:
                 return True
@@ -257,12 +270,14 @@ class Search(ABC):
         """Return a setting that confirms a failure, beyond the work limit if need be; None where none will run."""
         knob = self.typed(self.good[-1].knob / bounds.FINER[self.kind])
         steps, odds = self.steps(np.array([knob]))[0], self._odds_to_run(np.array([knob]))[0]
-        is_able = steps <= 1.01 * bounds.FINER["fixed"] * self.most_steps and odds >= bounds.LIKELY
+        most = self.affordable() if self.is_exempt else 1.01 * bounds.FINER["fixed"] * self.most_steps
+        is_able = steps <= most and odds >= bounds.LIKELY
         return knob if is_able and knob not in self.points else None
 
     def _settling(self) -> float | None:
-        """Return the setting that is most informative: the middle of the widest gap; None where none remains.
+        """Return the setting that is most informative for its cost, in the widest gap; None where none remains.
 
+        A run shows more the farther it is from all others, up to a setting that is plainly finer.
         Where rounding hides the law, the coarse half shows it; where runs do not follow it, the fine half. Fewer runs
         are made where they follow it, and where a reference method shows that the motion is not resolved.
         """
@@ -284,10 +299,13 @@ class Search(ABC):
         elif len(shown.ladder) > 1 and not follows:
             wished = knobs < math.sqrt(good.min() * good.max())
         cheap = self.steps(knobs) <= self.affordable()
+        if self.is_exempt and not cheap.any():
+            return None
         knobs = next((knobs[chosen] for chosen in (wished & cheap, cheap, wished) if chosen.any()), knobs)
         ends = [self.finest] if self.kind == "adaptive" else []  # a tolerance's steps are extrapolated
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array([*self.knobs, *ends]))).min(axis=1)
-        return float(knobs[int(np.argmax(apart))])
+        shows = np.minimum(apart / math.log(bounds.FINER[self.kind]), 1.0)
+        return float(knobs[int(np.argmax(shows - bounds.PRICE * np.log10(np.maximum(self.steps(knobs), 1.0))))])
 
     def _has_new_reference(self) -> bool:
         """Run a reference method where runs are as far off as motions go; return whether there is one."""

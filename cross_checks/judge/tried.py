@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from cross_checks import engines
 from cross_checks.engine import Method
 from cross_checks.judge.bounds import AGREEMENT, FAILING, MOST_STEPS, TARGETS
@@ -46,7 +48,7 @@ class Tried(Search):
         self.kind = self.method.kind
         self.duration, self.outputs, self.local_order = self.scene.duration, SAMPLES - 1, self.method.local_order
         self.documented_order = documented_order(self.method, self.scene)
-        self.expected = expected_order(self.method, self.scene)
+        self.is_exempt = bool(self.method.exemption(self.scene))
         self.coarsest = coarsest(self.method, self.scene)
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
         self.why_no_truth = self.truth.reason if isinstance(self.truth, NoTruth) else ""
@@ -59,7 +61,8 @@ class Tried(Search):
     def run(self, knob: float) -> Point:
         """Return the run at a setting, judged."""
         settings = settings_at(self.method, self.scene, knob)
-        run = self.runs.run(self.scene, self.engine, settings)
+        seconds = self.seconds(float(self.steps(np.array([knob]))[0]))
+        run = self.runs.run(self.scene, self.engine, settings, seconds or 0.0)
         record = against(self.scene, run, self.truth)
         self.records[knob], self.paths[knob] = record, run.path
         error = record.error.value if record.error is not None and record.status == "success" else None
@@ -74,10 +77,11 @@ class Tried(Search):
         return self.gaps[key]
 
     def seconds(self, steps: float) -> float | None:
-        """Return the processor time (s) of so many steps, by the longest run; None where none shows it."""
-        times = [(point.steps, self.records[point.knob].times) for point in self.good if point.steps]
-        made, known = max(times, key=lambda one: one[0], default=(0, {}))
-        cost = known.get("loop_s", 0.0) * min(known.get("cpu_share", 0.0), 1.0)
+        """Return the processor time (s) of so many steps, by the longest run that succeeded, else of any; else None."""
+        known = [self.records[point.knob] for point in self.good] or list(self.records.values())
+        times = [(record.steps, record.times) for record in known if record.steps]
+        made, spent = max(times, key=lambda one: one[0], default=(0, {}))
+        cost = spent.get("loop_s", 0.0) * min(spent.get("cpu_share", 0.0), 1.0)
         return cost / made * steps if cost else None
 
     def affordable(self) -> float:
@@ -148,16 +152,19 @@ def search(
 ) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
     """Search the method's settings for every target; return all runs and what became of each target.
 
-    Unless `settle`, no run is made for the verdict. One open or wrong within `runs.longest` is sought without it.
+    Unless `settle`, no run is made for the verdict. One open or wrong within `runs.longest` is sought without it; not
+    where a documented weakness exempts the method, which neither verdict classifies.
     """
     tried = Tried(runs, scene, engine, method, truth, most_steps)
     if not tried.begin(first_knob(scene, method)):
         refused = all(record.status in REFUSED for record in tried.records.values())
         answer: Answer = "cannot" if refused else "not-reached"
-        return tried, [TargetResult(target, answer, None, _last_message(tried)) for target in targets]
+        last = tried.records[tried.knobs[-1]]
+        return tried, [TargetResult(target, answer, None, last.message or last.status) for target in targets]
     if isinstance(truth, Truth):
         tried.reach(sorted(targets, reverse=True))
-    if settle and tried.settle().verdict in {Verdict.NOT_SHOWN, *WRONG} and runs.longest < math.inf:
+    is_open = settle and tried.settle().verdict in {Verdict.NOT_SHOWN, *WRONG}
+    if is_open and not tried.is_exempt and runs.longest < math.inf:
         return search(replace(runs, longest=math.inf), scene, engine, method, truth, targets, most_steps)
     return tried, [_result(tried, target, settle) for target in sorted(targets, reverse=True)]
 
@@ -191,8 +198,3 @@ def _result(tried: Tried, target: float, settled: bool) -> TargetResult:
         if is_possible or (not settled and omitted.setting < finest):
             return TargetResult(target, "not-tried", None, f"it would take {omitted}", omitted)
     return TargetResult(target, "not-reached", None, f"the best error is {best:.1e}; {verdict.reason}", omitted)
-
-
-def _last_message(tried: Tried) -> str:
-    last = tried.records[tried.knobs[-1]]
-    return last.message or last.status

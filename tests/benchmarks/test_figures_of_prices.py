@@ -292,3 +292,13 @@ def test_a_change_of_status_is_stated(before, after, move):
     run = runs_of(9)[0]
     (one,) = changes([replace(run, status=before)], [replace(run, status=after, message="why")])
     assert (one.move, one.sentence) == (move, f"{before}, then {after}: why")
+
+
+def test_nothing_is_chosen_so_far_before_a_truth_is_known(monkeypatch):
+    from reports.commands.choose import pick as command
+
+    best: list = []
+    monkeypatch.setattr(command, "sweep_records", lambda *given, **more: best.append(more["best"]) or [])
+    command._swept(scenes.make("pendulum"), (), None, Bounds(1.0), False)
+    assert best[0]([replace(run, error=None) for run in runs_of(1)]) == ""
+    assert best[0](runs_of(1)) == f"{pick(runs_of(1), 1.0).sentence} {basis(runs_of(1))}"

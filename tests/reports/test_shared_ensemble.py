@@ -7,7 +7,7 @@ import numpy as np
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.many import ensemble as ensembles
-from reports.commands.run.ensemble import Part, joined
+from reports.shared_ensemble import Part, joined
 
 SETTINGS = Settings(t_end=0.1, samples=3)
 

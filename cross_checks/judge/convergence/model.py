@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -79,7 +80,7 @@ class Posterior:
         ends = DISTANCES + 0.5 * (DISTANCES[1] - DISTANCES[0])  # of the grid's cells
         return float(10.0 ** np.interp(0.5, np.cumsum(self.distance), ends))
 
-    @property
+    @cached_property
     def order(self) -> float:
         """The most probable order: the mean of the fourth power of its density, on a finer grid about the maximum."""
         p, b = np.unravel_index(int(np.argmax(self.law)), self.law.shape)

@@ -86,8 +86,8 @@ def _swept(scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bou
     """Return the runs to choose among; where the sweep is interrupted, print the best of those so far."""
 
     def best(records: Sequence[Record]) -> str:
-        chosen = [pick.pick(records, *astuple(bounds)).sentence] if any(record.error for record in records) else []
-        return " ".join([*chosen, pick.basis(records)])
+        known = any(record.error for record in records)
+        return f"{pick.pick(records, *astuple(bounds)).sentence} {pick.basis(records)}" if known else ""
 
     try:
         return sweep_records(
@@ -98,7 +98,7 @@ def _swept(scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bou
         if as_json:
             echo_json(_facts(pick.pick(interrupted.records, *astuple(bounds)), None, None, None))
         else:
-            click.echo(f"Provisional: {best(interrupted.records)}")
+            click.echo(f"Provisional: {best(interrupted.records) or pick.basis(interrupted.records)}")
         raise
 
 

@@ -11,7 +11,7 @@ from functools import partial
 
 import pytest
 
-from cross_checks.isolation.parent import Isolated, direct
+from cross_checks.isolation.parent import Isolated, Lost, direct
 from cross_checks.isolation.workers import Late, Pool, each
 from tests.cross_checks.isolation import troubles
 
@@ -51,6 +51,27 @@ def test_a_second_try_has_the_whole_time_and_comes_last():
         ends = list(pool)
     assert [name for name, _ in ends] == ["begins", "cheap", "dear", "again"]
     assert ends[-1] == ("again", "slept")
+
+
+def test_a_call_that_is_expected_to_last_too_long_is_not_begun():
+    """A first try is late at once, a second one lost."""
+    with Pool[str, object](Isolated(10.0), workers=1, brief=1.0) as pool:
+        for seconds in (0.5, 5.0):
+            pool.add(f"first {seconds}", partial(_expected, seconds))
+        for seconds in (5.0, 50.0):
+            pool.add(f"again {seconds}", partial(_expected, seconds), again=True)
+        ends = dict(pool)
+    assert isinstance(late := ends.pop("first 5.0"), Late)
+    assert "was not begun" in str(late)
+    assert ends == {"first 0.5": "begun", "again 5.0": "begun", "again 50.0": "timeout"}
+
+
+def _expected(seconds: float, call) -> str:
+    try:
+        call.expect(seconds)
+    except Lost as lost:
+        return lost.status
+    return "begun"
 
 
 def _sleep(seconds: float, call) -> str:

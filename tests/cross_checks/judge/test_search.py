@@ -9,7 +9,7 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.judge.bounds import MOST_STEPS, WINDOW
+from cross_checks.judge.bounds import FINER, LEVELS, MOST_STEPS, WINDOW
 from cross_checks.judge.cell import truth_of
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, settings_at
 from cross_checks.judge.runs import Runs
@@ -21,6 +21,7 @@ from cross_checks.records.store import Run
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
+from mbs_ref.scene.traits import traits
 from mbs_ref.trajectory import Trajectory
 
 SCENE = scenes.make("pendulum")
@@ -49,20 +50,20 @@ class MadeUp:
     longest: float = np.inf
     asked: list = field(default_factory=list)
 
-    def run(self, scene, engine, settings):
+    def run(self, scene, engine, settings, seconds=0.0):
         knob = settings.step or settings.rtol
         self.asked.append(knob)
         steps = int(scene.duration / knob) if settings.step else int((self.count or (lambda r: 30 * r**-0.1))(knob))
         plain = dict(scene=scene.name, parameters={}, engine=engine, method=settings.method, steps=steps,
                      settings=settings.model_dump(exclude_none=True))  # fmt: skip
+        times = {"loop_s": 2.0 * self.a_step * steps, "cpu_share": 0.5}  # on a machine that others use
         if self.refuses(knob):
             return Run(Record(**plain, status="cannot", message=f"step = {knob} s is too long"), None)
         if self.blows(knob):
-            return Run(Record(**plain, status=self.status, message="NaN"), None)
+            return Run(Record(**plain, status=self.status, message="NaN", times=times), None)
         way = np.array([np.cos(self.turn(knob)), np.sin(self.turn(knob))])
         place = np.ones((41, 1, 1)) * self.error(knob) * scales_of(scene).length * way
         still = np.zeros((41, 1))
-        times = {"loop_s": 2.0 * self.a_step * steps, "cpu_share": 0.5}  # on a machine that others use
         return Run(Record(**plain, status="success", times=times), Trajectory(TIMES, place, still, 0.0 * place, still))
 
 
@@ -280,6 +281,31 @@ def test_a_method_that_is_wrong_within_a_limit_of_time_is_judged_without_one():
     assert "not-reached" not in {answer.answer for answer in answers}
 
 
+def test_a_run_for_the_verdict_alone_is_finer_than_others_and_no_dearer_than_it_must_be():
+    runs = MadeUp(lambda h: 1e-3 * h**4)
+    tried, _ = search(runs, SCENE, "made", FOURTH, TRUTH)
+    assert tried.verdict().verdict is Verdict.AGREES
+    assert len(runs.asked) == 2
+    assert 0.8 * FINER["fixed"] < runs.asked[0] / runs.asked[1] < 1.5 * FINER["fixed"]
+
+
+@pytest.mark.parametrize("is_exempt", [False, True])
+def test_no_run_for_a_verdict_takes_long_where_a_documented_weakness_explains_it(is_exempt):
+    weak = replace(FOURTH, wrong_limit="soft", weak_on=traits(SCENE) if is_exempt else frozenset())
+    runs = MadeUp(lambda h: 0.25 + h**4, a_step=1e-3, longest=3.0)
+    tried, _ = search(runs, SCENE, "made", weak, TRUTH)
+    assert tried.verdict().verdict is Verdict.WRONG_LIMIT
+    assert (SCENE.duration / min(runs.asked) <= 4096) is is_exempt  # the next power of two
+
+
+@pytest.mark.parametrize(("longest", "count"), [(np.inf, 4), (1.0, LEVELS)])
+def test_after_three_failures_no_setting_is_tried_that_takes_long(longest, count):
+    runs = MadeUp(lambda h: h, blows=lambda h: True, a_step=1e-3, longest=longest)
+    tried, _ = search(runs, SCENE, "made", FOURTH, TRUTH, (1e-3,), 10**7)
+    assert len(runs.asked) == count
+    assert tried.verdict().verdict is Verdict.DIVERGED
+
+
 @pytest.mark.parametrize(("settle", "answer"), [(True, "not-reached"), (False, "not-tried")])
 def test_a_verdict_that_is_not_settled_denies_no_target(settle, answer):
     tried, answers = search(MadeUp(lambda r: 1e-5 + r), SCENE, "made", ADAPTIVE, TRUTH, (1e-6, 1e-9), settle=settle)
@@ -324,7 +350,7 @@ def test_where_finer_settings_fail_the_reason_names_the_failure():
 
 def test_runs_that_are_as_far_off_as_motions_go_are_compared_with_a_reference_method(monkeypatch):
     """Its error at the same setting states what the motion allows: as far off as it, nobody is classified as wrong."""
-    made = MadeUp(lambda h: 1.5 + 0.2 * np.sin(1e4 * h), turn=lambda h: 7e5 * h)
+    made = MadeUp(lambda h: 1.5 + 0.2 * np.sin(1.2e5 * h), turn=lambda h: 8.4e6 * h)
     for error, verdict in ((1.6, Verdict.NOT_SHOWN), (1e-9, Verdict.DIVERGED)):
         monkeypatch.setattr("cross_checks.judge.tried.Tried.reference_error", lambda tried, knob, error=error: error)
         tried, answers = search(made, SCENE, "made", FOURTH, TRUTH)
