@@ -14,7 +14,6 @@ from mbs_ref.cores.system import Poses, System
 from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.relative import model as arrays
 from mbs_ref.kernels.relative.events import expand_over, take_velocities_over
-from mbs_ref.kernels.relative.lanes import Figures, Tree, tree_in_lanes
 from mbs_ref.scene import PlanarBody, PointMass, Prismatic, Revolute, Scene, Spherical, Weld
 from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.euler_parameters import conjugate, product
@@ -258,17 +257,6 @@ class RelativePlanarSystem(RelativeSystem):
     def keeps_itself(self) -> bool:
         """In the plane no coordinates of a tree depend on each other."""
         return True
-
-    @property
-    def figures(self) -> Figures:
-        """The tree's joints, bodies and gravity: all that moves it where there is no other load."""
-        other = self.redundant.groups
-        return Figures(self.groups.joints, other.bodies, other.world.gravity)
-
-    def in_lanes(self) -> Tree:
-        """Return room for trees of this build side by side."""
-        own = self.scratch
-        return tree_in_lanes(self.figures, own.links, own.recursion, self.redundant.scratch.kinematics)
 
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
         angles = np.array([body.angle if isinstance(body, PlanarBody) else 0.0 for body in self.scene.bodies])

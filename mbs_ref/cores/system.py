@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
+from mbs_ref.cores.in_lanes import SideBySide, side_by_side
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
@@ -84,6 +85,11 @@ class System(ABC):
         for handle in self.handles:
             core.prepare(self.CORE, handle, group)
 
+    @cached_property
+    def room(self) -> SideBySide:
+        """Room for systems of this one's build."""
+        return side_by_side(self)
+
     @abstractmethod
     def twin(self) -> "System":
         """Return another system of the scene, as it is before any run."""
@@ -92,7 +98,7 @@ class System(ABC):
         """Return a copy without handles, whose arrays are still this one's."""
         other = copy(self)
         other.is_twin = True
-        for name in ("handles", "model", "work", "expansion"):
+        for name in ("handles", "model", "work", "expansion", "room"):
             vars(other).pop(name, None)
         return other
 
@@ -194,6 +200,17 @@ class System(ABC):
     def regularity(self) -> float:
         """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
         return core.call_regularity(self.work)
+
+    def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return `regularity` (n_t,) at the times and states of the last run, in the contact modes that held then."""
+        found = np.empty(len(times))
+        for k, (t, y) in enumerate(zip(times.tolist(), states, strict=True)):
+            self.set_mode_time(t)
+            self.recall_modes(t)
+            with np.errstate(all="ignore"):
+                self.derivative(t, y)
+            found[k] = self.regularity()
+        return found
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return C_q (n_rows, n) of the joints' rows, each at length 1 and mass-scaled: metres and radians compare."""
