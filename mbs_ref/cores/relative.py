@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from mbs_ref.cores.joint_graph import joint_rows, layout
+from mbs_ref.cores.joint_graph import graph_of
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.cores.spatial import SpatialSystem
@@ -18,6 +18,7 @@ from mbs_ref.scene import PlanarBody, PointMass, Prismatic, Revolute, Scene, Sph
 from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.euler_parameters import conjugate, product
 from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.scene import of_last_scene
 from mbs_ref.scene.traits import deflecting, joined
 
 KINDS = {
@@ -42,6 +43,7 @@ def no_tree(scene: Scene) -> Iterator[str]:
         yield f"joint {scene.joints[k].name!r} closes a loop"
 
 
+@of_last_scene
 def layout_of(scene: Scene) -> "Layout":
     """Return the layout of a tree; ValueError lists why a scene is none."""
     reasons = list(no_tree(scene))
@@ -54,7 +56,7 @@ class Layout:
     """Where each body's joint has its coordinates q and rates u in the state [q, u]."""
 
     def __init__(self, scene: Scene) -> None:
-        graph = layout(scene, joint_rows(scene))
+        _, graph = graph_of(scene)
         self.scene, self.order, self.parent = scene, graph.order, graph.parent
         self.joint = {i: edge.joints[0] for i, edge in enumerate(graph.tree_edge) if edge}  # by elimination number
         self.kind = [self._kind(i) for i in range(len(self.order))]

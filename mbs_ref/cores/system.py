@@ -53,7 +53,8 @@ class System(ABC):
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """Handles of the scene's arrays and of the scratch, by which the core answers (kernels/border/calls.py)."""
         parts, groups = (self.groups, self.scratch), self.answered
-        handles = (make_handle(part, self.is_twin) for part in parts)
+        # what `empty` made is as it is declared, and so are copies
+        handles = [make_handle(part, checked) for part, checked in zip(parts, (self.is_twin, True), strict=True)]
         scene, scratch = (core.connected(self.CORE, handle, groups) for handle in handles)
         return scene, scratch
 
@@ -102,10 +103,14 @@ class System(ABC):
             vars(other).pop(name, None)
         return other
 
+    @property
+    def calls_users(self) -> bool:
+        """Whether a force or a constraint is a user's own function."""
+        return any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
+
     def beside(self) -> "System":
         """Return a system for a companion run, a twin if runs change modes or times; it locates events elsewhere."""
-        called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
-        if not (self.event_sources or called):
+        if not (self.event_sources or self.calls_users):
             return self
         other = self.twin()
         other.spread_events(COMPANION_NOISE)

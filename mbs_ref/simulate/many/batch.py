@@ -51,10 +51,9 @@ def simulate_starts(
     states, of_thread = system.redundant.states_of(starts), threading.local()
 
     def run(y: np.ndarray) -> Trajectory:
-        warm = hasattr(of_thread, "system")
-        if not warm or system.event_sources:
+        if not hasattr(of_thread, "system") or system.event_sources:
             of_thread.system = system.twin()
-        return simulated(of_thread.system, plan, y.copy(), build_s, warm)
+        return simulated(of_thread.system, plan, y.copy(), build_s)
 
     return shared(lambda y: or_empty(scene, lambda: run(y)), list(states), threads)
 
