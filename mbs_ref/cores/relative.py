@@ -191,10 +191,6 @@ class RelativeSystem(System):
         """Return the redundant state of y."""
         return self.all_full(y[None])[0]
 
-    def reduced(self, full: np.ndarray) -> np.ndarray:
-        """Return the state of a redundant one that keeps the joints."""
-        return self.all_reduced(full[None])[0]
-
     def initial_state(self) -> np.ndarray:
         return self.reduced(self.redundant.initial_state())
 
@@ -214,7 +210,7 @@ class RelativeSystem(System):
         return self.all_reduced(self.redundant.states_of(poses))
 
     def all_reduced(self, full: np.ndarray) -> np.ndarray:
-        """Return the states (n, n_state) of redundant ones (n, n_full) that keep the joints."""
+        """Return the states of redundant ones that keep the joints."""
         y, places = np.zeros((len(full), self.layout.n_state)), self._places(full)
         for i, first in enumerate(self.layout.q[:-1]):
             found = self._coordinate(i, places)

@@ -152,9 +152,13 @@ class System(ABC):
         """The system whose state shows whether a start keeps the joints; itself where it has constraint rows."""
         return self
 
+    def all_reduced(self, full: np.ndarray) -> np.ndarray:
+        """Return this system's states (n, n_state) of those of `redundant` (n, n_full)."""
+        return full
+
     def reduced(self, full: np.ndarray) -> np.ndarray:
         """Return this system's state of one of `redundant`."""
-        return full
+        return self.all_reduced(full[None])[0]
 
     @property
     def n_positions(self) -> int:
