@@ -11,25 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.integrators.loop import leg
+from mbs_ref.integrators.loop import step as stepping
 from mbs_ref.integrators.loop.explicit import NEAR_SINGULAR
-from mbs_ref.integrators.loop.step import (
-    PROJECTION_FAILURE,
-    PROJECTION_ITERATIONS,
-    SHORTEST,
-    choose_step,
-    first_step,
-    is_cut,
-    resized,
-)
-from mbs_ref.kernels.algebra.lanes import (
-    WIDTH,
-    chosen_in_lanes,
-    in_every_lane,
-    in_lanes,
-    larger,
-    room_for_lanes,
-    smaller,
-)
+from mbs_ref.kernels.algebra.lanes import WIDTH, chosen_in_lanes, in_every_lane, in_lanes, larger, smaller
+from mbs_ref.kernels.algebra.lanes import room_for_lanes as room
 from mbs_ref.kernels.border.questions import derivative, project, regularity
 from mbs_ref.kernels.jit import bare, bare_loop, loop_jit
 
@@ -92,8 +77,8 @@ def runs_from(figures: np.ndarray, atol: np.ndarray, scene: np.ndarray, starts: 
 def room_beside(figures: np.ndarray, n_state: int, n_stages: int) -> Side:
     """Return room for WIDTH runs, whose figures are to be in `figures` (n_figures, WIDTH)."""
     return Side(
-        figures=figures, atol=room_for_lanes(n_state), y=room_for_lanes(n_state), new=room_for_lanes(n_state),
-        slopes=room_for_lanes(n_stages + 1, n_state), now=room_for_lanes(6), pace=room_for_lanes(2),
+        figures=figures, atol=room(n_state), y=room(n_state), new=room(n_state),
+        slopes=room(n_stages + 1, n_state), now=room(6), pace=room(2),
         run=np.full(WIDTH, IDLE), scene=np.full(WIDTH, IDLE), lands=np.zeros(WIDTH, np.int64),
         rejected=np.zeros(WIDTH, np.int64), search=np.zeros(1),
     )  # fmt: skip
@@ -140,7 +125,7 @@ def propose_all(model, work, options, runs, first, last, times, order):
     for i in range(first, last):
         y, slope = runs.states[i, 0], runs.slopes[i]
         derivative(model, work, times[0], y, slope)
-        runs.h[i] = first_step(model, work, times[0], y, slope, order, options, times[-1] - times[0])
+        runs.h[i] = stepping.first_step(model, work, times[0], y, slope, order, options, times[-1] - times[0])
         runs.t[i], runs.next_output[i], runs.rhs_calls[i] = times[0], 1, 2
         runs.code[i] = leg.SINGULAR if regularity(work) < NEAR_SINGULAR else leg.RUNNING
 
@@ -184,7 +169,7 @@ def _choose_steps(options, runs, side, times):
             side.now[STEP, w] = 0.0
             continue
         reach = times[runs.next_output[i]] - runs.t[i]
-        h, lands, _ = choose_step(runs.h[i], reach, True, side.search)
+        h, lands, _ = stepping.choose_step(runs.h[i], reach, True, side.search)
         side.now[STEP, w], side.lands[w] = h, lands
 
 
@@ -197,7 +182,7 @@ def _try(model, work, tableau, options, atol, y, new, slopes, now):
         if i == count:
             now[MAIN], now[LOW] = _square_sums(tableau, options.rtol, atol, h, y, new, slopes)
             if options.project:
-                now[LEFT] = project(model, work, 0.0, new, options.projection_tolerance, PROJECTION_ITERATIONS)
+                now[LEFT] = project(model, work, 0.0, new, options.projection_tolerance, stepping.PROJECTION_ITERATIONS)
         derivative(model, work, 0.0, new, slopes[i])
         pivot = smaller(pivot, regularity(work))
     now[PIVOT] = pivot
@@ -226,21 +211,21 @@ def _judge(tableau, options, runs, side, times, i, w):
         return leg.SINGULAR, False
     proposed = runs.h[i]
     error = _error(side.now[MAIN, w], side.now[LOW, w], side.y.shape[0])
-    accepted, runs.h[i] = resized(error, tableau.error_order, h, runs.h[i], lands, side.rejected[w] == 1)
+    accepted, runs.h[i] = stepping.resized(error, tableau.error_order, h, runs.h[i], lands, side.rejected[w] == 1)
     side.rejected[w] = 0 if accepted else 1
     if not accepted:
         runs.rejected[i] += 1
-        if runs.t[i] + runs.h[i] == runs.t[i] or runs.h[i] < SHORTEST * span:
+        if runs.t[i] + runs.h[i] == runs.t[i] or runs.h[i] < stepping.SHORTEST * span:
             return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE, False
         return leg.RUNNING, False
     place, left = runs.next_output[i], side.now[LEFT, w]
-    if not left <= PROJECTION_FAILURE * options.projection_tolerance:
+    if not left <= stepping.PROJECTION_FAILURE * options.projection_tolerance:
         return leg.PROJECTION, False
     runs.compliance[i, place] = max(runs.compliance[i, place], left)
     runs.t[i] = t_new
     runs.steps[i] += 1
     if lands:
-        runs.cut[i] += is_cut(proposed, h)
+        runs.cut[i] += stepping.is_cut(proposed, h)
         for k in range(side.y.shape[0]):
             runs.states[i, place, k] = side.new[k, w]
         runs.next_output[i] += 1
