@@ -1,10 +1,10 @@
-"""Systems of one build side by side, WIDTH of them: the handles of groups whose floats are lanes.
+"""Systems (mbs_ref.cores.system) of one build side by side, WIDTH of them: handles of groups whose floats are lanes.
 
 Systems of one build differ in their figures alone: all floats of their groups, such as masses, places and gravity.
 """
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.algebra.lanes import WIDTH, aligned, room_for_lanes
 from mbs_ref.kernels.border.handles import ModelInLanes, WorkInLanes, make_handle
 from mbs_ref.kernels.relative.model import Redundant
-
-if TYPE_CHECKING:
-    from mbs_ref.cores.system import System
 
 
 class SideBySide(NamedTuple):
@@ -26,26 +23,26 @@ class SideBySide(NamedTuple):
     kept: list[Any]  # what the handles lead to
 
 
-def _parts(system: "System") -> list[Any]:
+def _parts(system: Any) -> list[Any]:
     return [system] if system.redundant is system else [system.redundant, system]
 
 
-def _arrays(system: "System") -> Iterator[np.ndarray]:
+def _arrays(system: Any) -> Iterator[np.ndarray]:
     groups = [group for part in _parts(system) for group in part.groups]
     yield from (array for group in groups if not isinstance(group, Redundant) for array in group)
 
 
-def figures_of(system: "System") -> np.ndarray:
+def figures_of(system: Any) -> np.ndarray:
     """Return the figures of a system (n_figures,)."""
     return np.concatenate([array.ravel() for array in _arrays(system) if array.dtype == np.float64])
 
 
-def build_of(system: "System") -> bytes:
+def build_of(system: Any) -> bytes:
     """Return what systems must have in common to be side by side."""
     return system.CORE.encode() + b"".join(a.tobytes() for a in _arrays(system) if a.dtype != np.float64)
 
 
-def side_by_side(system: "System") -> SideBySide:
+def side_by_side(system: Any) -> SideBySide:
     """Return room for systems of this one's build."""
     figures, taken, kept = room_for_lanes(len(figures_of(system))), 0, []
     inner: list[int] = []
@@ -70,7 +67,7 @@ def side_by_side(system: "System") -> SideBySide:
     return SideBySide(figures, ModelInLanes(inner[0]), WorkInLanes(inner[1]), kept)
 
 
-def _answered(part: "System", system: "System") -> tuple[str, ...]:
+def _answered(part: Any, system: Any) -> tuple[str, ...]:
     """Return the groups of questions to a part of a system."""
     if part is not system:
         return (core.LANES_LOADS,)

@@ -133,6 +133,7 @@ def test_what_lanes_cannot_is_as_without_them_and_says_why(name):
     assert any(why in note and note.startswith("not in lanes: ") for note in with_lanes.notes)
 
 
+@pytest.mark.slow
 def test_a_start_with_redundant_rows_runs_alone_and_says_so():
     scene = scenes.make("spatial_n_four_bar", loops=1)
     lean = Settings(t_end=0.1, samples=2, rtol=1e-6, estimate="off", reactions=False)
