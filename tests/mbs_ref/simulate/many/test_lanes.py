@@ -28,8 +28,8 @@ def chain():
     return scenes.make("pendulum_chain", links=3)
 
 
-def four_bars():
-    return scenes.make("n_four_bar", loops=2)
+def loop():
+    return scenes.make("slider_crank")
 
 
 def with_torsion(scene):
@@ -51,7 +51,7 @@ def some(all_of, places):
     return Poses(*(part[places] for part in all_of))
 
 
-@pytest.fixture(scope="module", params=[chain, planar_tree, lambda: with_torsion(spatial_tree()), four_bars])
+@pytest.fixture(scope="module", params=[chain, planar_tree, lambda: with_torsion(spatial_tree()), loop])
 def scene(request):
     return request.param()
 
