@@ -59,27 +59,20 @@ def side_by_side(system: Any) -> SideBySide:
             Redundant(np.array(inner)) if isinstance(g, Redundant) else type(g)(*map(placed, g)) for g in part.groups
         ]
         scratch = [type(group)(*map(_repeated, group)) for group in part.scratch]
-        handles = [make_handle([list(map(_first_lane, group)) for group in groups], True) for groups in (own, scratch)]
+        # of an array of lanes a handle has the place, and the shape without them
+        shown = (
+            [[a[..., 0] if a.dtype == np.float64 else a for a in group] for group in part] for part in (own, scratch)
+        )
+        handles = [make_handle(groups, checked=True) for groups in shown]
+        asked = (core.LANES, core.LANES_LOADS, core.LOOPS if system.n_closure_rows else core.OPEN)
+        asked = asked if part is system.redundant is system else asked[:1] if part is system else asked[1:2]
         for handle in handles:
-            core.connected(part.CORE + core.IN_LANES, handle, _answered(part, system))
+            core.connected(part.CORE + core.IN_LANES, handle, asked)
         kept += [own, scratch, handles]
         inner = [handle.ctypes.data for handle in handles]
     return SideBySide(figures, ModelInLanes(inner[0]), WorkInLanes(inner[1]), kept)
 
 
-def _answered(part: Any, system: Any) -> tuple[str, ...]:
-    """Return the groups of questions to a part of a system."""
-    if part is not system:
-        return (core.LANES_LOADS,)
-    loops = core.LOOPS if system.n_closure_rows else core.OPEN
-    return (core.LANES, core.LANES_LOADS, loops) if system.redundant is system else (core.LANES,)
-
-
 def _repeated(array: np.ndarray) -> np.ndarray:
     """Return a copy of scratch, of floats in every lane."""
     return aligned(np.repeat(array[..., None], WIDTH, axis=-1)) if array.dtype == np.float64 else array.copy()
-
-
-def _first_lane(array: np.ndarray) -> np.ndarray:
-    """Return what a handle is to say of an array: where it is, and its shape without the lanes."""
-    return array[..., 0] if array.dtype == np.float64 else array
