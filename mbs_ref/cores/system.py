@@ -53,7 +53,7 @@ class System(ABC):
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """Handles of the scene's arrays and of the scratch, by which the core answers (kernels/border/calls.py)."""
         parts, groups = (self.groups, self.scratch), self.answered
-        # what `empty` made is as it is declared, and so are copies
+        # scratch comes from `empty`, which follows the declarations; so do copies
         handles = [make_handle(part, checked) for part, checked in zip(parts, (self.is_twin, True), strict=True)]
         scene, scratch = (core.connected(self.CORE, handle, groups) for handle in handles)
         return scene, scratch
