@@ -108,7 +108,8 @@ def entrants(scene: Scene, peers: Peers, truth: np.ndarray, error: float) -> dic
 def test_over_the_best_peer(benchmark, case):
     name, parameters, peers, error, aim = CASES[case]
     scene = scenes.make(name, **parameters)
-    truth, _ = loop(OURS, scene, Settings(method="dop853", rtol=1e-13, estimate="off", reactions=False))
+    tight = max(1e-13, min(1e-12, 1e-2 * error))  # four-bars pass flat poses, where rounding leaves less than 1e-13
+    truth, _ = loop(OURS, scene, Settings(method="dop853", rtol=tight, estimate="off", reactions=False))
     assert truth is not None
     runs = entrants(scene, peers, truth, error)
     seen: dict[str, list[Times]] = {who: [] for who in runs}

@@ -9,7 +9,7 @@ import numpy as np
 
 from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs, granules
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
-from mbs_ref.cores.joint_graph import Edge, joint_rows, layout, row_count
+from mbs_ref.cores.joint_graph import Edge, graph_of, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import declared, empty, floats, ints
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
@@ -45,8 +45,7 @@ class Builder(ABC):
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.joint_rows = joint_rows(scene)
-        self.layout = layout(scene, self.joint_rows)
+        self.joint_rows, self.layout = graph_of(scene)
         self.n = len(scene.bodies)
         self.scene_index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
         self.number = {body: k for k, body in enumerate(self.layout.order)} | {-1: self.n}

@@ -8,6 +8,7 @@ import numpy as np
 
 from mbs_ref.scene import Scene
 from mbs_ref.scene.base.rows import Prescribed, PrescribedAngle, Product, Row, SameAngle, SharedPoint, Turn, UserRow
+from mbs_ref.scene.scene import of_last_scene
 
 MAX_ROWS = 3  # a planar body cannot lose more than three freedoms to one neighbour
 INDEPENDENT = 0.1  # least singular value of unit directions that count as independent
@@ -53,9 +54,11 @@ def row_count(rows: Sequence[Row]) -> int:
     return sum(row.count for row in rows)
 
 
-def layout(scene: Scene, rows: list[list[Row]]) -> Layout:
-    """Lay out a scene whose joints have these rows."""
-    return _span_graph(scene, _edges(scene, rows))
+@of_last_scene
+def graph_of(scene: Scene) -> tuple[list[list[Row]], Layout]:
+    """Return the rows of every joint, as `joint_rows` does, and the layout."""
+    rows = joint_rows(scene)
+    return rows, _span_graph(scene, _edges(scene, rows))
 
 
 def _edges(scene: Scene, rows: list[list[Row]]) -> list[Edge]:

@@ -14,7 +14,7 @@ from mbs_ref.cores.events import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
-from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_of_tree
+from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_over
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
 from mbs_ref.scene import GROUND, Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
@@ -256,7 +256,7 @@ class JointedSystem(ContactSystem):
             return {}
         of, forces = self._reporting, np.empty((len(times), len(self.place), self.RATES))
         each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
-        fill = self._fill_in_modes if self.event_sources or self.n_closure_rows else self._fill_of_tree
+        fill = self._fill_in_modes if self.event_sources else self._fill_over
         for start in range(0, len(times), each):
             block = slice(start, start + each)
             fill(times[block], states[block], forces[block])
@@ -264,12 +264,26 @@ class JointedSystem(ContactSystem):
             forces[block] = self._about(self._world_arms(turns, of.arm), of.sign * forces[block])
         return {name: forces[:, k].copy() for k, name in enumerate(of.names)}
 
-    def _fill_of_tree(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
+    def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        if self.event_sources:
+            return super().pivots(times, states)
+        return self._filled(times, states, np.empty((len(times), len(self.place), self.RATES)))[0]
+
+    def _fill_over(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
         """Fill out (n_t, n_joints, rates) as `_fill_in_modes` where no mode changes."""
-        control, rows = self.groups.world.control, self.scratch.rows
-        scratch = control, self._reporting.rows, rows.multiplier, rows.jacobian
+        dependent = np.flatnonzero(self._filled(times, states, out)[1] != self.n_closure_rows)
+        if len(dependent):
+            forces = out[dependent]
+            self._fill_in_modes(times[dependent], states[dependent], forces)
+            out[dependent] = forces
+
+    def _filled(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Fill out as `forces_over`; return the pivots and how many closures have (n_t,)."""
+        scratch, pivots, ranks = self.scratch, np.empty(len(times)), np.empty(len(times), dtype=np.int64)
+        given = self.groups.world.control, self._reporting.rows, scratch.rows, scratch.closures.rank
         times, states = np.ascontiguousarray(times), np.ascontiguousarray(states)
-        forces_of_tree(self.model, self.work, *scratch, times, states, out)
+        forces_over(self.model, self.work, *given, times, states, out, pivots, ranks)
+        return pivots, ranks
 
     def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
         """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from mbs_ref.cores.joint_graph import joint_rows, layout
+from mbs_ref.cores.joint_graph import graph_of
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.cores.spatial import SpatialSystem
@@ -14,11 +14,11 @@ from mbs_ref.cores.system import Poses, System
 from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.relative import model as arrays
 from mbs_ref.kernels.relative.events import expand_over, take_velocities_over
-from mbs_ref.kernels.relative.lanes import Figures, Tree, tree_in_lanes
 from mbs_ref.scene import PlanarBody, PointMass, Prismatic, Revolute, Scene, Spherical, Weld
-from mbs_ref.scene.base.part import unit
+from mbs_ref.scene.base.part import dot, unit
 from mbs_ref.scene.euler_parameters import conjugate, product
 from mbs_ref.scene.scales import Scales
+from mbs_ref.scene.scene import of_last_scene
 from mbs_ref.scene.traits import deflecting, joined
 
 KINDS = {
@@ -43,6 +43,7 @@ def no_tree(scene: Scene) -> Iterator[str]:
         yield f"joint {scene.joints[k].name!r} closes a loop"
 
 
+@of_last_scene
 def layout_of(scene: Scene) -> "Layout":
     """Return the layout of a tree; ValueError lists why a scene is none."""
     reasons = list(no_tree(scene))
@@ -55,7 +56,7 @@ class Layout:
     """Where each body's joint has its coordinates q and rates u in the state [q, u]."""
 
     def __init__(self, scene: Scene) -> None:
-        graph = layout(scene, joint_rows(scene))
+        _, graph = graph_of(scene)
         self.scene, self.order, self.parent = scene, graph.order, graph.parent
         self.joint = {i: edge.joints[0] for i, edge in enumerate(graph.tree_edge) if edge}  # by elimination number
         self.kind = [self._kind(i) for i in range(len(self.order))]
@@ -180,24 +181,15 @@ class RelativeSystem(System):
 
     @abstractmethod
     def _places(self, full: np.ndarray) -> Any:
-        """Return the bodies' poses at a redundant state, as `_coordinate` reads them."""
+        """Return the bodies' poses at redundant states (m, n_full), as `_coordinate` reads them."""
 
     @abstractmethod
     def _coordinate(self, i: int, places: Any) -> np.ndarray:
-        """Return a joint's coordinates at such poses."""
+        """Return a joint's coordinates (m, ...) at such poses."""
 
     def full(self, y: np.ndarray) -> np.ndarray:
         """Return the redundant state of y."""
         return self.all_full(y[None])[0]
-
-    def reduced(self, full: np.ndarray) -> np.ndarray:
-        """Return the state of a redundant one that keeps the joints."""
-        y, places = np.zeros(self.layout.n_state), self._places(full)
-        for i, first in enumerate(self.layout.q[:-1]):
-            found = self._coordinate(i, places)
-            y[first : first + len(found)] = found
-        take_velocities_over(*self.own_handles, full[None], y[None])
-        return y
 
     def initial_state(self) -> np.ndarray:
         return self.reduced(self.redundant.initial_state())
@@ -218,8 +210,13 @@ class RelativeSystem(System):
         return self.all_reduced(self.redundant.states_of(poses))
 
     def all_reduced(self, full: np.ndarray) -> np.ndarray:
-        """Return the states (n, n_state) of redundant ones (n, n_full) that keep the joints."""
-        return np.array([self.reduced(y) for y in full])
+        """Return the states of redundant ones that keep the joints."""
+        y, places = np.zeros((len(full), self.layout.n_state)), self._places(full)
+        for i, first in enumerate(self.layout.q[:-1]):
+            found = self._coordinate(i, places)
+            y[:, first : first + found.shape[1]] = found
+        take_velocities_over(*self.own_handles, np.ascontiguousarray(full), y)
+        return y
 
     def all_full(self, states: np.ndarray) -> np.ndarray:
         """Return the redundant states (n, n_full) of states (n, n_state)."""
@@ -246,29 +243,10 @@ class RelativePlanarSystem(RelativeSystem):
 
     CORE, REDUNDANT = "relative_planar", PlanarSystem
 
-    def all_reduced(self, full: np.ndarray) -> np.ndarray:
-        y, places = np.zeros((len(full), self.layout.n_state)), self._places(full.T)
-        for i, first in enumerate(self.layout.q[:-1]):
-            found = self._coordinate(i, places).T
-            y[:, first : first + found.shape[1]] = found
-        take_velocities_over(*self.own_handles, np.ascontiguousarray(full), y)
-        return y
-
     @property
     def keeps_itself(self) -> bool:
         """In the plane no coordinates of a tree depend on each other."""
         return True
-
-    @property
-    def figures(self) -> Figures:
-        """The tree's joints, bodies and gravity: all that moves it where there is no other load."""
-        other = self.redundant.groups
-        return Figures(self.groups.joints, other.bodies, other.world.gravity)
-
-    def in_lanes(self) -> Tree:
-        """Return room for trees of this build side by side."""
-        own = self.scratch
-        return tree_in_lanes(self.figures, own.links, own.recursion, self.redundant.scratch.kinematics)
 
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
         angles = np.array([body.angle if isinstance(body, PlanarBody) else 0.0 for body in self.scene.bodies])
@@ -281,23 +259,23 @@ class RelativePlanarSystem(RelativeSystem):
         return (own[:-1] - own[parents])[:, None], axes
 
     def _places(self, full: np.ndarray) -> np.ndarray:
-        """Return places and angles (n, 3, ...) in the scene's order."""
+        """Return places and angles (n, 3, m) in the scene's order."""
         n = len(self.layout.kind)
-        return full[: 3 * n].reshape(n, 3, *full.shape[1:])
+        return full[:, : 3 * n].T.reshape(n, 3, len(full))
 
     def _coordinate(self, i: int, places: np.ndarray) -> np.ndarray:
         kind, joints, n, q = self.layout.kind[i], self.groups.joints, len(self.layout.kind), places
         own, parent = q[self.layout.order[i]], int(joints.parent[i])
         if kind == arrays.FREE:
-            return own[: self.layout.freedoms[i]]
+            return own[: self.layout.freedoms[i]].T
         there = q[self.layout.order[parent]] if parent < n else np.zeros_like(own)
         if kind == arrays.REVOLUTE:
-            return (own[2] - there[2] - joints.offset[i, 0])[None]
+            return (own[2] - there[2] - joints.offset[i, 0])[:, None]
         if kind == arrays.PRISMATIC:
             gap = own[:2] - there[:2] + _turned(own[2], joints.arm[i]) - _turned(there[2], joints.arm_of_parent[i])
             axis = _turned(there[2], joints.axis[i])
-            return (gap[0] * axis[0] + gap[1] * axis[1])[None]
-        return own[:0]
+            return (gap[0] * axis[0] + gap[1] * axis[1])[:, None]
+        return own[:0].T
 
 
 def _turned(angle: Any, arm: np.ndarray) -> np.ndarray:
@@ -311,14 +289,14 @@ class RelativeSpatialSystem(RelativeSystem):
     CORE, REDUNDANT = "relative_spatial", SpatialSystem
 
     def _places(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return places (n + 1, 3) and Euler parameters (n + 1, 4) in elimination order, ground last."""
-        poses = self.redundant.poses(full[None])
-        order = self.layout.order
-        place = np.vstack((poses.position[0, order], np.zeros(3)))
-        return place, np.vstack((poses.orientation[0, order], (1.0, 0.0, 0.0, 0.0)))
+        """Return places (n + 1, m, 3) and Euler parameters (n + 1, m, 4) in elimination order, ground last."""
+        poses, order, m = self.redundant.poses(full), self.layout.order, len(full)
+        place = np.concatenate((poses.position[:, order], np.zeros((m, 1, 3))), axis=1)
+        theta = np.concatenate((poses.orientation[:, order], np.tile([1.0, 0.0, 0.0, 0.0], (m, 1, 1))), axis=1)
+        return place.swapaxes(0, 1), theta.swapaxes(0, 1)
 
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
-        _, theta = self._places(self.redundant.initial_state())
+        theta = self._places(self.redundant.initial_state()[None])[1][:, 0]
         parents = self.redundant.groups.bodies.parent
         offset = product(conjugate(theta[parents]), theta[:-1])
         axes = np.zeros((len(parents), 3))
@@ -332,18 +310,18 @@ class RelativeSpatialSystem(RelativeSystem):
         place, theta = places
         parent = int(joints.parent[i])
         if kind == arrays.FREE:
-            return place[i] if self.layout.freedoms[i] == 3 else np.concatenate((place[i], theta[i]))
+            return place[i] if self.layout.freedoms[i] == 3 else np.concatenate((place[i], theta[i]), axis=1)
         if kind == arrays.SPHERICAL:
             return theta[i]
         if kind == arrays.REVOLUTE:
             turn = product(conjugate(product(theta[parent], joints.offset[i])), theta[i])
-            return np.array([2.0 * np.arctan2(turn[1:] @ joints.axis[i], turn[0])])
+            return 2.0 * np.arctan2(dot(turn[:, 1:], joints.axis[i]), turn[:, 0])[:, None]
         if kind == arrays.PRISMATIC:
             reach = _rotated(theta[parent], joints.arm_of_parent[i]) - _rotated(theta[i], joints.arm[i])
-            return np.array([(place[i] - place[parent] - reach) @ _rotated(theta[parent], joints.axis[i])])
-        return np.zeros(0)
+            return dot(place[i] - place[parent] - reach, _rotated(theta[parent], joints.axis[i]))[:, None]
+        return np.zeros((len(place[i]), 0))
 
 
 def _rotated(theta: np.ndarray, vector: np.ndarray) -> np.ndarray:
     """Return a vector turned by Euler parameters."""
-    return product(product(theta, np.append(0.0, vector)), conjugate(theta))[1:]
+    return product(product(theta, np.append(0.0, vector)), conjugate(theta))[..., 1:]

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
+from mbs_ref.cores.in_lanes import SideBySide, side_by_side
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
@@ -52,7 +53,8 @@ class System(ABC):
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """Handles of the scene's arrays and of the scratch, by which the core answers (kernels/border/calls.py)."""
         parts, groups = (self.groups, self.scratch), self.answered
-        handles = (make_handle(part, self.is_twin) for part in parts)
+        # scratch comes from `empty`, which follows the declarations; so do copies
+        handles = [make_handle(part, checked) for part, checked in zip(parts, (self.is_twin, True), strict=True)]
         scene, scratch = (core.connected(self.CORE, handle, groups) for handle in handles)
         return scene, scratch
 
@@ -84,6 +86,11 @@ class System(ABC):
         for handle in self.handles:
             core.prepare(self.CORE, handle, group)
 
+    @cached_property
+    def room(self) -> SideBySide:
+        """Room for systems of this one's build."""
+        return side_by_side(self)
+
     @abstractmethod
     def twin(self) -> "System":
         """Return another system of the scene, as it is before any run."""
@@ -92,14 +99,18 @@ class System(ABC):
         """Return a copy without handles, whose arrays are still this one's."""
         other = copy(self)
         other.is_twin = True
-        for name in ("handles", "model", "work", "expansion"):
+        for name in ("handles", "model", "work", "expansion", "room"):
             vars(other).pop(name, None)
         return other
 
+    @property
+    def calls_users(self) -> bool:
+        """Whether a force or a constraint is a user's own function."""
+        return any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
+
     def beside(self) -> "System":
         """Return a system for a companion run, a twin if runs change modes or times; it locates events elsewhere."""
-        called = any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
-        if not (self.event_sources or called):
+        if not (self.event_sources or self.calls_users):
             return self
         other = self.twin()
         other.spread_events(COMPANION_NOISE)
@@ -141,9 +152,13 @@ class System(ABC):
         """The system whose state shows whether a start keeps the joints; itself where it has constraint rows."""
         return self
 
+    def all_reduced(self, full: np.ndarray) -> np.ndarray:
+        """Return this system's states (n, n_state) of those of `redundant` (n, n_full)."""
+        return full
+
     def reduced(self, full: np.ndarray) -> np.ndarray:
         """Return this system's state of one of `redundant`."""
-        return full
+        return self.all_reduced(full[None])[0]
 
     @property
     def n_positions(self) -> int:
@@ -194,6 +209,17 @@ class System(ABC):
     def regularity(self) -> float:
         """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
         return core.call_regularity(self.work)
+
+    def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Return `regularity` (n_t,) at the times and states of the last run, in the contact modes that held then."""
+        found = np.empty(len(times))
+        for k, (t, y) in enumerate(zip(times.tolist(), states, strict=True)):
+            self.set_mode_time(t)
+            self.recall_modes(t)
+            with np.errstate(all="ignore"):
+                self.derivative(t, y)
+            found[k] = self.regularity()
+        return found
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return C_q (n_rows, n) of the joints' rows, each at length 1 and mass-scaled: metres and radians compare."""

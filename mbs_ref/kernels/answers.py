@@ -20,7 +20,7 @@ from mbs_ref.kernels.planar import dynamics as planar
 from mbs_ref.kernels.relative import events as relative
 from mbs_ref.kernels.relative import planar as relative_planar
 from mbs_ref.kernels.relative import spatial as relative_spatial
-from mbs_ref.kernels.relative.model import TreeModel, TreeWork
+from mbs_ref.kernels.relative.model import TreeModel, TreeModelInLanes, TreeWork, TreeWorkInLanes
 from mbs_ref.kernels.rigid import (
     contact_events,
     contact_forces,
@@ -41,6 +41,7 @@ GRANULES, UNGRAINED = "granules", "ungrained"  # of many bodies that may all tou
 LOOPS, OPEN = "loops", "open"  # of closed loops, rows of contacts among them; of trees
 FORM = "form"  # of methods on the DAE itself
 REPORT = "report"  # afterwards
+LANES, LANES_LOADS = "lanes", "loads in lanes"  # of runs side by side
 GROUPS = {
     MOTION: "derivative compliance project tangent regularity accelerate fill_rows apply_loads expand take_velocities",
     EVENTS: "position_count root_count roots transition start_modes contact_mobility settle_grips slip_velocities "
@@ -54,13 +55,20 @@ GROUPS = {
     FORM: "multipliers position_count force_balance times_mass answer row_times add_row displace position_rate "
     "defect_of gamma_of",
     REPORT: "contact_forces",
+    LANES: "derivative project regularity accelerate fill_rows",
+    LANES_LOADS: "apply_loads",
 }
+IN_LANES = " in lanes"  # behind the name of a core
 HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a model and a scratch for
     "planar": (planar.PlanarModel, planar.PlanarWork),
     "spatial": (spatial.SpatialModel, spatial.SpatialWork),
     "relative_planar": (TreeModel, TreeWork),
     "relative_spatial": (TreeModel, TreeWork),
     "particles": (ParticleModel, ParticleWork),
+    "planar in lanes": (planar.PlanarModelInLanes, planar.PlanarWorkInLanes),
+    "spatial in lanes": (spatial.SpatialModelInLanes, spatial.SpatialWorkInLanes),
+    "relative_planar in lanes": (TreeModelInLanes, TreeWorkInLanes),
+    "relative_spatial in lanes": (TreeModelInLanes, TreeWorkInLanes),
 }
 _RIGID = (contact_events, contact_forces, descriptor, dynamics, events, grips, joints, loads, model)
 _OWN = {  # core -> the first words of its answers' names, and their modules
@@ -91,7 +99,8 @@ _ABSENT: dict[str, Callable[..., Any]] = {
 
 def _answers(core: str, group: str) -> dict[str, Callable[..., Any]]:
     """Return the answers of a core to the questions of a group."""
-    words, modules = _OWN[core]
+    words, modules = _OWN[core.removesuffix(IN_LANES)]
+    words = ("lanes", *words) if core.endswith(IN_LANES) else words
     known = {name: item for one in modules for name, item in vars(one).items() if group not in (UNEVENTFUL, UNGRAINED)}
     absent, end = {} if group == EVENTS else _ABSENT, "_open" if group == OPEN else ""
     names = {question: [f"{word}_{question}{end}" for word in words] for question in GROUPS[group].split()}
@@ -99,7 +108,7 @@ def _answers(core: str, group: str) -> dict[str, Callable[..., Any]]:
     return {question: answer for question, answer in found.items() if answer is not None}
 
 
-ANSWERS = {core: {group: _answers(core, group) for group in GROUPS} for core in _OWN}
+ANSWERS = {core: {group: _answers(core, group) for group in GROUPS} for core in HANDLES}
 
 
 @cache

@@ -4,6 +4,7 @@ C_q is (n_slots, 2 sides, rows a slot, rates of a body), zero in unused rows; `b
 sides they are.
 """
 
+from mbs_ref.kernels.algebra.lanes import larger
 from mbs_ref.kernels.jit import jit
 
 
@@ -13,9 +14,7 @@ def largest_entry(values):
     largest = 0.0
     for slot in range(values.shape[0]):
         for row in range(values.shape[1]):
-            size = abs(values[slot, row])
-            if not size <= largest:
-                largest = size
+            largest = larger(largest, abs(values[slot, row]))
     return largest
 
 
@@ -58,11 +57,11 @@ def clear(target):
 
 
 @jit
-def negate(source, target):
-    """target = -source."""
+def scale(factor, source, target):
+    """target = factor source."""
     for i in range(source.shape[0]):
         for c in range(source.shape[1]):
-            target[i, c] = -source[i, c]
+            target[i, c] = factor * source[i, c]
 
 
 @jit

@@ -10,7 +10,7 @@ from mbs_ref.scene.base.part import Role, fields_of
 from mbs_ref.scene.bodies import PointMass
 from mbs_ref.scene.celestial import CelestialPart, Newton
 from mbs_ref.scene.contact import Granules
-from mbs_ref.scene.scene import Scene
+from mbs_ref.scene.scene import Scene, of_last_scene
 
 LEAST = 1e-100  # m, m/s, m^3/s^2: of smaller numbers, and of those above its inverse, double precision holds no cubes
 
@@ -28,6 +28,7 @@ class Scales:
         return self.length / self.time
 
 
+@of_last_scene
 def scales_of(scene: Scene) -> Scales:
     """Return a scene's length and time scale.
 

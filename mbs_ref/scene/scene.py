@@ -1,6 +1,8 @@
 """A scene: bodies, joints, loads, contacts and events, checked as a whole."""
 
 from collections import Counter
+from collections.abc import Callable
+from functools import wraps
 from itertools import chain, islice
 from typing import Any, NamedTuple, Self
 
@@ -96,6 +98,22 @@ class Scene(Part):
         """Return the sorted times (s) at which a declared signal may be non-smooth."""
         parts = (*self.loads, *self.joints)
         return sorted({t for part in parts for signal in part.signals for t in breakpoints(signal)})
+
+
+def of_last_scene[T](make: Callable[[Scene], T]) -> Callable[[Scene], T]:
+    """Return a function that remembers what it returned for the last scene; its result must not be changed."""
+    last: tuple[Scene | None, Any] = (None, None)
+
+    @wraps(make)
+    def made(scene: Scene) -> T:
+        nonlocal last
+        known, result = last
+        if known is not scene:
+            result = make(scene)
+            last = scene, result
+        return result
+
+    return made
 
 
 def with_rates(scene: Scene, rates: np.ndarray) -> Scene:

@@ -7,7 +7,7 @@ from mbs_ref.scene.contact import Contact, ContactLaw, Friction, Granules
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Distance, Drive, Joint, RollingWheel, UserConstraint
 from mbs_ref.scene.loads import Load, UserForce
-from mbs_ref.scene.scene import Scene
+from mbs_ref.scene.scene import Scene, of_last_scene
 
 Coordinates = Literal["cartesian", "relative"]  # of bodies, with constraint rows; or of a tree's joints, without
 
@@ -54,6 +54,7 @@ def touching(scene: Scene) -> list[Any]:
     return [*scene.contacts, *(load for load in scene.loads if isinstance(load, Granules))]
 
 
+@of_last_scene
 def traits(scene: Scene) -> frozenset[str]:
     """Return the scene's traits (keys of ALL_TRAITS)."""
     closing, grounded = joined(scene)

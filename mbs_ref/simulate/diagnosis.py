@@ -109,7 +109,7 @@ def singular_passage(system: System, times: np.ndarray, states: np.ndarray) -> t
     if system.n_closure_rows == 0 or not len(times):
         return ()
     examined = np.unique(np.linspace(0, len(times) - 1, MAX_SAMPLES).round().astype(int))
-    pivots = np.array([_pivot(system, float(times[k]), states[k]) for k in examined])
+    pivots = system.pivots(times[examined], states[examined])
     close = [examined[k] for k in np.argsort(pivots)[:MAX_CLOSE] if pivots[k] < SUSPECT]
     independent = independent_rows(system) if close else 0
     if not independent:
@@ -126,15 +126,6 @@ def singular_passage(system: System, times: np.ndarray, states: np.ndarray) -> t
         f"the run passes close to a singular pose at t = {t:.6g} s: the smallest singular value of C_q is "
         f"{smallest:.2g} there and {start:.2g} at the start, from joint {names}; branches may meet there",
     )
-
-
-def _pivot(system: System, t: float, y: np.ndarray) -> float:
-    """Return the smallest accepted closure pivot (relative) of the contact modes at t."""
-    system.set_mode_time(t)
-    system.recall_modes(t)
-    with np.errstate(all="ignore"):
-        system.derivative(t, y)
-    return system.regularity()
 
 
 def unseen_forces(system: System, path: Trajectory) -> tuple[str, ...]:

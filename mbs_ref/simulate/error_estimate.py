@@ -374,8 +374,9 @@ def _distance(system: System, times: np.ndarray, path: Poses, others: np.ndarray
     poses = system.poses(others[common].reshape(-1, others.shape[-1]))
     first = Poses(*(part[common] for part in path))
     second = Poses(*(part.reshape(*lead, count, *part.shape[1:]) for part in poses))
-    sizes = [motion_size(system.scene, system.scales, one, times[:count]) for one in (first, second)]
-    return _gaps(system, first, second), np.maximum(*sizes)
+    both = (np.stack(pair) for pair in zip(first, second, strict=True))
+    sizes = motion_size(system.scene, system.scales, tuple(both), times[:count])
+    return _gaps(system, first, second), np.max(sizes, axis=0)
 
 
 def _gaps(system: System, first: Poses, second: Poses) -> np.ndarray:

@@ -211,13 +211,13 @@ def _samples(planned: list[LegPlan], legs: list[Leg]) -> tuple[np.ndarray, np.nd
     states, compliance, carried = [legs[0].states[:1]], [np.zeros(1)], 0.0
     for plan, leg in zip(planned, legs, strict=False):
         reached = plan.outputs[plan.outputs < leg.reached]
-        largest, carried = _largest_between(leg.compliance[: leg.reached], reached, carried)
+        largest, carried = largest_between(leg.compliance[: leg.reached], reached, carried)
         states.append(leg.states[reached])
         compliance.append(largest)
     return np.concatenate(states), np.concatenate(compliance)
 
 
-def _largest_between(compliance: np.ndarray, outputs: np.ndarray, carried: float) -> tuple[np.ndarray, float]:
+def largest_between(compliance: np.ndarray, outputs: np.ndarray, carried: float) -> tuple[np.ndarray, float]:
     """Return the largest compliance (m) since the previous output, for each output, and that after the last one.
 
     `carried` (m) is the largest one after the last output of the previous leg.

@@ -30,7 +30,7 @@ CORES = {
     "particles": Core("kepler", every_method=True), "trees in space": Core("heavy_top", "relative"),
     "trees in the plane": Core("double_pendulum", "relative"), "methods in space": Core("heavy_top", every_method=True),
 }  # fmt: skip
-LANES = "trees in lanes"  # for batches alone: a report makes none
+LANES = "runs in lanes"  # for batches alone: a report makes none
 SOLVER = "mbs_ref"
 
 
@@ -60,9 +60,9 @@ def _compile(call: Caller, core: str) -> None:
 
 
 def run_in_lanes() -> None:
-    """Run the first hundredth of a tree as a batch does."""
-    built = scenes.make("double_pendulum")
-    simulate_scenes([built], _settings("dop853", "adaptive", built.duration, "relative"), lanes=True)
+    """Run the first hundredth of trees and of a closed loop as a batch does."""
+    for built in map(scenes.make, ("double_pendulum", "spatial_chain", "n_four_bar")):
+        simulate_scenes([built], _settings("dop853", "adaptive", built.duration, "relative"), lanes=True)
 
 
 def run_methods(scene: str, coordinates: Coordinates, every_method: bool) -> None:

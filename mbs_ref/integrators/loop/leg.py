@@ -76,10 +76,9 @@ Progress = np.record
 
 def progress(t: float) -> Progress:
     """Return the state of a run that starts at t."""
-    run = np.recarray(1, PROGRESS)
-    run[:] = 0
+    run = np.zeros(1, PROGRESS).view(np.recarray)[0]
     run.t = t
-    return run[0]
+    return run
 
 
 class Outputs(NamedTuple):

@@ -30,6 +30,7 @@ class ContactEvents:
         self.system, self.most, self.run = system, options.max_events, run
         self.search, self.table = event_tables(system.model)
         self.watched, self.at_event = bool(has_events(self.table)), False
+        self.slope: np.ndarray | None = None  # dy/dt where the last step ended, if the code goes on from there
 
     def settle(self, t: float, y: np.ndarray) -> int:
         """Change modes, and y at impacts, until all hold; return RUNNING, STOP_EVENT or ENDLESS_EVENTS."""
@@ -37,24 +38,36 @@ class ContactEvents:
             return leg.RUNNING
         return settle(self.system.model, self.system.work, t, y, self.table, self.run, self.most)
 
-    def locate(self, before: float, then: np.ndarray, solver: Any) -> tuple[float, np.ndarray]:
-        """Return where a step from (before, then) ends: at its end, or just past its first event (then `at_event`)."""
+    def locate(
+        self, before: float, then: np.ndarray, solver: Any, slope: np.ndarray | None = None
+    ) -> tuple[float, np.ndarray]:
+        """Return where a step from (before, then) ends: at its end, or just past its first event (then `at_event`).
+
+        `slope` is dy/dt at its end, if the code knows it.
+        """
         self.at_event = False
         if not self.watched:
             return solver.t, solver.y
         interpolant, start, t, y = None, before, solver.t, solver.y
         model, work, slopes = self.system.model, self.system.work, np.empty((2, len(then)))
-        begin = np.ascontiguousarray(then)
+        begin, is_known = np.ascontiguousarray(then), self.slope is not None
+        slopes[0] = 0.0 if self.slope is None else self.slope
         while True:
             ends = step_ends(begin, slopes[0], np.ascontiguousarray(y), slopes[1])
+            ends.known[:] = is_known, slope is not None and t >= solver.t
+            if ends.known[1]:
+                slopes[1] = slope
             verdict = watch(model, work, start, t - start, ends, self.run, self.search, self.table)
             self.at_event = verdict == EVENT
             if self.at_event or (verdict != RETRY and t >= solver.t):
+                self.slope = slopes[1] if ends.known[1] and not self.at_event else None
                 return t, np.ascontiguousarray(y)
+            is_known = ends.known[0]
             if verdict == RETRY:
                 t = start + self.search[H_NEXT]
             else:  # a look inside the step has shown nothing: go on to its end
-                start, begin, t = t, ends.y_new, solver.t
+                start, begin, t, is_known = t, ends.y_new, solver.t, ends.known[1]
+                slopes[0] = slopes[1]
             interpolant = interpolant or solver.dense_output()
             y = solver.y if t >= solver.t else interpolant(t)
 
@@ -122,6 +135,7 @@ class MultistepLeg:
             self._leap()
         else:
             return False
+        self.events.slope = None
         return True
 
     def _settle(self) -> None:

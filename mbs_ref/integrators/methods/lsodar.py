@@ -39,7 +39,7 @@ def advance(system: System, options: Options, run: Progress, y: np.ndarray, time
             break
         before_it, family = family, _family(solver)
         run.switches += family != before_it
-        t, now = leg.events.locate(before, then, solver)
+        t, now = leg.events.locate(before, then, solver, _slope(solver))
         # the method's own step, where an event cuts it
         if not (leg.arrive(t, now, solver.t - before) and leg.keeps_pace()):
             break
@@ -105,6 +105,12 @@ class _OnConstraints(LSODA):
 def _family(solver: LSODA) -> int:
     """Return ADAMS or BDF, which took the last step: MUSED of ODEPACK, which SciPy keeps to itself."""
     return int(solver._lsoda_solver._integrator.iwork[18])  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _slope(solver: LSODA) -> np.ndarray:
+    """Return dy/dt (n,) at the end of the last step: that of the corrector's last iterate, in the Nordsieck array."""
+    work = solver._lsoda_solver._integrator.rwork  # pyright: ignore[reportAttributeAccessIssue]
+    return work[20 + solver.n : 20 + 2 * solver.n] / work[11]
 
 
 def _failure(solver: LSODA, words: str | None) -> Ending:

@@ -10,6 +10,7 @@ k_sin.c and k_cos.c (Sun Microsystems, 1993), whose error is below 2^-58. Up to 
 truth; beyond, what is lost grows with the angle.
 """
 
+import math
 import operator
 from collections.abc import Callable
 from typing import Any
@@ -21,8 +22,9 @@ from numba.core import cgutils
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.typeconv.castgraph import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, lower_cast, models, overload, register_model
+from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
 
+from mbs_ref.kernels.border.supplies import intrinsic_of, resolved
 from mbs_ref.kernels.jit import bare
 
 WIDTH = 8  # runs side by side: doubles in the widest registers there are
@@ -71,18 +73,24 @@ def _is_number(kind: Any) -> bool:
     return isinstance(kind, Lanes | types.Float | types.Integer)
 
 
-def _teach(name: str, instruction: str, operands: int) -> None:
-    """Let an operator take lanes, and lanes among floats."""
+def _of_lanes(operands: int) -> Callable[[Any, Any, Any], Any]:
+    """Return how a function of so many lanes, or lanes among floats, is typed."""
 
     def typed(self: Any, args: Any, kws: Any) -> Any:
         fits = len(args) == operands and LANES in args and all(map(_is_number, args))
         return signature(LANES, *[LANES] * operands) if fits else None
 
+    return typed
+
+
+def _teach(name: str, instruction: str, operands: int) -> None:
+    """Let an operator take lanes, and lanes among floats."""
+
     def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return getattr(builder, instruction)(*args, flags=_FLAGS)
 
     for one in {getattr(operator, name), getattr(operator, f"i{name}", getattr(operator, name))}:
-        _infer(one)(type(f"_Lanes_{one.__name__}", (AbstractTemplate,), {"generic": typed}))
+        _infer(one)(type(f"_Lanes_{one.__name__}", (AbstractTemplate,), {"generic": _of_lanes(operands)}))
         _lower(one, *[LANES] * operands)(lowered)
 
 
@@ -100,6 +108,12 @@ def llvm_function(name: str) -> Callable:
         return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{WIDTH}f64"), args)
 
     return lowered
+
+
+for _function, _name in ((abs, "fabs"), (np.sqrt, "sqrt"), (math.sqrt, "sqrt")):
+    _typed = type(f"_Lanes_{_name}", (AbstractTemplate,), {"generic": _of_lanes(1)})
+    _infer(_function)(_typed)
+    _lower(_function, LANES)(llvm_function(_name))
 
 
 @_intrinsic
@@ -169,33 +183,67 @@ def _negated(builder: Any, value: Any, number: Any) -> Any:
     return builder.bitcast(builder.xor(builder.bitcast(value, _WORDS), sign), _DOUBLES)
 
 
-def _of_two(instruction: Callable[[Any, Any, Any], Any]) -> Any:
-    """Return what an intrinsic of two numbers is to Numba: its type and its lowering."""
-    return LANES(LANES, LANES), lambda context, builder, sig, args: instruction(builder, *args)
+def _selected(name: str, order: str, of: Callable[..., tuple[Any, Any]]) -> Any:
+    """Return the intrinsic of two numbers a and b that is `of` both, the first in lanes where a stands so to b."""
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.select(builder.fcmp_ordered(order, *args), *of(*args))
+
+    def select(context, a, b):
+        return LANES(LANES, LANES), lowered
+
+    select.__name__ = name
+    return _intrinsic(select)
 
 
-@_intrinsic
-def larger_in_lanes(context, a, b):
-    """Return the larger of two numbers in each lane; b where a is NaN."""
-    return _of_two(lambda builder, a, b: builder.select(builder.fcmp_ordered(">", a, b), a, b))
+_ONE, _ZERO = (ir.Constant(_DOUBLES, [value] * WIDTH) for value in (1.0, 0.0))
+_larger = _selected("_larger", ">", lambda a, b: (a, b))
+_smaller = _selected("_smaller", "<", lambda a, b: (a, b))
+_exceeds = _selected("_exceeds", ">", lambda a, b: (_ONE, _ZERO))
 
 
-@_intrinsic
-def size_in_lanes(context, x):
-    """Return the absolute values."""
-    return LANES(LANES), llvm_function("fabs")
+def holds_lanes(kind: Any) -> bool:
+    """Return whether a Numba type is of lanes, an array of them, a group of such, or a handle to such groups."""
+    number = getattr(getattr(kind, "instance_class", None), "NUMBER", None)
+    return LANES in (kind, getattr(kind, "dtype", None), number) or any(map(holds_lanes, getattr(kind, "types", ())))
+
+
+def either(call: str, of_floats: Any, of_lanes: Any) -> Any:
+    """Return a function of this name and parameters: the second of two where any holds lanes, else the first."""
+    return resolved(call, lambda given: of_lanes if any(map(holds_lanes, given)) else of_floats)
+
+
+def lane_by_lane(call: str, function: Any) -> Any:
+    """Return a function of floats that, of lanes, calls itself for each of them."""
+
+    def of_lanes(typingctx: Any, *given: Any) -> Any:
+        inner = typingctx.resolve_value_type(function)
+        kind = typingctx.resolve_function_type(inner, (types.float64,) * len(given), {})
+
+        def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            one, result = context.get_function(inner, kind), ir.Constant(_DOUBLES, ir.Undefined)
+            context.add_linking_libs(getattr(one, "libs", ()))
+            for w in range(WIDTH):
+                place = ir.Constant(ir.IntType(32), w)
+                own = one(builder, [builder.extract_element(arg, place) for arg in args])
+                result = builder.insert_element(result, own, place)
+            return result
+
+        return LANES(*[LANES] * len(given)), lowered
+
+    return either(call, function, intrinsic_of(call, of_lanes))
+
+
+larger = either("larger(a, b)", bare(lambda a, b: a if a > b else b), _larger)  # b where one is not a number
+smaller = either("smaller(a, b)", bare(lambda a, b: a if a < b else b), _smaller)  # b where one is not a number
+# Return 1 where a > b, else 0.
+exceeds = either("exceeds(a, b)", bare(lambda a, b: 1.0 if a > b else 0.0), _exceeds)
 
 
 @_intrinsic
 def in_every_lane(context, x):
     """Return a float in every lane."""
     return LANES(types.float64), lambda context, builder, sig, args: _in_all(builder, args[0])
-
-
-@_intrinsic
-def root_in_lanes(context, x):
-    """Return the square roots."""
-    return LANES(LANES), llvm_function("sqrt")
 
 
 @_intrinsic
@@ -223,6 +271,10 @@ def chosen_in_lanes(context, mark, a, b):
     return LANES(LANES, LANES, LANES), lowered
 
 
+# Return the largest lane, or the float.
+largest_of = either("largest_of(x)", bare(lambda x: x), largest_of_lanes)
+# Return whether a number is zero, in every lane.
+vanishes = either("vanishes(x)", bare(lambda x: x == 0.0), bare(lambda x: largest_of_lanes(abs(x)) == 0.0))
 QUARTERS = 2.0 / np.pi
 # pi/2 in three parts: the first two have 33 bits, so that up to 2^20 multiples of them are exact
 QUARTER = (1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21)
@@ -230,22 +282,6 @@ SINE = (-1.66666666666666324348e-01, 8.33333333332248946124e-03, -1.984126982985
         2.75573137070700676789e-06, -2.50507602534068634195e-08, 1.58969099521155010221e-10)  # fmt: skip
 COSINE = (4.16666666666666019037e-02, -1.38888888888741095749e-03, 2.48015872894767294178e-05,
           -2.75573143513906633035e-07, 2.08757232129817482790e-09, -1.13596475577881948265e-11)  # fmt: skip
-
-
-def cos_sin(angle: Any) -> Any:
-    """Return cosine and sine of an angle (rad)."""
-    raise NotImplementedError("of compiled code alone")
-
-
-@overload(cos_sin, inline="always")
-def _cos_sin(angle):
-    if isinstance(angle, Lanes):
-        return _in_lanes
-    return lambda angle: (np.cos(angle), np.sin(angle))
-
-
-def _in_lanes(angle):
-    return lanes_cos_sin(angle)
 
 
 @bare
@@ -258,3 +294,7 @@ def lanes_cos_sin(angle):
     sine = r + r * z * (SINE[0] + z * (SINE[1] + z * s))
     cosine = (1.0 - 0.5 * z) + z * z * (COSINE[0] + z * (COSINE[1] + z * c))
     return turned_by_quarters(quarters, sine, cosine)
+
+
+# Return cosine and sine of an angle (rad).
+cos_sin = either("cos_sin(angle)", bare(lambda angle: (np.cos(angle), np.sin(angle))), lanes_cos_sin)

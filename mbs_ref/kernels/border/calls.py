@@ -20,6 +20,7 @@ from numba.core.typeconv.castgraph import Conversion
 from numba.core.typing.templates import signature
 from numba.extending import intrinsic
 
+from mbs_ref.kernels.algebra.lanes import LANES, holds_lanes
 from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, is_handle
 from mbs_ref.kernels.border.supplies import intrinsic_of, parts_of
 from mbs_ref.kernels.jit import jit
@@ -39,6 +40,12 @@ _NAMES = {  # of the parameters of each type
 }
 KINDS = {name: kind for kind, names in _NAMES.items() for name in names.split()}
 
+# What handles in lanes have in place of floats.
+IN_LANES: dict[Any, Any] = {
+    NUMBER: LANES, NUMBERS: types.UniTuple(LANES, 2), VECTOR: types.Array(LANES, 1, "C"),
+    MATRIX: types.Array(LANES, 2, "C"),
+}  # fmt: skip
+
 _asked: dict[str, tuple[int, Any]] = {}  # question -> place of its address in a handle, signature
 
 
@@ -55,10 +62,12 @@ def question(call: str, returns: Any = NOTHING) -> Any:
     _asked[name] = place, signature(returns, *takes)
 
     def ask(typingctx, *given):
-        if not all(map(partial(_fits, typingctx), given, takes)):
+        kinds = IN_LANES if holds_lanes(given[0]) else {}
+        taken = [kinds.get(kind, kind) for kind in takes]
+        if not all(map(partial(_fits, typingctx), given, taken)):
             return None
-        own = (g if is_handle(g) else t for g, t in zip(given, takes, strict=True))
-        return signature(returns, *own), _call(place)
+        own = (g if is_handle(g) else t for g, t in zip(given, taken, strict=True))
+        return signature(kinds.get(returns, returns), *own), _call(place)
 
     return intrinsic_of(call, ask)
 
@@ -113,10 +122,11 @@ def addresses(answers: Mapping[str, Any], model: type, work: type) -> tuple[np.n
     The functions are compiled for a core's own classes of handles, which are numbers as those of the questions are.
     """
     own = {MODEL: types.NamedUniTuple(types.int64, 1, model), WORK: types.NamedUniTuple(types.int64, 1, work)}
+    own |= IN_LANES if holds_lanes(own[MODEL]) else {}
     rows = []
     for name, answer in answers.items():
         place, kind = _asked[name]
-        rows.append((place, _address(answer, signature(kind.return_type, *(own.get(x, x) for x in kind.args)))))
+        rows.append((place, _address(answer, signature(*(own.get(x, x) for x in (kind.return_type, *kind.args))))))
     places, where = np.array(rows, dtype=np.int64).reshape(-1, 2).T
     return places, where
 

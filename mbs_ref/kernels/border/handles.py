@@ -18,6 +18,7 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_getattr_generic
 from numba.np.arrayobj import make_array, populate_array
 
+from mbs_ref.kernels.algebra.lanes import BYTES, LANES
 from mbs_ref.kernels.border.groups import check, declared
 
 QUESTIONS = 40  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
@@ -27,6 +28,7 @@ _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
 
 
 _owned: dict[type, tuple[type, dict[str, int]]] = {}  # class of a handle -> its groups and known lengths
+_SIZES = {types.float64: 8, types.int64: 8, LANES: BYTES}  # bytes of a number in an array
 
 
 class Model(NamedTuple):
@@ -39,6 +41,22 @@ class Work(NamedTuple):
     """What compiled code receives of the scratch of a run."""
 
     address: int
+
+
+class ModelInLanes(NamedTuple):
+    """A model of several runs side by side, whose floats are lanes (mbs_ref.kernels.algebra.lanes)."""
+
+    address: int
+
+
+class WorkInLanes(NamedTuple):
+    """The scratch of such runs."""
+
+    address: int
+
+
+ModelInLanes.NUMBER = WorkInLanes.NUMBER = LANES  # type: ignore[attr-defined]
+_GENERAL = (Model, Work, ModelInLanes, WorkInLanes)
 
 
 def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
@@ -67,9 +85,16 @@ def handle_class(module: str, name: str, groups: type, **lengths: int) -> Any:
     return handle
 
 
+def handle_in_lanes(of: type) -> Any:
+    """Return the class of handles to the same groups whose floats are lanes, to stand in the same module."""
+    handle = handle_class(of.__module__, f"{of.__name__}InLanes", _owned[of][0], **_owned[of][1])
+    handle.NUMBER = LANES
+    return handle
+
+
 def is_handle(kind: Any) -> bool:
     """Return whether a Numba type is one of handles."""
-    return isinstance(kind, types.NamedUniTuple) and kind.instance_class in (Model, Work, *_owned)
+    return isinstance(kind, types.NamedUniTuple) and kind.instance_class in (*_GENERAL, *_owned)
 
 
 class _Group(NamedTuple):
@@ -89,7 +114,8 @@ def _group(owner: Any, name: str) -> _Group | None:
     fields = list(kinds)
     first = sum(len(declared(kinds[field])) for field in fields[: fields.index(name)])
     arrays = list(declared(kinds[name]).values())
-    array_types = [types.Array(_DTYPES[x.dtype], len(x.shape), "C") for x in arrays]
+    kinds_of = _DTYPES | {np.dtype(np.float64): getattr(owner.instance_class, "NUMBER", types.float64)}
+    array_types = [types.Array(kinds_of[x.dtype], len(x.shape), "C") for x in arrays]
     known = [[lengths.get(n) if isinstance(n, str) else n for n in x.shape] for x in arrays]
     return _Group(types.NamedTuple(array_types, kinds[name]), first, known)
 
@@ -129,7 +155,7 @@ def _view(context, builder, owner, index, array_type, known):
         return builder.load(place)
 
     result = make_array(array_type)(context, builder)
-    itemsize = context.get_constant(types.intp, 8)
+    itemsize = context.get_constant(types.intp, _SIZES[array_type.dtype])
     shape = [load(1 + axis) if length is None else ir.Constant(word, length) for axis, length in enumerate(known)]
     strides = [itemsize]
     for length in reversed(shape[1:]):

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable
 from types import ModuleType
 from typing import Any
 
-from numba import typeof
 from numba.core.extending import _Intrinsic
 from numba.core.typing.templates import Signature
 from numba.extending import intrinsic
@@ -31,10 +30,18 @@ def supplied(call: str, passes_handle: bool = True) -> Any:
 
     Without `passes_handle` that argument chooses the core, and the core's function does not receive it.
     """
-    (name, _), first = parts_of(call), 0 if passes_handle else 1
+    name, _ = parts_of(call)
+    return resolved(call, lambda given: _supplies[given[0].instance_class][name], 0 if passes_handle else 1)
+
+
+def resolved(call: str, choose: Callable[[tuple[Any, ...]], Any], first: int = 0) -> Any:
+    """Return a function of this name and these parameters: the one that `choose` returns for their types.
+
+    It receives them from the `first` on.
+    """
 
     def resolve(typingctx, *given):
-        function = typeof(_supplies[given[0].instance_class][name])
+        function = typingctx.resolve_value_type(choose(given))
         kind = typingctx.resolve_function_type(function, given[first:], {})
 
         def codegen(context, builder, signature, args):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.lanes import in_every_lane, in_lanes, root_in_lanes
+from mbs_ref.kernels.algebra.lanes import in_every_lane, in_lanes
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.particles.directions import earth_pole, moon_axes
 from mbs_ref.kernels.particles.model import LANES
@@ -17,7 +17,7 @@ def _zonal(base, delta, out, i, j, gm, radius, harmonic, last, pole):
     """Add J_2 .. J_(last + 2) of body i: sum J_n (R/r)^n / r^2 [P'_(n+1)(s) r/|r| - P'_n(s) p]."""
     d = apart(base, delta, i, j)
     r2 = dot(d, d)
-    inverse = 1.0 / root_in_lanes(r2)
+    inverse = 1.0 / np.sqrt(r2)
     s = dot(d, pole) * inverse
     ratio = radius * inverse
     power = ratio * ratio / r2

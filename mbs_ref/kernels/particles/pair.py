@@ -4,7 +4,9 @@ Arrays of lanes (mbs_ref.kernels.algebra.lanes) replace loops over instants, whi
 itself, because it cannot know that the arrays do not overlap.
 """
 
-from mbs_ref.kernels.algebra.lanes import in_every_lane, larger_in_lanes, largest_of_lanes, root_in_lanes, size_in_lanes
+import numpy as np
+
+from mbs_ref.kernels.algebra.lanes import in_every_lane, larger, largest_of_lanes
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.particles.model import LANES
 from mbs_ref.kernels.spatial.marks import add, dot, minus, plus, times
@@ -55,7 +57,7 @@ def attract(base, delta, out, i, j, gm):
     """Add gm_j d / r^3 to out[i] and -gm_i d / r^3 to out[j]."""
     d = apart(base, delta, i, j)
     r2 = dot(d, d)
-    inverse = 1.0 / (r2 * root_in_lanes(r2))
+    inverse = 1.0 / (r2 * np.sqrt(r2))
     add_to(out, i, inverse * gm[j], d)
     add_to(out, j, inverse * -gm[i], d)
 
@@ -69,7 +71,7 @@ def bulge(base, delta, out, i, j, gm, factor, pole):
     d = apart(base, delta, i, j)
     r2 = dot(d, d)
     inverse, height = 1.0 / r2, dot(d, pole)
-    common = factor * inverse * inverse / root_in_lanes(r2)
+    common = factor * inverse * inverse / np.sqrt(r2)
     along, toward = common * (5.0 * height * height * inverse - 1.0), 2.0 * common * height
     share(out, i, j, gm, minus(times(along, d), times(toward, pole)))
 
@@ -100,8 +102,8 @@ def settle(delta, fixed, table, source, body, scale):
     for c in range(3):
         start = fixed[body, c]
         new = start + _combination(table, source, body, c, scale)
-        moved = size_in_lanes(new - delta[body, c])
-        change, size = larger_in_lanes(moved, change), larger_in_lanes(size_in_lanes(new - start), size)
+        moved = abs(new - delta[body, c])
+        change, size = larger(moved, change), larger(abs(new - start), size)
         odd += moved - moved
         delta[body, c] = new
     return largest_of_lanes(change + odd), largest_of_lanes(size)
@@ -123,7 +125,7 @@ def central_relativity(gm, inverse_c2, base, delta, velocity, out):
     for i in range(1, gm.shape[0]):
         d, v = apart(base, delta, 0, i), minus(of_body(velocity, i), of_body(velocity, 0))
         r2 = dot(d, d)
-        r = root_in_lanes(r2)
+        r = np.sqrt(r2)
         common = gm[0] * inverse_c2 / (r2 * r)
         along, across = common * (4.0 * gm[0] / r - dot(v, v)), common * 4.0 * dot(d, v)
         add(out[i], 0, plus(times(along, d), times(across, v)))
@@ -139,7 +141,7 @@ def potentials(gm, base, delta, velocity, potential, speed):
     for i in range(n):
         for j in range(i + 1, n):
             d = apart(base, delta, i, j)
-            inverse = 1.0 / root_in_lanes(dot(d, d))
+            inverse = 1.0 / np.sqrt(dot(d, d))
             potential[i] += gm[j] * inverse
             potential[j] += gm[i] * inverse
 
@@ -156,7 +158,7 @@ def einstein_infeld_hoffmann(gm, inverse_c2, base, delta, velocity, newton, pote
                 continue
             d, vi, vj, aj = apart(base, delta, i, j), of_body(velocity, i), of_body(velocity, j), of_body(newton, j)
             r2 = dot(d, d)
-            inverse = 1.0 / root_in_lanes(r2)
+            inverse = 1.0 / np.sqrt(r2)
             cube = inverse / r2
             toward = dot(d, vj) * inverse
             bracket = (

@@ -6,7 +6,7 @@ is linear in geopotential altitude, layer by layer; the air is a perfect gas at 
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.lanes import in_lanes, root_in_lanes
+from mbs_ref.kernels.algebra.lanes import in_lanes
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.kernels.particles.model import LANES, STANDARD
@@ -79,7 +79,7 @@ def add_points(model, work):
         for p in range(points.gm.shape[0]):
             way = minus(minus(points.place[p], base[i]), of_body(delta, i))
             r2 = dot(way, way)
-            add_to(out, i, points.gm[p] / (r2 * root_in_lanes(r2)), way)
+            add_to(out, i, points.gm[p] / (r2 * np.sqrt(r2)), way)
 
 
 @jit

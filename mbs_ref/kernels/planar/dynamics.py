@@ -7,7 +7,8 @@ import sys
 
 import numpy as np
 
-from mbs_ref.kernels.border.handles import handle_class
+from mbs_ref.kernels.algebra.lanes import cos_sin
+from mbs_ref.kernels.border.handles import handle_class, handle_in_lanes
 from mbs_ref.kernels.border.questions import accelerate
 from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import bare, jit
@@ -43,13 +44,7 @@ def surplus_of_turning(work, i, n, apart, surplus):
 
 
 @bare
-def fill_own_rows(model, work, t):
-    _fill_angles(model, work)
-    _fill_angle_drives(model, work, t)
-
-
-@bare
-def _fill_angles(model, work):
+def fill_own_rows(model, work):
     joint, slots, kin, rows = model.angles, model.slots, work.kinematics, work.rows
     for k in range(joint.slot.shape[0]):
         slot, row, side, a, b = bodies_of_row(slots, joint, k)
@@ -61,7 +56,7 @@ def _fill_angles(model, work):
 
 
 @bare
-def _fill_angle_drives(model, work, t):
+def fill_own_drives(model, work, t):
     drive, slots, kin, rows = model.angle_drives, model.slots, work.kinematics, work.rows
     mode_time = model.world.control[CONTROL_MODE_TIME]
     for k in range(drive.slot.shape[0]):
@@ -85,8 +80,7 @@ def load_state(model, work, y):
         angle = y[k + 2]
         kin.pose[i, 0] = y[k]
         kin.pose[i, 1] = y[k + 1]
-        kin.pose[i, 2] = np.cos(angle)
-        kin.pose[i, 3] = np.sin(angle)
+        kin.pose[i, 2], kin.pose[i, 3] = cos_sin(angle)
         kin.motion[i, 0] = y[3 * n + k]
         kin.motion[i, 1] = y[3 * n + k + 1]
         kin.motion[i, 2] = y[3 * n + k + 2]
@@ -199,7 +193,8 @@ planar_rate_from = planar_position_rate
 
 PlanarModel = handle_class(__name__, "PlanarModel", PlanarGroups, dimension=2, tangents=1, axes=0, turns=1, moments=1)
 PlanarWork = handle_class(__name__, "PlanarWork", PlanarScratch, rates=3)
+PlanarModelInLanes, PlanarWorkInLanes = handle_in_lanes(PlanarModel), handle_in_lanes(PlanarWork)
 
 
 _MODULES = (sys.modules[__name__], contacts, marks, tree)
-supply((PlanarModel, PlanarWork), geometry, _MODULES)
+supply((PlanarModel, PlanarWork, PlanarModelInLanes, PlanarWorkInLanes), geometry, _MODULES)

@@ -55,12 +55,7 @@ def coordinate(work, i, component):
 
 @bare
 def apply_gravity(model, work):
-    weigh(model.bodies, model.world.gravity, work.kinematics)
-
-
-@bare
-def weigh(bodies, gravity, kin):
-    """Set the forces in `kin`, of floats or of lanes, to the weights."""
+    bodies, kin, gravity = model.bodies, work.kinematics, model.world.gravity
     gx = gravity[0]
     gy = gravity[1]
     for i in range(bodies.mass.shape[0]):
@@ -75,8 +70,11 @@ def apply_torque(model, work, k, scale):
     work.kinematics.force[load.body[k], 2] += scale * load.torque[k, 0]
 
 
+apply_own_loads = bare(lambda model, work: None)
+
+
 @bare
-def apply_own_loads(model, work):
+def apply_torsion_springs(model, work):
     spring, kin = model.torsion_springs, work.kinematics
     for k in range(spring.a.shape[0]):
         a = spring.a[k]

@@ -4,6 +4,7 @@ Factors L D L^T lie in the lower triangles: L below the diagonal, and 1 / D on i
 """
 
 from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
+from mbs_ref.kernels.algebra.lanes import vanishes
 from mbs_ref.kernels.jit import bare, jit, placed
 
 # Return the factors in a lower triangle as `ldl3_solve` takes them.
@@ -88,7 +89,7 @@ def accelerate_body(model, work, i, parent, multiplier, acceleration):
 
 @jit
 def plus_mobility(model, work, total, i, row):
-    if row[0] == 0.0 and row[1] == 0.0 and row[2] == 0.0:
+    if vanishes(row[0]) and vanishes(row[1]) and vanishes(row[2]):
         return total  # an open contact's: most are
     bodies = model.bodies
     return total + ((row[0] * row[0] + row[1] * row[1]) / bodies.mass[i] + row[2] * row[2] / bodies.inertia[i, 0])

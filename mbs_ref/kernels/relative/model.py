@@ -6,7 +6,7 @@ Bodies are numbered as there: a parent before its children, ground last (index n
 from typing import Annotated, NamedTuple
 
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.border.handles import handle_class
+from mbs_ref.kernels.border.handles import handle_class, handle_in_lanes
 
 FREE, REVOLUTE, PRISMATIC, WELD, SPHERICAL, HELD = range(6)  # HELD: a particle at a joint's point
 
@@ -71,3 +71,4 @@ class RelativeScratch(NamedTuple):
 
 TreeModel = handle_class(__name__, "TreeModel", RelativeGroups)
 TreeWork = handle_class(__name__, "TreeWork", RelativeScratch)
+TreeModelInLanes, TreeWorkInLanes = handle_in_lanes(TreeModel), handle_in_lanes(TreeWork)

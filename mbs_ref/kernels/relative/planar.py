@@ -8,29 +8,36 @@ here in world axes about the centres of mass, as the redundant cores have them.
 """
 
 from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
-from mbs_ref.kernels.algebra.lanes import cos_sin
+from mbs_ref.kernels.algebra.lanes import cos_sin, either
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
-from mbs_ref.kernels.planar.dynamics import PlanarModel, PlanarWork, planar_position_rate
+from mbs_ref.kernels.planar.dynamics import (
+    PlanarModel,
+    PlanarModelInLanes,
+    PlanarWork,
+    PlanarWorkInLanes,
+    planar_position_rate,
+)
 from mbs_ref.kernels.planar.marks import minus, pair, perpendicular, plus, rotated, times
 from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE
 
 ORIGIN = (0.0, 0.0)
 
 
-_redundant_model = jit(lambda model: PlanarModel(model.redundant.address[0]))
-_redundant_work = jit(lambda model: PlanarWork(model.redundant.address[1]))
+_redundant_model = either(
+    "_redundant_model(model)", jit(lambda model: PlanarModel(model.redundant.address[0])),
+    jit(lambda model: PlanarModelInLanes(model.redundant.address[0])),
+)  # fmt: skip
+_redundant_work = either(
+    "_redundant_work(model)", jit(lambda model: PlanarWork(model.redundant.address[1])),
+    jit(lambda model: PlanarWorkInLanes(model.redundant.address[1])),
+)  # fmt: skip
 
 
 @jit
 def place_planar(model, work, y):
     """Write every body's pose and motion to the redundant system's scratch, and the joints' links."""
-    place_tree(model.joints, work.links, _redundant_work(model).kinematics, y)
-
-
-@bare
-def place_tree(joints, links, kin, y):
-    """Write every body's pose and motion to `kin`, and the joints' links; of floats, or of lanes."""
+    joints, links, kin = model.joints, work.links, _redundant_work(model).kinematics
     for i in range(joints.kind.shape[0]):
         if joints.kind[i] == FREE:
             _put_free(joints, links, kin, y, i)
@@ -169,15 +176,9 @@ def relative_planar_derivative(model, work, t, y, dy):
     """Write dy/dt = [u, u']."""
     place_planar(model, work, y)
     ask.apply_loads(_redundant_model(model), _redundant_work(model), t)
-    bodies, kin = _redundant_model(model).bodies, _redundant_work(model).kinematics
-    release_tree(model.joints, work.links, bodies, kin, work.recursion, y, dy)
-
-
-@bare
-def release_tree(joints, links, bodies, kin, rec, y, dy):
-    """Write dy/dt = [u, u'] of a tree that is placed, by the forces on its bodies in `kin`; of floats, or of lanes."""
+    joints, links, rec = model.joints, work.links, work.recursion
     n = joints.kind.shape[0]
-    _load_blocks(bodies, kin, rec)
+    _load_blocks(_redundant_model(model).bodies, _redundant_work(model).kinematics, rec)
     for i in range(n - 1, -1, -1):
         if joints.kind[i] != FREE:
             _condense(joints, links, rec, i)

@@ -15,15 +15,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.lanes import (
-    WIDTH,
-    in_every_lane,
-    in_lanes,
-    lanes_cos_sin,
-    larger_in_lanes,
-    largest_of_lanes,
-    size_in_lanes,
-)
+from mbs_ref.kernels.algebra.lanes import WIDTH, in_every_lane, in_lanes, lanes_cos_sin, larger, largest_of_lanes
 from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import handle_class
 from mbs_ref.kernels.jit import bare, placed
@@ -109,8 +101,8 @@ def longest_step(s, rtol, atol, order):
     for k in range(order, max(order - LOOKED_AT, 0), -1):
         largest = in_every_lane(0.0)
         for w in range(x.shape[1]):
-            largest = larger_in_lanes(size_in_lanes(x[k, w]) * weight[0, w], largest)
-            largest = larger_in_lanes(size_in_lanes((k + 1.0) * x[k + 1, w]) * weight[1, w], largest)
+            largest = larger(abs(x[k, w]) * weight[0, w], largest)
+            largest = larger(abs((k + 1.0) * x[k + 1, w]) * weight[1, w], largest)
         size = largest_of_lanes(largest) * behind
         if size > 0.0:
             step = min(step, size ** (-1.0 / k))

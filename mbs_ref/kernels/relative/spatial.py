@@ -7,10 +7,11 @@ ball carries its body's orientation, theta0..theta3 and omega. omega is in body 
 import numpy as np
 
 from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.algebra.lanes import cos_sin, either, larger
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import inlined, jit
 from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE, SPHERICAL, WELD
-from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialWork
+from mbs_ref.kernels.spatial.dynamics import SpatialModel, SpatialModelInLanes, SpatialWork, SpatialWorkInLanes
 from mbs_ref.kernels.spatial.marks import add, cross, dot, minus, negative, plus, put, times, triple, turn, turn_back
 from mbs_ref.kernels.spatial.model import RATES
 from mbs_ref.kernels.spatial.orientation import (
@@ -25,8 +26,14 @@ from mbs_ref.kernels.spatial.orientation import (
 NOTHING = (0.0, 0.0, 0.0)
 
 
-_redundant_model = jit(lambda model: SpatialModel(model.redundant.address[0]))
-_redundant_work = jit(lambda model: SpatialWork(model.redundant.address[1]))
+_redundant_model = either(
+    "_redundant_model(model)", jit(lambda model: SpatialModel(model.redundant.address[0])),
+    jit(lambda model: SpatialModelInLanes(model.redundant.address[0])),
+)  # fmt: skip
+_redundant_work = either(
+    "_redundant_work(model)", jit(lambda model: SpatialWork(model.redundant.address[1])),
+    jit(lambda model: SpatialWorkInLanes(model.redundant.address[1])),
+)  # fmt: skip
 
 
 @jit
@@ -63,7 +70,7 @@ def _orient(joints, kin, y, i):
         return
     own = parameters(joints.offset[i], 0)
     if kind == REVOLUTE:
-        c, s, axis = np.cos(0.5 * y[q]), np.sin(0.5 * y[q]), joints.axis[i]
+        (c, s), axis = cos_sin(0.5 * y[q]), joints.axis[i]
         own = composed(own, (c, s * axis[0], s * axis[1], s * axis[2]))
     if parent < joints.kind.shape[0]:
         own = composed(parameters(kin.theta[parent], 0), own)
@@ -345,9 +352,7 @@ def relative_spatial_compliance(model, work, t, y):
         k = _theta_of(joints, i)
         if k >= 0:
             e0, e1, e2, e3 = parameters(y, k)
-            gap = abs(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 - 1.0)
-            if not gap <= largest:
-                largest = gap
+            largest = larger(largest, abs(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3 - 1.0))
     return largest, 0.0
 
 

@@ -14,12 +14,13 @@ are eliminated on the way (mbs_ref.kernels.rigid.elimination).
 
 import numpy as np
 
+from mbs_ref.kernels.algebra.lanes import either, exceeds, larger, largest_of, vanishes
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import elimination
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.model import CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.kernels.rows import add_to, clear, copy_rows, largest_entry, negate, take_accelerations, take_reactions
+from mbs_ref.kernels.rows import add_to, clear, copy_rows, largest_entry, scale, take_accelerations, take_reactions
 
 
 @jit
@@ -109,7 +110,7 @@ def rigid_solve_open(model, work, gamma):
 def _stabilize(control, gamma, rate, residual):
     """gamma -= 2 g C_dot + g^2 C (Baumgarte 1972), with the gains in a model's `control`."""
     velocity_gain, position_gain = control[CONTROL_VELOCITY_GAIN], control[CONTROL_POSITION_GAIN]
-    if velocity_gain == 0.0 and position_gain == 0.0:
+    if vanishes(velocity_gain) and vanishes(position_gain):
         return
     for slot in range(gamma.shape[0]):
         for row in range(gamma.shape[1]):
@@ -134,6 +135,26 @@ def refine(model, work, force):
 
 
 @jit
+def _refine_solution(model, work):
+    for _ in range(refinements(work.closures.regularity[0])):
+        refine(model, work, work.kinematics.force)
+
+
+@jit
+def _refine_rates(model, work):
+    for _ in range(refinements(work.closures.regularity[0])):
+        refine(model, work, np.zeros_like(work.tree.load))
+
+
+# Of lanes none is refined: a run whose loops come close to a singular pose leaves its lane.
+_as_it_is = jit(lambda model, work: None)
+# Refine the accelerations and multipliers in `work` as often as the loops' pose asks for.
+refine_solution = either("refine_solution(model, work)", _refine_solution, _as_it_is)
+# The same of the rates that remove a defect.
+refine_rates = either("refine_rates(model, work)", _refine_rates, _as_it_is)
+
+
+@jit
 def rigid_accelerate(model, work, t, y):
     """Compute accelerations and multipliers at (t, y) into `work`; refine them as often as the loops' pose asks for."""
     core.load_state(model, work, y)
@@ -144,8 +165,7 @@ def rigid_accelerate(model, work, t, y):
     factor(model, work)
     copy_rows(work.kinematics.force, work.tree.load)
     solve(model, work, rows.gamma)
-    for _ in range(refinements(work.closures.regularity[0])):
-        refine(model, work, work.kinematics.force)
+    refine_solution(model, work)
 
 
 @bare
@@ -158,8 +178,7 @@ def store_solved(work, t, y):
 
 
 @bare
-def is_solved(work, t, y):
-    """Return whether the accelerations in `work` are those at (t, y)."""
+def _is_solved(work, t, y):
     solved = work.solved
     if solved.time[0] != t:
         return False
@@ -169,13 +188,17 @@ def is_solved(work, t, y):
     return same
 
 
+# Return whether the accelerations in `work` are those at (t, y); of lanes they are not looked at.
+is_solved = either("is_solved(work, t, y)", _is_solved, bare(lambda work, t, y: False))
+
+
 @jit
 def rigid_compliance(model, work, t, y):
     """Return max |C|, with the norms that the state keeps, and max |C_dot| over all rows (m, rad; m/s, rad/s)."""
     core.load_state(model, work, y)
     fill_rows(model, work, t)
     rows = work.rows
-    return max(largest_entry(rows.residual), core.largest_norm_defect(model, work)), largest_entry(rows.rate)
+    return larger(largest_entry(rows.residual), core.largest_norm_defect(model, work)), largest_entry(rows.rate)
 
 
 # Return the smallest relative closure pivot of the last factorization; 1 without closures.
@@ -189,10 +212,10 @@ def rigid_multipliers(work, lam):
 
 
 @jit
-def respond(model, work, defect):
-    """Solve for the mass-weighted least-squares correction that removes `defect`."""
+def respond(model, work, defect, share=1.0):
+    """Solve for the mass-weighted least-squares correction that removes a share of `defect`."""
     gamma = work.rows.gamma
-    negate(defect, gamma)
+    scale(-share, defect, gamma)
     clear(work.tree.load)
     solve(model, work, gamma)
 
@@ -228,21 +251,20 @@ def rigid_project(model, work, t, y, tolerance, most):
     rows = work.rows
     fill_rows(model, work, t)
     left = largest_entry(rows.residual)
+    moves = exceeds(left, tolerance)  # 1 or 0, of each lane: one that is close enough stays where it is
     for _ in range(most):
-        if not left > tolerance:
+        if largest_of(moves) == 0.0:
             break
         factor(model, work)
-        respond(model, work, rows.residual)
+        respond(model, work, rows.residual, moves)
         core.correct_places(model, work, y)
         core.load_state(model, work, y)
         fill_rows(model, work, t)
         previous = left
         left = largest_entry(rows.residual)
-        if left > 0.5 * previous:
-            break
+        moves = moves * exceeds(left, tolerance) * (1.0 - exceeds(left, 0.5 * previous))
     factor(model, work)
     respond(model, work, rows.rate)
-    for _ in range(refinements(work.closures.regularity[0])):
-        refine(model, work, np.zeros_like(work.tree.load))
+    refine_rates(model, work)
     correct_rates(model, work, 1.0, y)
-    return max(left, core.largest_norm_defect(model, work))
+    return larger(left, core.largest_norm_defect(model, work))

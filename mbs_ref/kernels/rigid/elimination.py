@@ -23,7 +23,8 @@ overconstrained loop such as Bricard's look independent by the square of the dis
 that the compiler knows. Rows that a closure does not have are zero.
 """
 
-from mbs_ref.kernels.jit import jit, placed
+from mbs_ref.kernels.algebra.lanes import either, smaller, vanishes
+from mbs_ref.kernels.jit import bare, jit, placed
 from mbs_ref.kernels.rigid.geometry import block, pass_closure, plus_mobility
 
 RANK_TOLERANCE = 1e-13  # of a pivot against the row's mobility without joints
@@ -96,7 +97,7 @@ def _list_live(loops, closures):
         mobility = 0.0
         for r in range(loops.count[k]):
             mobility += closures.scale[k, r]
-        empty = 1 if mobility == 0.0 else 0
+        empty = 1 if vanishes(mobility) else 0
         if empty != closures.empty[k]:
             closures.empty[k] = empty
             changed = True
@@ -178,6 +179,24 @@ def _meeting(loops, closures, at, other):
     return at
 
 
+@bare
+def _largest_pivot(a, order, scale, rank, count):
+    best, largest = rank, 0.0
+    for i in range(rank, count):
+        relative = a[order[i], order[i]] / scale[order[i]]
+        if relative > largest:
+            best, largest = i, relative
+    return best, largest, not largest > RANK_TOLERANCE
+
+
+# Return the place of the next pivot, its relative size, and whether no row is left that is independent of those before.
+# In lanes, whose rows are independent at the start, they have their own order: D is positive definite.
+_pivot = either(
+    "_pivot(a, order, scale, rank, count)", _largest_pivot,
+    bare(lambda a, order, scale, rank, count: (rank, a[order[rank], order[rank]] / scale[order[rank]], False)),
+)  # fmt: skip
+
+
 @placed
 def _factor_own(loops, closures, k):
     """Factor a closure's own D = L E L^T in the order of its pivots; `inverse` receives 1 / E.
@@ -189,14 +208,10 @@ def _factor_own(loops, closures, k):
         order[i] = i
     rank = 0
     while rank < loops.most[k]:
-        best, largest = rank, 0.0
-        for i in range(rank, count):
-            relative = a[order[i], order[i]] / scale[order[i]]
-            if relative > largest:
-                best, largest = i, relative
-        if not largest > RANK_TOLERANCE:
+        best, largest, is_none = _pivot(a, order, scale, rank, count)
+        if is_none:
             break
-        closures.regularity[0] = min(closures.regularity[0], largest)
+        closures.regularity[0] = smaller(closures.regularity[0], largest)
         order[rank], order[best] = order[best], order[rank]
         p = order[rank]
         inverse = 1.0 / a[p, p]

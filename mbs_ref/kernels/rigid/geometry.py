@@ -59,7 +59,9 @@ push = supplied("push(work, i, arm, force)")
 apply_gravity = supplied("apply_gravity(model, work)")
 # Add the torque of force k, times its signal's value.
 apply_torque = supplied("apply_torque(model, work, k, scale)")
-# Add the loads that this core alone has, torsion springs among them.
+# Add the torques of torsion springs.
+apply_torsion_springs = supplied("apply_torsion_springs(model, work)")
+# Add the loads that this core alone has.
 apply_own_loads = supplied("apply_own_loads(model, work)")
 # Write place and rates of body i where a user's law reads those of body k of the scene.
 put_state = supplied("put_state(work, i, k)")
@@ -75,7 +77,9 @@ rate_of_turning = supplied("rate_of_turning(work, i, n, gap)")
 # Return `surplus` without what the turning of n, fixed in body i, adds to the second rate of n . gap.
 surplus_of_turning = supplied("surplus_of_turning(work, i, n, apart, surplus)")
 # Evaluate the rows that this core alone has.
-fill_own_rows = supplied("fill_own_rows(model, work, t)")
+fill_own_rows = supplied("fill_own_rows(model, work)")
+# And those of them that prescribe a motion in time.
+fill_own_drives = supplied("fill_own_drives(model, work, t)")
 
 # --- the augmented system ---------------------------------------------------------------------------
 

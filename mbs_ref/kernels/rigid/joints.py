@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.calls import call_user
-from mbs_ref.kernels.border.questions import derivative, fill_contact_rows
+from mbs_ref.kernels.border.questions import derivative, fill_contact_rows, regularity
 from mbs_ref.kernels.jit import bare, jit, loop_jit, strict_jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import inward, separation
@@ -110,13 +110,20 @@ def _fill_drives(model, work, t):
 
 
 @jit
-def rigid_fill_rows(model, work, t):
-    """Evaluate every constraint row at the pose and motion in `work`."""
+def lanes_fill_rows(model, work, t):
+    """Evaluate the rows that prescribe no motion in time, which are all that lanes have."""
     _fill_points(model, work)
     _fill_planes(model, work)
     _fill_distances(model, work)
+    core.fill_own_rows(model, work)
+
+
+@jit
+def rigid_fill_rows(model, work, t):
+    """Evaluate every constraint row at the pose and motion in `work`."""
+    lanes_fill_rows(model, work, t)
     _fill_drives(model, work, t)
-    core.fill_own_rows(model, work, t)
+    core.fill_own_drives(model, work, t)
     if model.world.user_rows[0] != 0:
         call_user(model.world.user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
     fill_contact_rows(model, work)
@@ -147,13 +154,15 @@ def forces_at_joints(joints, multiplier, jacobian, out):
 
 
 @loop_jit
-def forces_of_tree(model, work, control, joints, multiplier, jacobian, times, states, out):
+def forces_over(model, work, control, joints, rows, rank, times, states, out, pivots, ranks):
     """Write forces as `forces_at_joints` at each time and state into out (n_t, n_joints, rates).
 
-    `multiplier` and `jacobian` lie in the scratch, which dy/dt fills.
+    pivots and ranks (n_t,) receive the smallest relative pivot of the closures and the number of all. `rows` and `rank`
+    lie in the scratch, which dy/dt fills.
     """
     dy = np.empty(states.shape[1])
     for k in range(times.shape[0]):
         control[CONTROL_MODE_TIME] = times[k]
         derivative(model, work, times[k], states[k], dy)
-        forces_at_joints(joints, multiplier, jacobian, out[k])
+        forces_at_joints(joints, rows.multiplier, rows.jacobian, out[k])
+        pivots[k], ranks[k] = regularity(work), np.sum(rank)

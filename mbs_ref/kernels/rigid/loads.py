@@ -6,6 +6,7 @@ is stretched, but its damper outweighs the spring and it gives nothing; limited 
 
 import numpy as np
 
+from mbs_ref.kernels.algebra.lanes import either, vanishes
 from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.questions import apply_contacts, apply_granules
 from mbs_ref.kernels.contact import laws as law
@@ -50,6 +51,7 @@ def rigid_apply_loads(model, work, t):
     core.apply_gravity(model, work)
     _apply_forces(model, work, t)
     _apply_springs(model, work)
+    core.apply_torsion_springs(model, work)
     core.apply_own_loads(model, work)
     apply_contacts(model, work)
     apply_granules(model, work)
@@ -57,21 +59,33 @@ def rigid_apply_loads(model, work, t):
         _apply_user_force(model, work, t)
 
 
+@jit
+def lanes_apply_loads(model, work, t):
+    """Evaluate gravity and springs, which are all that lanes have."""
+    core.apply_gravity(model, work)
+    _apply_springs(model, work)
+    core.apply_torsion_springs(model, work)
+
+
 # --- springs ----------------------------------------------------------------------------------------
 
 
 @bare
-def _clipped(spring, modes, k, stretch, tension):
-    """Return the pull of a spring whose law, without clipping, gives `tension`.
-
-    It follows from the frozen mode, or from the state where events are not located; a spring that may push has none.
-    """
+def _clipped_by_mode(spring, modes, k, stretch, tension):
     place = spring.place[k]
     if place < 0 or modes.mode[place] == law.MODE_CLOSED:
         return tension
     if modes.mode[place] == law.MODE_PLAIN and stretch > 0.0:
         return min(max(tension, 0.0), spring.limit[k])
     return spring.limit[k] if modes.mode[place] == law.MODE_LIMITED else 0.0
+
+
+# Return the pull of a spring whose law, without clipping, gives `tension`. It follows from the frozen mode, or from the
+# state where events are not located; a spring that may push has none, as no spring in lanes has.
+_clipped = either(
+    "_clipped(spring, modes, k, stretch, tension)", _clipped_by_mode,
+    bare(lambda spring, modes, k, stretch, tension: tension),
+)  # fmt: skip
 
 
 @bare
@@ -89,7 +103,7 @@ def _apply_springs(model, work):
             rate, arm_a = rate_seen(work, a, gap, rate), core.plus(work, arm_a, gap)
             elastic = core.times(work, spring.stiffness[k], gap)
             force = core.plus(work, elastic, core.times(work, spring.damping[k], rate))
-        elif length == 0.0:
+        elif vanishes(length):
             force = core.times(work, spring.damping[k], rate)  # no line of action: the isotropic limit of the damper
         else:
             tension = spring.stiffness[k] * stretch + spring.damping[k] * core.dot(work, gap, rate) / length

@@ -14,7 +14,8 @@ import sys
 
 import numpy as np
 
-from mbs_ref.kernels.border.handles import handle_class
+from mbs_ref.kernels.algebra.lanes import larger
+from mbs_ref.kernels.border.handles import handle_class, handle_in_lanes
 from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates
 from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import jit
@@ -64,8 +65,8 @@ def largest_norm_defect(model, work):
     largest = 0.0
     norm, rigid = work.kinematics.norm, model.bodies.rigid
     for i in range(rigid.shape[0]):
-        if rigid[i] == 1 and not abs(norm[i]) <= largest:
-            largest = abs(norm[i])
+        if rigid[i] == 1:
+            largest = larger(largest, abs(norm[i]))
     return largest
 
 
@@ -223,7 +224,8 @@ SpatialModel = handle_class(
     __name__, "SpatialModel", SpatialGroups, dimension=3, tangents=2, axes=3, turns=3, moments=6
 )
 SpatialWork = handle_class(__name__, "SpatialWork", SpatialScratch, rates=6)
+SpatialModelInLanes, SpatialWorkInLanes = handle_in_lanes(SpatialModel), handle_in_lanes(SpatialWork)
 
 
 _MODULES = (sys.modules[__name__], contacts, joints, loads, marks, orientation, tree)
-supply((SpatialModel, SpatialWork), geometry, _MODULES)
+supply((SpatialModel, SpatialWork, SpatialModelInLanes, SpatialWorkInLanes), geometry, _MODULES)

@@ -80,7 +80,7 @@ def surplus_of_turning(work, i, n, apart, surplus):
 
 
 @bare
-def fill_turns(model, work, t):
+def fill_own_drives(model, work, t):
     """m(phi) . b = 0 with m = cos(phi) quarter - sin(phi) zero: b follows the angle phi about the axis."""
     joint, slots, kin, rows = model.turns, model.slots, work.kinematics, work.rows
     signals = model.signals
@@ -143,7 +143,6 @@ def leave_slips(model, values):
 
 
 @bare
-def fill_own_rows(model, work, t):
+def fill_own_rows(model, work):
     fill_products(model, work)
-    fill_turns(model, work, t)
     fill_wheels(model, work)

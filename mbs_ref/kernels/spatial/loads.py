@@ -5,6 +5,7 @@ Forces act at the centre of mass along world axes, with their torque about it: N
 
 import numpy as np
 
+from mbs_ref.kernels.algebra.lanes import lane_by_lane
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.marks import rate_seen, separation
 from mbs_ref.kernels.spatial.marks import (
@@ -47,6 +48,16 @@ def apply_torque(model, work, k, scale):
 
 
 @bare
+def _angle_within(stiffness, sine, cosine):
+    angle = np.arctan2(sine, cosine)
+    # a mere damper need not count turns
+    return np.nan if stiffness > 0.0 and abs(angle) > LARGEST_TWIST else angle
+
+
+_known_angle = lane_by_lane("_known_angle(stiffness, sine, cosine)", _angle_within)
+
+
+@bare
 def apply_torsion_springs(model, work):
     """Torque about an axis of body a on the angle of a mark of body b, counted from t = 0."""
     spring, kin = model.torsion_springs, work.kinematics
@@ -55,9 +66,7 @@ def apply_torsion_springs(model, work):
         zero, quarter = turned(work, a, spring.zero[k]), turned(work, a, spring.quarter[k])
         mark = turned(work, b, spring.mark[k])
         axis = cross(zero, quarter)
-        angle = np.arctan2(dot(quarter, mark), dot(zero, mark))
-        if spring.stiffness[k] > 0.0 and abs(angle) > LARGEST_TWIST:  # a mere damper need not count turns
-            angle = np.nan
+        angle = _known_angle(spring.stiffness[k], dot(quarter, mark), dot(zero, mark))
         rate = dot(axis, minus(kin.omega[b], kin.omega[a]))
         torque = spring.stiffness[k] * (angle - spring.rest_angle[k]) + spring.damping[k] * rate
         twist(work, a, times(torque, axis))
@@ -189,7 +198,6 @@ def put_state(work, i, k):
 
 @jit
 def apply_own_loads(model, work):
-    apply_torsion_springs(model, work)
     if model.bushings.a.shape[0] > 0:
         apply_bushings(model, work)
     if model.attraction.gm.shape[0] > 0:

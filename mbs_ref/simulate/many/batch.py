@@ -34,10 +34,10 @@ def simulate_starts(
     a new one for every run.
 
     With `lanes` each thread integrates several runs at once by packed instructions, many times faster, if scene and
-    settings allow it (mbs_ref.simulate.many.lanes.why_not_in_lanes): planar trees under gravity alone, by DOP853 with
-    tolerances. Such runs use relative coordinates, whatever the settings are, and take the steps of that run alone;
-    sines and sums differ by roundoff. No run depends on the others. A note reports the use of lanes, or the reason
-    against them.
+    settings allow it (mbs_ref.simulate.many.lanes.why_not_in_lanes): bodies, joints and closed loops under gravity and
+    springs, by DOP853 with tolerances. Trees of known joints use relative coordinates, whatever the settings are, and
+    all take the steps of that run alone; sines and sums differ by roundoff. No run depends on the others. A note
+    reports the use of lanes, or the reason against them.
     """
     check_starts(scene, starts)
     if not len(starts.position):
@@ -51,10 +51,9 @@ def simulate_starts(
     states, of_thread = system.redundant.states_of(starts), threading.local()
 
     def run(y: np.ndarray) -> Trajectory:
-        warm = hasattr(of_thread, "system")
-        if not warm or system.event_sources:
+        if not hasattr(of_thread, "system") or system.event_sources:
             of_thread.system = system.twin()
-        return simulated(of_thread.system, plan, y.copy(), build_s, warm)
+        return simulated(of_thread.system, plan, y.copy(), build_s)
 
     return shared(lambda y: or_empty(scene, lambda: run(y)), list(states), threads)
 

@@ -15,25 +15,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.cores.relative import RelativePlanarSystem, no_tree
-from mbs_ref.cores.system import Poses
+from mbs_ref.cores.choice import core_name
+from mbs_ref.cores.in_lanes import build_of, figures_of
+from mbs_ref.cores.relative import no_tree
+from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
-from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, propose_all, runs_from, side_by_side
+from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, propose_all, room_beside, runs_from
 from mbs_ref.integrators.loop.leg import DONE
 from mbs_ref.integrators.stages.tableau import DOP853
 from mbs_ref.kernels.algebra.lanes import WIDTH
-from mbs_ref.kernels.relative.lanes import build_of, figures_of
-from mbs_ref.scene import Scene
-from mbs_ref.scene.scales import is_celestial
+from mbs_ref.scene import PointBushing, Scene, SpringDamper, TorsionSpring
+from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
-from mbs_ref.simulate.legs import Counts, Run, planned_legs, reached, run_legs
-from mbs_ref.simulate.one_run import compiled, or_empty, sampled, trajectory, with_estimate
+from mbs_ref.simulate.legs import Counts, Run, largest_between, planned_legs, reached, run_legs
+from mbs_ref.simulate.one_run import compiled, or_empty, sampled, simulated, trajectory, with_estimate
 from mbs_ref.simulate.plan import Plan
-from mbs_ref.simulate.start.consistent import consistent_start
+from mbs_ref.simulate.start.consistent import consistent_start, rank_at_start
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
-NOTE = f"integrated in {WIDTH} lanes, in relative coordinates"
+NOTE = f"integrated in {WIDTH} lanes"
 MAX_NUMBERS = 4_000_000  # entries of states in one piece of work: 32 MB
 PIECES = 4  # pieces of work for each thread, which balances the threads
 ROUNDS = 8  # least number of runs of a lane in a piece; lanes are idle at the end of a piece
@@ -70,7 +71,7 @@ def shared[T, R](run: Callable[[T], R], work: list[T], threads: int | None, alon
 class Bunch(NamedTuple):
     """Runs of one scene from several states: of the redundant system as given, of the relative one once checked."""
 
-    system: RelativePlanarSystem
+    system: System
     plan: Plan
     starts: np.ndarray  # (n, n_state)
     build_s: float = 0.0
@@ -79,33 +80,34 @@ class Bunch(NamedTuple):
 def why_not_in_lanes(scene: Scene, settings: Settings) -> str:
     """Return why runs cannot use lanes, or nothing.
 
-    Lanes support planar trees of revolute, prismatic and weld joints and free bodies under gravity alone, by DOP853
-    with tolerances.
+    Lanes support bodies, joints and closed loops under gravity and springs that push and pull, by DOP853 with
+    tolerances; nothing that depends on the time, and no events.
     """
     return "; ".join(_reasons(scene, settings))
 
 
 def _reasons(scene: Scene, settings: Settings) -> Iterator[str]:
-    if scene.dimension != 2:
-        yield f"scene {scene.name!r} is spatial; lanes support planar ones"
-    loads = [load.name for load in (*scene.loads, *scene.contacts, *scene.events)]
+    known = (PointBushing, SpringDamper, TorsionSpring)
+    loads = [x.name for x in scene.loads if not isinstance(x, known) or getattr(x, "tension_only", False)]
+    loads += [part.name for part in (*scene.contacts, *scene.events)]
     if loads:
-        yield f"{', '.join(loads[:4])}: lanes support gravity alone"
+        yield f"{', '.join(loads[:4])}: lanes support gravity and springs that push and pull"
+    others = sorted(traits(scene) & {"rheonomic", "user-constraint", "nonholonomic"})
+    if others:
+        yield f"scene {scene.name!r} is {', '.join(others)}"
     if settings.method not in (None, DEFAULT) or settings.step is not None:
         yield f"lanes are for {DEFAULT} with tolerances"
     if settings.outputs == "dense":
         yield "outputs = 'dense': lanes end steps at outputs"
     if settings.stabilization == "baumgarte":
-        yield "stabilization = 'baumgarte' has no effect in relative coordinates"
-    if is_celestial(scene):
-        yield "celestial bodies are particles"
-    else:
-        yield from no_tree(scene)
+        yield "stabilization = 'baumgarte': lanes project"
+    if core_name(scene) == "particles":
+        yield "particles have a core of their own"
 
 
 def alike(bunch: Bunch) -> bytes:
     """Return a key that is equal for bunches of one tree structure and the same output times."""
-    return build_of(bunch.system.figures) + bunch.plan.times.tobytes()
+    return build_of(bunch.system) + bunch.plan.times.tobytes()
 
 
 def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
@@ -123,7 +125,8 @@ def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
     def run(k: int) -> Run:
         bunch = bunches[runs.scene[k]]
         if succeeded[k]:
-            return _complete(bunch.plan, runs, k, runs.states[k, outputs], loop_s)
+            worst, _ = largest_between(runs.compliance[k], leg.outputs, 0.0)
+            return _complete(bunch.plan, runs, k, runs.states[k, outputs], np.append(0.0, worst), loop_s)
         return run_legs(bunch.system, bunch.plan, runs.states[k, 0].copy(), refine)
 
     return [[run(k) for k in range(first, last)] for first, last in _places(bunches)]
@@ -136,23 +139,24 @@ def _places(bunches: Sequence[Bunch]) -> list[tuple[int, int]]:
 
 
 def _advanced(bunches: Sequence[Bunch], times: np.ndarray) -> Runs:
-    figures = np.stack([figures_of(bunch.system.figures) for bunch in bunches])
+    figures = np.stack([figures_of(bunch.system) for bunch in bunches])
     atol = np.stack([bunch.plan.options.atol for bunch in bunches])
     scene = np.repeat(np.arange(len(bunches)), [len(bunch.starts) for bunch in bunches])
     runs = runs_from(figures, atol, scene, np.concatenate([bunch.starts for bunch in bunches]), len(times))
-    side, tree = side_by_side(atol.shape[1], len(DOP853.b)), bunches[0].system.in_lanes()
+    room = bunches[0].system.room
+    side = room_beside(room.figures, atol.shape[1], len(DOP853.b))
     with np.errstate(all="ignore"):
         for (system, plan, *_), (first, last) in zip(bunches, _places(bunches), strict=True):
             propose_all(system.model, system.work, plan.options, runs, first, last, times, DOP853.order)
-        advance_in_lanes(tree, DOP853, bunches[0].plan.options, runs, side, times, 0, len(scene))
+        advance_in_lanes(room.model, room.work, DOP853, bunches[0].plan.options, runs, side, times, 0, len(scene))
     return runs
 
 
-def _complete(plan: Plan, runs: Runs, k: int, states: np.ndarray, loop_s: float) -> Run:
-    """Return run k, which reached its end; no state breaks a constraint."""
+def _complete(plan: Plan, runs: Runs, k: int, states: np.ndarray, compliance: np.ndarray, loop_s: float) -> Run:
+    """Return run k, which reached its end."""
     steps, rejected, cut, calls = (int(count[k]) for count in (runs.steps, runs.rejected, runs.cut, runs.rhs_calls))
     counts = Counts(steps, rejected, cut, calls, 0, 0)
-    return Run(plan.times, states, np.zeros(len(states)), counts, Status.SUCCESS, reached(plan), loop_s, 0.0, False)
+    return Run(plan.times, states, compliance, counts, Status.SUCCESS, reached(plan), loop_s, 0.0, False)
 
 
 class Checked(NamedTuple):
@@ -160,13 +164,13 @@ class Checked(NamedTuple):
 
     bunch: Bunch  # the consistent starts
     notes: dict[int, list[str]]  # on the corrections of these
-    inconsistent: dict[int, Trajectory]  # in place of the others
+    others: dict[int, Trajectory]  # in place of the others: runs alone, and starts that break constraints
 
 
 def starts_in_lanes(
     scene: Scene, starts: Poses, settings: Settings, times: np.ndarray | None, threads: int
 ) -> list[Trajectory]:
-    """Return the trajectory from each of n starts (n, n_bodies, ...), in the scene's relative coordinates."""
+    """Return the trajectory from each of n starts (n, n_bodies, ...)."""
     first = _case(scene, settings, times)
     states, of_thread = first.system.redundant.states_of(starts), threading.local()
 
@@ -182,7 +186,7 @@ def starts_in_lanes(
 def scenes_in_lanes(
     scenes: list[Scene], settings: Settings, times: np.ndarray | None, threads: int
 ) -> list[Trajectory]:
-    """Return the trajectory of each scene from its own start, in relative coordinates."""
+    """Return the trajectory of each scene from its own start."""
 
     def piece(part: slice) -> list[Trajectory]:
         cases = [or_empty(scene, lambda scene=scene: _case(scene, settings, times)) for scene in scenes[part]]
@@ -190,16 +194,16 @@ def scenes_in_lanes(
         return [next(paths)[0] if isinstance(case, Bunch) else case for case in cases]
 
     outputs = settings.samples if times is None else len(times)
-    size = outputs * max((6 * len(scene.bodies) for scene in scenes), default=1)
+    size = outputs * max((13 * len(scene.bodies) for scene in scenes), default=1)
     work = pieces(len(scenes), threads, size)
     return [path for paths in shared(piece, work, threads, alone=0) for path in paths]
 
 
 def _case(scene: Scene, settings: Settings, times: np.ndarray | None) -> Bunch:
-    """Return a scene with its own start."""
-    plan, system, build_s = compiled(scene, settings.model_copy(update={"coordinates": "relative"}), times)
-    assert isinstance(system, RelativePlanarSystem)
-    return Bunch(system, replace(plan, notes=(*plan.notes, NOTE)), system.redundant.initial_state()[None], build_s)
+    """Return a scene with its own start; a tree of known joints is in relative coordinates."""
+    coordinates, note = ("cartesian", NOTE) if [*no_tree(scene)] else ("relative", f"{NOTE}, in relative coordinates")
+    plan, system, build_s = compiled(scene, settings.model_copy(update={"coordinates": coordinates}), times)
+    return Bunch(system, replace(plan, notes=(note, *plan.notes)), system.redundant.initial_state()[None], build_s)
 
 
 def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
@@ -222,11 +226,22 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
 
 
 def _checked(case: Bunch) -> Checked:
-    system, settings, scene = case.system, case.plan.settings, case.system.scene
-    checks = [or_empty(scene, lambda y=y: consistent_start(system.redundant, y, settings)) for y in case.starts]
+    system, scene = case.system, case.system.scene
+    checks = [or_empty(scene, lambda y=y: _start(case, y)) for y in case.starts]
     notes = {k: one for k, one in enumerate(checks) if not isinstance(one, Trajectory)}
-    inconsistent = {k: one for k, one in enumerate(checks) if isinstance(one, Trajectory)}
-    return Checked(Bunch(system, case.plan, system.all_reduced(case.starts[[*notes]])), notes, inconsistent)
+    others = {k: one for k, one in enumerate(checks) if isinstance(one, Trajectory)}
+    return Checked(Bunch(system, case.plan, system.all_reduced(case.starts[[*notes]])), notes, others)
+
+
+def _start(case: Bunch, y: np.ndarray) -> list[str] | Trajectory:
+    """Make a start consistent, and return notes on it; where constraint rows are redundant, the run alone."""
+    system, plan = case.system, case.plan
+    before, notes = y.copy(), consistent_start(system.redundant, y, plan.settings)
+    rank = rank_at_start(system, y)
+    if rank is None or rank == system.n_constraints:
+        return notes
+    why = f"not in lanes: {system.n_constraints - rank} constraint rows are redundant"
+    return simulated(system.twin(), replace(plan, notes=(why, *plan.notes[1:])), before, case.build_s)
 
 
 def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
@@ -244,7 +259,7 @@ def _trajectories(
     checked: Checked, timing: Timing, runs: list[Run], others: list[Run] | None, is_coarse: bool
 ) -> list[Trajectory]:
     """Return the trajectories of a case, in the order of its starts."""
-    (system, plan, *_), paths = checked.bunch, dict(checked.inconsistent)
+    (system, plan, *_), paths = checked.bunch, dict(checked.others)
     samples = sampled(system, plan, runs)
     poses = [sample.poses for sample in samples]
     companions = [None] * len(runs) if others is None else all_companions(system, poses, runs, others, is_coarse)

@@ -11,6 +11,7 @@ from mbs_ref.cores.system import Poses, System
 from mbs_ref.scene import Scene
 from mbs_ref.scene.bodies import LARGEST_NORM_GAP
 from mbs_ref.scene.messages import sentences
+from mbs_ref.scene.scene import of_last_scene
 from mbs_ref.scene.signals import HalfSine, Signal, Table
 from mbs_ref.trajectory import pose_shapes
 
@@ -23,6 +24,7 @@ class UnsoundScene(ValueError):
     """A scene with parts that were not validated, or whose numbers a run cannot represent."""
 
 
+@of_last_scene
 def require_sound(scene: Scene) -> None:
     """Validate every part again, since copies with changed fields are not; UnsoundScene lists what is invalid."""
     complaints = [text for kind in ("bodies", "joints", "loads", "contacts") for text in _part_troubles(kind, scene)]

@@ -9,19 +9,19 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
+from mbs_ref.cores.in_lanes import figures_of
 from mbs_ref.cores.relative import RelativePlanarSystem
 from mbs_ref.kernels.algebra.lanes import (
     WIDTH,
     chosen_in_lanes,
     cos_sin,
     in_lanes,
-    larger_in_lanes,
+    larger,
     nearest_in_lanes,
     room_for_lanes,
-    size_in_lanes,
 )
+from mbs_ref.kernels.border.questions import derivative
 from mbs_ref.kernels.jit import bare
-from mbs_ref.kernels.relative.lanes import derivative_in_lanes, figures_of
 from tests.mbs_ref.cores.test_relative import planar_tree
 
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
@@ -39,7 +39,7 @@ def _arithmetic(a, b, out):
         out[k, 1] = 3 * a[k]
         out[k, 2] = 1.0 / b[k]
         out[k, 3] = -a[k]
-        out[k, 4] = larger_in_lanes(a[k], size_in_lanes(b[k]))
+        out[k, 4] = larger(a[k], abs(b[k]))
         out[k, 5] = nearest_in_lanes(a[k])
         out[k, 6] = chosen_in_lanes(b[k], a[k], 7.0)
         out[k, 6] += 1.0
@@ -53,8 +53,8 @@ def _turns(angle, out):
 
 
 @bare
-def _slopes(tree, y, dy):
-    derivative_in_lanes(tree, in_lanes(y), in_lanes(dy))
+def _slopes(model, work, y, dy):
+    derivative(model, work, 0.0, in_lanes(y), in_lanes(dy))
 
 
 def random_lanes(*shape, scale=1.0):
@@ -67,9 +67,9 @@ def slopes_of(system, states):
     """Return dy/dt (n_state, WIDTH) of as many states."""
     y, dy = room_for_lanes(len(states)), room_for_lanes(len(states))
     y[:] = states
-    tree = system.in_lanes()
-    tree.figures[:] = figures_of(system.figures)[:, None]
-    _slopes(tree, y, dy)
+    room = system.room
+    room.figures[:] = figures_of(system)[:, None]
+    _slopes(room.model, room.work, y, dy)
     return dy
 
 

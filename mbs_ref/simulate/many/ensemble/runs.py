@@ -185,7 +185,7 @@ class _Store:
         """Store the samples of a portion of the runs."""
         for k, (path, job) in enumerate(zip(paths, jobs, strict=True), first):
             self.ends.append((path.status, path.message, path.method))
-            self.how |= dict.fromkeys(note for note in path.notes if note == NOTE or note.startswith("not in lanes"))
+            self.how |= dict.fromkeys(note for note in path.notes if note.startswith((NOTE, "not in lanes")))
             if path.status in ENDED:
                 self._store(k, path)
                 if self.settings.project_initial and isinstance(job, _Job):
