@@ -24,8 +24,8 @@ def _spring(work: Derivation, load: Any) -> None:
     gap = minus(b, a)
     inverse = _inverse_length(work, gap)
     if load.rest_length is None:
-        squared = sum((work.exact(y) - work.exact(x)) ** 2 for x, y in zip(load.point_a, load.point_b, strict=True))
-        rest = work.tape.line("root", *Fraction(squared / units.length**2).as_integer_ratio())
+        first = minus(work.vector(load.point_b, units.length), work.vector(load.point_a, units.length))
+        rest = work.root(dot(first, first))
     else:
         rest = work.number(load.rest_length, units.length)
     stiffness = work.number(load.stiffness, units.mass / units.time**2)

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_poly, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Polynomials, exact, precision, terms
 from cross_checks.truths.proofs.checker.bounds import ORDER, Step, variations
-from cross_checks.truths.proofs.checker.formulas import Formulas
+from cross_checks.truths.proofs.checker.formulas import Formulas, Polynomials, exact, precision, terms
 
 LAST = 6  # coefficients that state the radius of convergence: series may have gaps
 SLOWEST = 2.0**-4  # 1 / radius of convergence at most, in units of time of the polynomials
