@@ -126,7 +126,7 @@ def _attempt(
     began, bits = time.process_time(), int(digits * math.log2(10.0))
     units = _units(scene)
     header = _header(scene, times, inputs, bits, units, ends)
-    proof, reason = Proof(header), ""
+    proof, reason = Proof(header, compares=False), ""  # for the unit of time alone; the next one compares
     try:
         p, radius = propose(proof.formulas, Fraction(1), _constant(proof), ORDER, ROUGH_BITS)
     except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:

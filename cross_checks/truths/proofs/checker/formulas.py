@@ -3,12 +3,11 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
-from functools import reduce
 from operator import add, mul, sub, truediv
 from typing import Any
 
 import numpy as np
-from flint import arb, arb_series, ctx, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
+from flint import arb, arb_poly, arb_series, ctx, fmpq  # pyright: ignore[reportMissingImports]  # an optional extra
 
 GAMMA = 1e-12  # of |A| |B|: 9000 roundings of 2^-53
 
@@ -60,8 +59,7 @@ def terms(value: Number, count: int) -> list[arb]:
 
 def beside(p: Polynomials, e: np.ndarray, s: arb) -> list[arb]:
     """Return balls of radius e about polynomials at a time, or on an interval."""
-    values = [reduce(lambda value, c: value * s + c, reversed(row), arb(0)) for row in p]
-    return [value + arb(0, float(wide)) for value, wide in zip(values, e, strict=True)]
+    return [arb_poly(row)(s) + arb(0, float(wide)) for row, wide in zip(p, e, strict=True)]
 
 
 RULES: dict[str, tuple[int, Any, Any]] = {  # number of operands, value by them, derivatives by them and the value

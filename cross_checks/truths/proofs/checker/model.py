@@ -25,7 +25,7 @@ START_GAP = 1e-7  # of a rate, 1: how far a scene's dependent rates may be from 
 class Model:
     """A scene, the formulas that a log states for it, and the start of y and z. Refused where they do not fit."""
 
-    def __init__(self, header: dict[str, Any]) -> None:
+    def __init__(self, header: dict[str, Any], compares: bool) -> None:
         self.scene: Any = Scene.model_validate(header["scene"])
         if "ends" in header:
             self.scene = family(self.scene, *map(Scene.model_validate, header["ends"]))
@@ -48,7 +48,8 @@ class Model:
                 raise Refused(f"coordinate {own} is not time, or is no parameter")
         with precision(POINT_BITS):
             self.start = self._start()
-            self._compare(self.start)
+            if compares:
+                self._compare(self.start)
             self.z_start = root(self.formulas, self.start)
             self.moved, self.box = np.eye(self.formulas.n), np.zeros(self.formulas.n)
             if "ends" in header:

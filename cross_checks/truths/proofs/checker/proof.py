@@ -19,8 +19,8 @@ ITERATIONS = 12  # for a box that maps into itself
 class Proof:
     """What the checker knows of one log: the model, and the enclosure at the end of the last step."""
 
-    def __init__(self, header: dict[str, Any]) -> None:
-        self.model, self.bits, self.t = Model(header), int(header["bits"]), Fraction(0)
+    def __init__(self, header: dict[str, Any], compares: bool = True) -> None:
+        self.model, self.bits, self.t = Model(header, compares), int(header["bits"]), Fraction(0)
         self.formulas, self.n = self.model.formulas, self.model.formulas.n
         self.times = [self.model.mechanics.exact(t) / self.model.units[1] for t in header["times"]]
         if sorted(set(self.times)) != self.times or self.times[:1] < [Fraction(0)]:
