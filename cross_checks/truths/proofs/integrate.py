@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.bounds import ORDER
-from cross_checks.truths.proofs.checker.formulas import Polynomials, Refused, beside, exact, precision
+from cross_checks.truths.proofs.checker.bounds import ORDER, Step, variations
+from cross_checks.truths.proofs.checker.formulas import GAMMA, Polynomials, Refused, beside, exact, precision
 from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
@@ -41,10 +41,10 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]], wider: float) 
     """
     n, still = proof.n, np.zeros(proof.n)
     with precision(proof.bits + 64):
-        p = [[arb((int(c), -proof.bits)) for c in row] for row in rows[:n]]
+        p = [[arb((int(c), -proof.bits)) for c in row] for row in rows]
 
         def gap(part: int, s: arb, e: np.ndarray = still) -> list[arb]:
-            return proof.impacts.gap(part, beside(p, e, s))
+            return proof.impacts.gap(part, beside(p[:n], e, s))
 
         instants, parts = (exact(Fraction(k, SAMPLES)) for k in range(1, SAMPLES + 1)), range(len(proof.impacts.names))
         closed = next((own for s in instants if (own := [(k, s) for k in parts if gap(k, s)[0] < 0])), [])
@@ -57,7 +57,9 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]], wider: float) 
         if not touches:
             return None
         _, s, part, rate = min(touches, key=lambda one: one[0])
-        wide = np.abs(proof.moved) @ proof.box + proof.loose
+        flow = variations(Step(proof.formulas, h, p).slopes()[0], np.eye(n), np.zeros((ORDER, len(p), n)))[:, :n]
+        flow = np.tensordot(float(s) ** np.arange(ORDER), flow, 1)
+        wide = np.abs(flow @ proof.moved) @ proof.box + np.abs(flow) @ proof.loose + GAMMA * proof.box.max()
         spread = wider * (float(gap(part, s, wide)[0].rad()) + 2.0 ** -(proof.bits - 16))
         mantissa, exponent = s.man_exp()
         end = Fraction(int(mantissa)) * Fraction(2) ** int(exponent) + Fraction(MARGIN * spread / rate)

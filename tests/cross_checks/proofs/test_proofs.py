@@ -477,6 +477,19 @@ def test_a_family_of_bounces_is_enclosed_tightly(what):
     assert y.contains(own[1])
 
 
+def test_a_family_of_speeds_keeps_its_width_through_three_impacts():
+    """Between walls, a path of v t is folded: all members move by as much, and the band is 2 t dv wide."""
+
+    def make(speed: float) -> Any:
+        return scenes.make("disc_between_walls", law="rigid", speed=speed)
+
+    (family,) = prove_family(make, 5.0 - 1e-5, 5.0 + 1e-5, [0.0, 0.5])
+    x = family.proof.enclosures[-1][0][0]
+    assert len(family.proof.impacts.times) == 3
+    assert float(x.mid()) == pytest.approx(0.4, abs=1e-12)  # 0.4 + 0.8 + 0.8 + 0.5 = 2.5 m
+    assert float(x.rad()) == pytest.approx(0.5e-5, rel=2e-3)
+
+
 def test_a_family_of_masses_that_collide_is_enclosed():
     """A disc of mass m hits one of 1 kg at rest: v = (m - e) / (m + 1) and (1 + e) m / (m + 1) times its speed."""
 

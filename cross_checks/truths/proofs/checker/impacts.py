@@ -13,6 +13,7 @@ from cross_checks.truths.proofs.checker.formulas import GAMMA, Polynomials, Refu
 from cross_checks.truths.proofs.checker.model import Model, matrix_of, newton, solve
 
 WIDE = 2.0**40  # of z after an impact
+ITERATIONS = 4  # for an enclosure of the motion after an impact
 FINEST = 12  # halvings of a step where a gap may close
 
 
@@ -67,10 +68,14 @@ class Impacts:
         part, y = self.opening, beside(p, e, whole)
         rates, rebound = self._rates(y), self.model.after(part, y)
         lasting, wider = between(Fraction(0), window * h), between(-window * h, 2 * window * h)
-        wide = [x + wider * rate for x, rate in zip(rebound, self._rates(rebound), strict=True)]
-        later = self._rates(wide)
-        end = [x + lasting * rate for x, rate in zip(rebound, later, strict=True)]
-        if not all(a.contains(b) for a, b in zip(wide, end, strict=True)):
+        later = self._rates(rebound)
+        for _ in range(ITERATIONS):
+            wide = [x + wider * rate for x, rate in zip(rebound, later, strict=True)]
+            later = self._rates(wide)
+            end = [x + lasting * rate for x, rate in zip(rebound, later, strict=True)]
+            if all(a.contains(b) for a, b in zip(wide, end, strict=True)):
+                break
+        else:
             raise Refused("the motion after an impact is not enclosed")
         for other in range(len(self.names)):
             gap, rate = self.gap(other, end)
