@@ -99,7 +99,7 @@ class Formulas:
             elif operation in ("y", "z"):
                 value[place] = x[a + self.n * (operation == "z")]
             else:
-                value[place] = {"c": arb, "root": arb.sqrt}[operation](exact(Fraction(a, b)))
+                value[place] = {"c": arb, "root": arb.sqrt}[operation](arb(fmpq(a, b)))
         return value
 
     def slopes(self, roots: Sequence[int], x: Sequence[Number]) -> list[dict[int, Number]]:
