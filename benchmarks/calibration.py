@@ -135,8 +135,8 @@ def _made(seed: int, among: Sequence[tuple[Scene, Truth]]) -> Trial:
 
 def _rounding(scene: Scene, truth: Truth) -> float:
     """Return the uncertainty of a proven truth over the scene's scales: its radius and its rounding."""
-    rate = 0.0 if truth.rate_uncertainty is None else float(truth.rate_uncertainty.max())
-    own = truth.uncertainty, EPS * float(np.abs(truth.orientation).max()), rate, rate
+    rates = 2 * [0.0 if truth.rate_uncertainty is None else float(truth.rate_uncertainty.max())]
+    own = truth.uncertainty, EPS * float(np.abs(truth.orientation).max()), *rates
     return float((np.array(own) / units_of(scales_of(scene))).max())
 
 

@@ -16,9 +16,8 @@ import numpy as np
 
 from cross_checks.truths.proofs.coverage import DRIVES, complaints
 from cross_checks.truths.proofs.derivation import LEVELS, Derivation, Exact, NotCovered, Units
-from cross_checks.truths.proofs.impacts import impact
 from cross_checks.truths.proofs.kinematics import Frame, plane_turn, product, space_turn, turned
-from cross_checks.truths.proofs.loads import LAWS
+from cross_checks.truths.proofs.loads import LAWS, impact
 from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, rate, times
 from mbs_ref.scene import GROUND
 

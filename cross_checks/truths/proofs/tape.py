@@ -95,9 +95,7 @@ class Formula:
         return self.tape.line("*", *((other.place, self.place) if b is not None else (self.place, other.place)))
 
     def __truediv__(self, other: Formula) -> Formula:
-        if other.constant is not None:
-            return self * (1 / other.constant)
-        return self.tape.line("/", self.place, other.place)
+        return self.tape.line("/", self.place, other.place) if other.constant is None else self * (1 / other.constant)
 
     def __neg__(self) -> Formula:
         return self * -1

@@ -9,9 +9,8 @@
    defects of the variational equations and o2 is the second order on the box. All are bounded on the whole step:
    series coefficients in ball arithmetic, their tails by Cauchy's estimate on a complex disc.
 
-4. At an impact, the box moves by the saltation matrix, bounded on all states of the window in which it happens. The
-   clearances and the states after impacts are compared as in 1: with Newton's law of rebound, and with an impulse
-   along the derivatives of the clearance by virtual displacements.
+4. At an impact, the box moves by the saltation matrix, bounded on all states of the window in which it happens.
+   Clearances and states after impacts are compared as in 1: Newton's law, an impulse along the clearance's derivatives.
 
 `mechanics` and `model` do 1 and 2, `impacts` does 4; they change with what proofs cover. `formulas`, `bounds` and
 `proof`, 400 lines, do 3 for any formulas.

@@ -174,8 +174,7 @@ class Mechanics:
             return dot(gap, gap) - (self.ball(part.radius_a) + self.ball(part.radius_b)) ** 2
         if part.type == "circle_on_line":
             point = self.vector(part.point_1)
-            along = minus(self.vector(part.point_2), point)
-            normal = apply(_skew([arb(0), arb(0), arb(1)]), along)
+            normal = apply(_skew([arb(0), arb(0), arb(1)]), minus(self.vector(part.point_2), point))
         else:
             point, normal = self.vector(part.point), self.vector(part.normal)
         return dot(normal, minus(gap, point)) - self.ball(part.radius) * dot(normal, normal).sqrt()

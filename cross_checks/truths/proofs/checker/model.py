@@ -91,10 +91,8 @@ class Model:
 
     def after(self, contact: int, y: Sequence[Number]) -> list[Number]:
         """Return y after an impact."""
-        (*_, changes), later = self.contacts[contact], list(y)
-        for column, place in changes:
-            (later[column],) = self.formulas.run([place], y)
-        return later
+        changed = {column: self.formulas.run([place], y)[0] for column, place in self.contacts[contact][2]}
+        return [changed.get(k, x) for k, x in enumerate(y)]
 
     def states(self, bodies: list[list[Any]]) -> tuple[list[Any], list[list[Any]]]:
         """Return place, turn and angle, and the six rates, of every body as `Mechanics` takes them."""
