@@ -5,21 +5,23 @@ and step or tolerance are random too. The truth is a run of DOP853 at TIGHT, and
 agrees with it. Seeds are split in halves: the estimate is tuned on the even ones, and judged by the odd ones.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cross_checks.judge import ladder
 from cross_checks.records import lines
 from cross_checks.records.store import code_of
+from cross_checks.truths import EPS, certificate, stored_poses
 from cross_checks.truths.oracle.random_scenes import random_scene
-from cross_checks.truths.truth import ONE_FIGURE
+from cross_checks.truths.truth import ONE_FIGURE, Truth
 from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.integrators import integrators
-from mbs_ref.observables.distance import largest, relative
-from mbs_ref.scene.scales import free_fall_time, tolerance_unit
+from mbs_ref.observables.distance import largest, relative, units_of
+from mbs_ref.scene.scales import free_fall_time, scales_of, tolerance_unit
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.plan import make_plan
 
@@ -93,32 +95,49 @@ def _code() -> str:
     return code_of(__name__)
 
 
-def trial(seed: int) -> Trial:
-    """Return the trial of a seed, always the same: its run and its truth."""
-    return replace(_made(seed), code=_code())
+def proven() -> list[tuple[Scene, Truth]]:
+    """Return the certified scenes whose stored truth is proven, with that truth at the output times of judged runs."""
+    certified = [scenes.make(one.scene, **one.parameters) for one in certificate.every()]
+    found = [(scene, stored_poses.load(scene, ladder.grid(scene))) for scene in certified]
+    return [(scene, truth) for scene, truth in found if truth is not None and truth.kind == "proven"]
 
 
-def _made(seed: int) -> Trial:
-    rng = np.random.default_rng([seed, 18])
-    scene, t_end = _scene(rng, seed)
+def trial(seed: int, among: Sequence[tuple[Scene, Truth]] = ()) -> Trial:
+    """Return the trial of a seed, always the same: its run and its truth; `among` has scenes with proven truths."""
+    return replace(_made(seed, among), code=_code())
+
+
+def _made(seed: int, among: Sequence[tuple[Scene, Truth]]) -> Trial:
+    rng, truth = np.random.default_rng([seed, 18]), None
+    if among:
+        scene, truth = among[int(rng.integers(len(among)))]
+        t_end = scene.duration
+    else:
+        scene, t_end = _scene(rng, seed)
     method, settings = _settings(rng, scene, t_end)
     setting = f"step {settings.step:.3g}" if settings.step else f"rtol {settings.rtol:.3g}"
     settings = settings.model_copy(update={"max_steps": MAX_STEPS, "reactions": False, "samples": SAMPLES})
     about = (seed, scene.name, method, setting)
     try:
-        plan = make_plan(scene, settings, None)
-        path = simulate(scene, settings, plan.times)
+        times = ladder.grid(scene) if truth else make_plan(scene, settings, None).times
+        path = simulate(scene, settings, times)
     except ValueError as error:
         return Trial(*about, f"refused: {error}")
     if path.estimate is None:
         return Trial(*about, str(path.status))
     value = float(min(path.estimate.value, 1e300))
     cost = path.estimate.cost_s / max(path.timing.loop_s, 1e-9)
-    known = _truth(scene, plan.times)
+    known = (truth, _rounding(scene, truth)) if truth else _truth(scene, times)
     if known is None:
         return Trial(*about, str(path.status), value, cost=cost)
-    truth, uncertainty = known
-    return Trial(*about, str(path.status), value, _gap(scene, path, truth), uncertainty, cost)
+    return Trial(*about, str(path.status), value, _gap(scene, path, known[0]), known[1], cost)
+
+
+def _rounding(scene: Scene, truth: Truth) -> float:
+    """Return the uncertainty of a proven truth over the scene's scales: its radius and its rounding."""
+    rates = 2 * [0.0 if truth.rate_uncertainty is None else float(truth.rate_uncertainty.max())]
+    own = truth.uncertainty, EPS * float(np.abs(truth.orientation).max()), *rates
+    return float((np.array(own) / units_of(scales_of(scene))).max())
 
 
 def _scene(rng: np.random.Generator, seed: int) -> tuple[Scene, float]:
@@ -149,7 +168,7 @@ def _takes(scene: Scene, method: str) -> bool:
     return True
 
 
-def _truth(scene: Scene, times: np.ndarray) -> tuple[Trajectory, float] | None:
+def _truth(scene: Scene, times: np.ndarray) -> tuple[Trajectory | Truth, float] | None:
     """Return a far tighter run, and how well another method agrees with it."""
     runs = [
         simulate(scene, Settings(method=name, rtol=rtol, atol=rtol * tolerance_unit(scene), reactions=False,
@@ -161,7 +180,7 @@ def _truth(scene: Scene, times: np.ndarray) -> tuple[Trajectory, float] | None:
     return runs[0], _gap(scene, *runs)
 
 
-def _gap(scene: Scene, first: Trajectory, second: Trajectory) -> float:
+def _gap(scene: Scene, first: Trajectory, second: Trajectory | Truth) -> float:
     return float(min(largest(relative(scene, first, second, np.inf)), 1e300))
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from benchmarks.calibration import Trial, keep, stored, table, trial, trials
+from benchmarks.calibration import Trial, keep, proven, stored, table, trial, trials
 
 
 def made(error: float | None, estimate: float | None, uncertainty: float = 0.0, method: str = "m") -> Trial:
@@ -43,6 +43,16 @@ def test_a_trial_is_always_the_same_and_what_other_sources_made_is_not_taken_for
     keep(file, one)
     keep(file, replace(one, seed=4, code="of older sources"))
     assert stored(file) == {3: one}
+
+
+def test_a_run_of_a_proven_scene_is_judged_by_its_proof():
+    among = proven()
+    assert len(among) >= 10
+    one = trial(5, [(scene, truth) for scene, truth in among if scene.name == "pendulum"])
+    assert (one.scene, one.status) == ("pendulum", "success")
+    assert one.uncertainty is not None
+    assert one.uncertainty < 1e-14
+    assert one.is_decided
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ import numpy as np
 
 from cross_checks.truths import EPS, seek_truth, stored_poses
 from cross_checks.truths.proofs import log as logs
-from cross_checks.truths.proofs.checker.balls import Refused
+from cross_checks.truths.proofs.checker.formulas import Refused
 from cross_checks.truths.proofs.checker.proof import check
 from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove

@@ -40,7 +40,7 @@ class Derivation:
     units: Units
     tape: Tape = field(default_factory=Tape)
     parallel: bool = False  # whether bodies that start with one spin keep one angle; those at rest do not turn
-    shared: dict[tuple[Fraction, ...], Formula] = field(default_factory=dict)  # by spin: that angle
+    shared: dict[Vector, Formula] = field(default_factory=dict)  # by spin: that angle
     frames: dict[str, Frame] = field(default_factory=dict)
     wrench: dict[str, tuple[Vector, Vector]] = field(default_factory=dict)  # missing force, moment about the origin
     residuals: list[Formula] = field(default_factory=list)
@@ -64,11 +64,19 @@ class Derivation:
         if isinstance(value, Varied):
             if self.free is None:
                 self.free = len(self.unknowns.starts)
-                self.unknowns.state(Fraction(0))
+                self.unknowns.state(self.tape.number(0))
             a, b, c = (x / unit for x in value.coefficients(self.exact))
             s = self.tape.line("y", self.free)
             return s * (s * c + self.tape.number(b)) + self.tape.number(a)
         return self.tape.number(self.exact(value) / unit)
+
+    def root(self, square: Formula) -> Formula:
+        """Return the square root of a constant."""
+        if square.constant is None:
+            raise NotCovered(
+                "the length of a direction or of a spring changes with the parameter, which is not covered"
+            )
+        return self.tape.line("root", *square.constant.as_integer_ratio())
 
     def signal(self, signal: Any) -> Formula:
         """Return the value of a signal."""
@@ -76,7 +84,7 @@ class Derivation:
             return self.number(signal.value)
         if self.clock is None:
             self.clock = len(self.unknowns.starts)
-            self.unknowns.follow(self.unknowns.state(Fraction(0)), self.tape.number(1))
+            self.unknowns.follow(self.unknowns.state(self.tape.number(0)), self.tape.number(1))
         t = self.tape.line("y", self.clock) * self.units.time
         if signal.type == "harmonic":
             wave = (t * self.exact(signal.omega) + self.number(signal.phase)).sin_cos()[0]
@@ -110,16 +118,14 @@ class Derivation:
         self.closing.append(value.rate)
         self.residuals.append(value.rate.rate)
 
-    def rate(self, body: str) -> tuple[list[Fraction], list[Fraction]]:
-        """Return a body's velocity and spin at t = 0, three numbers each."""
+    def rate(self, body: str) -> tuple[Vector, Vector]:
+        """Return a body's velocity and spin at t = 0."""
         if body == GROUND:
-            return [Fraction(0)] * 3, [Fraction(0)] * 3
+            return self.frames[GROUND].place, self.frames[GROUND].spin
         part = self.bodies[body]
         spin = getattr(part, "angular_velocity", 0.0)
         spin = spin if isinstance(spin, tuple) else (0.0, 0.0, spin)
-        length, time = self.units.length, self.units.time
-        straight = [self.exact(x) * time / length for x in part.velocity]
-        return (straight + [Fraction(0)] * 3)[:3], [self.exact(x) * time for x in spin]
+        return self.vector(part.velocity, self.units.length / self.units.time), self.vector(spin, 1 / self.units.time)
 
     def apply(self, body: str, place: Vector, force: Vector, moment: Vector | None = None) -> None:
         """Subtract a load from what a body needs; the ground bears any."""

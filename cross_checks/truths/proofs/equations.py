@@ -16,10 +16,9 @@ import numpy as np
 
 from cross_checks.truths.proofs.coverage import DRIVES, complaints
 from cross_checks.truths.proofs.derivation import LEVELS, Derivation, Exact, NotCovered, Units
-from cross_checks.truths.proofs.family import Varied
 from cross_checks.truths.proofs.kinematics import Frame, plane_turn, product, space_turn, turned
-from cross_checks.truths.proofs.loads import LAWS
-from cross_checks.truths.proofs.tape import Formula, Vector, constants, cross, dot, minus, plus, rate, times
+from cross_checks.truths.proofs.loads import LAWS, impact
+from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, rate, times
 from mbs_ref.scene import GROUND
 
 IDENTICAL = 1e-12  # of a closure in units of the scene's length that holds at any angle; the checker decides
@@ -47,13 +46,14 @@ def derive(scene: Any, exact: Exact, units: Units) -> dict[str, Any]:
         _close(work, joint)
     _balance(work)
     _leave_rates_to_closures(work)
+    contacts = [impact(work, contact) for contact in scene.contacts]
     return {
         "lines": work.tape.lines,
         "f": [rate.place for rate in work.unknowns.rates],
         "g": [residual.place for residual in work.residuals],
         "z": work.unknowns.z_count,
-        "clock": work.clock, "free": work.free,
-        "starts": [None if s is None else list(s.as_integer_ratio()) for s in work.unknowns.starts],
+        "clock": work.clock, "free": work.free, "contacts": contacts,
+        "starts": [None if start is None else start.place for start in work.unknowns.starts],
         "outputs": [[one.place for one in _output(work, body)] for body in scene.bodies],
         "units": [str(units.length), str(units.time), str(units.mass)],
     }  # fmt: skip
@@ -100,14 +100,9 @@ def _is_closed(work: Derivation, loops: list[Any]) -> bool:
 
 
 def _free(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
-    body, unknowns = work.bodies[name], work.unknowns
-    speed, _ = work.rate(name)
-    place: list[Formula] = []
-    for x, u in zip(body.position, speed, strict=False):
-        if isinstance(x, Varied):  # the coordinate is the place beyond its start
-            place.append(unknowns.motion(Fraction(0), u) + work.number(x, work.units.length))
-        else:
-            place.append(unknowns.motion(work.exact(x) / work.units.length, u))
+    position, (speed, _) = work.bodies[name].position, work.rate(name)
+    starts = zip(work.vector(position, work.units.length), speed, range(len(position)), strict=False)
+    place = [work.unknowns.motion(x, u) for x, u, _ in starts]
     return replace(_spinning(work, name), place=(*place, *[work.tape.number(0)] * (3 - len(place))))  # type: ignore[arg-type]
 
 
@@ -117,20 +112,20 @@ def _spinning(work: Derivation, name: str) -> Frame:
     _, spin = work.rate(name)
     if body.type == "point_mass":
         return base
-    if work.parallel and not any(spin):
+    zero, moving = tape.number(0), [x for x in spin if x.constant != 0]
+    if work.parallel and not moving:
         return base
-    if work.parallel and tuple(spin) not in work.shared:
-        work.shared[tuple(spin)] = unknowns.motion(Fraction(0), max(spin, key=abs))
+    if work.parallel and spin not in work.shared:
+        work.shared[spin] = unknowns.motion(zero, moving[0])
     if body.type == "planar":
-        angle = work.shared[tuple(spin)] if work.parallel else unknowns.motion(Fraction(0), spin[2])
-        zero = tape.number(0)
+        angle = work.shared[spin] if work.parallel else unknowns.motion(zero, spin[2])
         return replace(base, turn=plane_turn(tape, angle), spin=(zero, zero, angle.rate), angle=angle, e=())
     if work.parallel:
-        x, y, z = (tape.number(int(rate != 0)) for rate in spin)
-        return _turning(base, (x, y, z), work.shared[tuple(spin)])
-    e = tuple(unknowns.state(Fraction(k == 0)) for k in range(4))
+        x, y, z = (tape.number(int(rate in moving)) for rate in spin)
+        return _turning(base, (x, y, z), work.shared[spin])
+    e = tuple(unknowns.state(tape.number(int(k == 0))) for k in range(4))
     w = tuple(unknowns.state(x) for x in spin)
-    for one, change in zip(e, product((tape.number(0), *w), e), strict=True):
+    for one, change in zip(e, product((zero, *w), e), strict=True):
         unknowns.follow(one, change * Fraction(1, 2))
     for one in w:
         unknowns.follow(one, unknowns.dependent())
@@ -159,16 +154,16 @@ def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
         return _spherical(work, parent, name, joint)
     base = work.frames[parent]
     axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
-    speed = dot(constants(axis), minus(work.rate(name)[1], work.rate(parent)[1]))
-    own = _turning(base, axis, work.unknowns.motion(Fraction(0), speed))
+    speed = dot(axis, minus(work.rate(name)[1], work.rate(parent)[1]))
+    own = _turning(base, axis, work.unknowns.motion(work.tape.number(0), speed))
     return _hung(work, parent, name, joint.point, own)
 
 
 def _prismatic(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     start, axis = work.bodies[name].position, work.vector(joint.axis)
-    direction, (va, wa), (vb, _) = constants(axis), work.rate(parent), work.rate(name)
-    along = dot(direction, minus(minus(vb, va), cross(wa, constants(work.offset(parent, start)))))
-    slide = work.unknowns.motion(Fraction(0), along / dot(direction, direction))
+    (va, wa), (vb, _) = work.rate(parent), work.rate(name)
+    along = dot(axis, minus(minus(vb, va), cross(wa, work.offset(parent, start))))
+    slide = work.unknowns.motion(work.tape.number(0), along / dot(axis, axis))
     base = work.frames[parent]
     return replace(base, place=plus(work.mark(parent, start), times(base.along(axis), slide)))
 
@@ -258,7 +253,7 @@ def _drive(work: Derivation, joint: Any) -> None:
         axis = work.vector([float(c == joint.coordinate) for c in "xyz"] if chosen else joint.direction)
         place = work.mark(joint.body, work.bodies[joint.body].position if chosen else joint.point)
         work.apply(joint.body, place, times(axis, push))
-        size = work.tape.line("root", *(dot(axis, axis).constant or Fraction(1)).as_integer_ratio())
+        size = work.root(dot(axis, axis))
         speed = dot(axis, rate(place))
     level = LEVELS.index(joint.level)
     wanted = size * work.signal(joint.motion) * (work.units.time**level / unit)
@@ -290,7 +285,7 @@ def _balance(work: Derivation) -> None:
         if not work.shared:
             work.residuals += rows
         for k, spin in enumerate(work.shared):
-            turns = int(tuple(work.rate(name)[1]) == spin) - int(tuple(work.rate(parent)[1]) == spin)
+            turns = int(work.rate(name)[1] == spin) - int(work.rate(parent)[1] == spin)
             powers[k] = powers[k] + rows[0] * (mass * turns)
         if parent != GROUND:
             work.wrench[parent] = plus(work.wrench[parent][0], force), plus(work.wrench[parent][1], moment)
@@ -318,9 +313,10 @@ def _leave_rates_to_closures(work: Derivation) -> None:
     """Clear the start rates that closures of loops decide: the last ones that are independent in them."""
     starts, lines, places = work.unknowns.starts, work.tape.lines, [row.place for row in work.closing]
     rates = [k for k, rate in enumerate(work.unknowns.rates) if lines[rate.place][0] == "z"]
-    still = np.array([0.0 if k in rates else float(start or 0) for k, start in enumerate(starts)])
+    given = work.tape.values([start.place for start in starts if start], np.zeros(len(starts)))
+    still = np.where([k in rates for k in range(len(starts))], 0.0, given)
     base, chosen = work.tape.values(places, still), []
-    for k in reversed(rates if any(starts[k] for k in rates) or base.any() else []):
+    for k in reversed(rates if given[rates].any() or base.any() else []):
         chosen.append(work.tape.values(places, still + np.eye(len(starts))[k]) - base)
         if np.linalg.matrix_rank(chosen) == len(chosen):
             starts[k] = None

@@ -4,14 +4,13 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Polynomials, Refused, beside, exact, precision
-from cross_checks.truths.proofs.checker.bounds import ORDER
+from cross_checks.truths.proofs.checker.bounds import ORDER, Step, variations
+from cross_checks.truths.proofs.checker.formulas import GAMMA, Polynomials, Refused, beside, exact, precision
 from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
@@ -22,15 +21,15 @@ from mbs_ref.scene.scales import scales_of
 
 SAMPLES = 32  # of a step, at which gaps are evaluated
 ITERATIONS = 12  # of Newton's method for the time
-MARGIN = 8.0  # of the time that the box takes to pass, which the window lasts
+MARGIN = 1.5  # of the time that the box takes to pass, which the window lasts
 DEGREE, DIGITS = 40, 45  # of the polynomials, at least
 DIGITS_PROVEN = 20.0  # of a radius, that DEGREE and DIGITS reach in most motions
 SAFETY = 5.5  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
-WIDER, WIDENED = 16, 4  # times so much an impact's window in the next attempt; attempts before a shorter step
-PARTS = (1, 2, 4, 8, 16)  # of a parameter's interval
+WIDER, WIDENED = 8, 4  # times so much an impact's window in the next attempt; attempts before a shorter step
+HALVINGS = 4  # of a parameter's interval, at most
 ROUGH_BITS = 64  # of the polynomials that state the unit of time
 FINEST, MORE_DIGITS = 3, (1.1, 2.5)  # attempts at a radius, each with so many times the digits of the last
 
@@ -40,25 +39,27 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]], wider: float) 
 
     Both are hints, which the checker proves.
     """
-    n, time, still = proof.n, float(proof.model.units[1]), np.zeros(proof.n)
+    n, still = proof.n, np.zeros(proof.n)
     with precision(proof.bits + 64):
-        p = [[arb((int(c), -proof.bits)) for c in row] for row in rows[:n]]
+        p = [[arb((int(c), -proof.bits)) for c in row] for row in rows]
 
-        def gap(part: Any, s: arb, e: np.ndarray = still) -> tuple[arb, arb]:
-            return proof.impacts.gap(part, proof.model.bodies(beside(p, e, s)))[:2]
+        def gap(part: int, s: arb, e: np.ndarray = still) -> list[arb]:
+            return proof.impacts.gap(part, beside(p[:n], e, s))
 
-        instants = (exact(Fraction(k, SAMPLES)) for k in range(1, SAMPLES + 1))
-        closed = next((own for s in instants if (own := [(p, s) for p in proof.impacts.parts if gap(p, s)[0] < 0])), [])
+        instants, parts = (exact(Fraction(k, SAMPLES)) for k in range(1, SAMPLES + 1)), range(len(proof.impacts.names))
+        closed = next((own for s in instants if (own := [(k, s) for k in parts if gap(k, s)[0] < 0])), [])
         touches = []
         for part, s in closed:
             for _ in range(ITERATIONS):
                 apart, rate = gap(part, s)
-                s = (s - apart / (rate * exact(h) * time)).mid()
-            touches.append((float(s), s, part, abs(float(rate)) * float(h) * time))
+                s = (s - apart / (rate * exact(h))).mid()
+            touches.append((float(s), s, part, abs(float(rate)) * float(h)))
         if not touches:
             return None
         _, s, part, rate = min(touches, key=lambda one: one[0])
-        wide = np.abs(proof.moved) @ proof.box + proof.loose
+        flow = variations(Step(proof.formulas, h, p).slopes()[0], np.eye(n), np.zeros((ORDER, len(p), n)))[:, :n]
+        flow = np.tensordot(float(s) ** np.arange(ORDER), flow, 1)
+        wide = np.abs(flow @ proof.moved) @ proof.box + np.abs(flow) @ proof.loose + GAMMA * proof.box.max()
         spread = wider * (float(gap(part, s, wide)[0].rad()) + 2.0 ** -(proof.bits - 16))
         mantissa, exponent = s.man_exp()
         end = Fraction(int(mantissa)) * Fraction(2) ** int(exponent) + Fraction(MARGIN * spread / rate)
@@ -103,16 +104,19 @@ def prove_family(
 ) -> list[Proven]:  # fmt: skip
     """Return proofs of all scenes that `make` returns for a parameter from low to high.
 
-    The interval has as few parts of PARTS as reach the last time within the `limit`.
+    A part of the interval that does not reach the last time is halved, while the `limit` lasts.
     """
-    began, proofs = time.process_time(), []
-    for parts in PARTS:
-        proofs, edges = [], [low + (high - low) * k / parts for k in range(parts + 1)]
-        for a, b in pairwise(edges):
-            left, middle = began + limit - time.process_time(), make(0.5 * (a + b))
-            proofs.append(prove(middle, times, math.inf, inputs, left, report, (make(a), make(b))))
-        if time.process_time() - began > limit or not any(one.log["reason"] for one in proofs):
-            break
+    began, proofs, parts = time.process_time(), [], [(low, high, HALVINGS)]
+    while parts:
+        a, b, halvings = parts.pop()
+        left, middle = began + limit - time.process_time(), 0.5 * (a + b)
+        one = prove(make(middle), times, math.inf, inputs, left, report, (make(a), make(b)))
+        if one.log["reason"] and halvings and time.process_time() - began < limit:
+            parts += [(middle, b, halvings - 1), (a, middle, halvings - 1)]
+            continue
+        if one.log["reason"]:
+            one.log["reason"] += f" (parameter from {a!r} to {b!r})"
+        proofs.append(one)
     return proofs
 
 
@@ -124,7 +128,7 @@ def _attempt(
     began, bits = time.process_time(), int(digits * math.log2(10.0))
     units = _units(scene)
     header = _header(scene, times, inputs, bits, units, ends)
-    proof, reason = Proof(header), ""
+    proof, reason = Proof(header, compares=False), ""  # for the unit of time alone; the next one compares
     try:
         p, radius = propose(proof.formulas, Fraction(1), _constant(proof), ORDER, ROUGH_BITS)
     except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:

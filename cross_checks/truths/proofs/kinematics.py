@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from fractions import Fraction
 
 from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, dot, plus
 
@@ -38,10 +37,10 @@ class Unknowns:
     """The coordinates y with their start values, and the number of z; the tape has the rates of y."""
 
     tape: Tape
-    starts: list[Fraction | None] = field(default_factory=list)  # Fraction, or None where closures decide
+    starts: list[Formula | None] = field(default_factory=list)  # constants but for a family; None: closures decide
     z_count: int = 0
 
-    def state(self, start: Fraction) -> Formula:
+    def state(self, start: Formula) -> Formula:
         """Return a new coordinate; `follow` states its rate."""
         self.starts.append(start)
         coordinate = self.tape.line("y", len(self.starts) - 1)
@@ -62,7 +61,7 @@ class Unknowns:
         self.z_count += 1
         return self.tape.line("z", self.z_count - 1)
 
-    def motion(self, start: Fraction, rate: Fraction) -> Formula:
+    def motion(self, start: Formula, rate: Formula) -> Formula:
         """Return a coordinate whose acceleration is a new z."""
         q, u = self.state(start), self.state(rate)
         self.follow(q, u)

@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from cross_checks.truths.proofs.checker.balls import Refused
+from cross_checks.truths.proofs.checker.formulas import Refused
 from mbs_ref.atomic_file import write_atomic
 
 

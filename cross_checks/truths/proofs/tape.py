@@ -12,10 +12,10 @@ from flint import arb  # pyright: ignore[reportMissingImports]  # an optional ex
 
 from cross_checks.truths.proofs.checker.formulas import Formulas
 
-Line = tuple[str, int, int]  # operation and operands: c, root numerator denominator; y, z, sin, cos i; + - * i j
+Line = tuple[str, int, int]  # operation and operands: c, root numerator denominator; y, z, sin, cos i; + - * / i j
 
 
-@dataclass
+@dataclass(eq=False)
 class Tape:
     """The lines of a formula; equal lines occur once. `rates` has derivatives by time, of coordinates at least."""
 
@@ -94,6 +94,9 @@ class Formula:
             return other if a == 1 else self
         return self.tape.line("*", *((other.place, self.place) if b is not None else (self.place, other.place)))
 
+    def __truediv__(self, other: Formula) -> Formula:
+        return self.tape.line("/", self.place, other.place) if other.constant is None else self * (1 / other.constant)
+
     def __neg__(self) -> Formula:
         return self * -1
 
@@ -139,8 +142,3 @@ def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
 def cross(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """Return the cross product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def constants(a: Vector) -> tuple[Fraction, ...]:
-    """Return the values of rational constants."""
-    return tuple(x.constant or Fraction(0) for x in a)

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_poly, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Polynomials, exact, precision, terms
 from cross_checks.truths.proofs.checker.bounds import ORDER, Step, variations
-from cross_checks.truths.proofs.checker.formulas import Formulas
+from cross_checks.truths.proofs.checker.formulas import Formulas, Polynomials, exact, precision, terms
 
 LAST = 6  # coefficients that state the radius of convergence: series may have gaps
 SLOWEST = 2.0**-4  # 1 / radius of convergence at most, in units of time of the polynomials
@@ -35,9 +34,9 @@ def propose(formulas: Formulas, h: Fraction, p: Polynomials, degree: int, bits: 
             jacobian = Step(formulas, h, p).slopes()[0]
         with precision(bits + 64, count):
             values = formulas.run([*formulas.f, *formulas.g], [arb_series(row, count) for row in p])
-            defects = [terms(value, count) for value in values]
+            unit, defects = exact(h), [terms(value, count) for value in values]
             for k, row in enumerate(p[:n]):
-                defects[k] = [exact(h) * c - row[j + 1] * (j + 1) for j, c in enumerate(defects[k][:-1])] + [arb(0)]
+                defects[k] = [unit * c - row[j + 1] * (j + 1) for j, c in enumerate(defects[k][:-1])] + [arb(0)]
             source = np.array([list(map(float, row)) for row in defects]).T[:, :, None]
             change = variations(jacobian, np.zeros((n, 1)), source)[:, :, 0].T
             p = [[(c + d).mid() for c, d in zip(*pair, strict=True)] for pair in zip(p, change.tolist(), strict=True)]

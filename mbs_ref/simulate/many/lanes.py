@@ -34,7 +34,7 @@ from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start.consistent import consistent_start, rank_at_start
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
-NOTE = f"integrated in {WIDTH} lanes"
+NOTE = f"integrated in {WIDTH} lanes, or alone after a failure there"
 MAX_NUMBERS = 4_000_000  # entries of states in one piece of work: 32 MB
 PIECES = 4  # pieces of work for each thread, which balances the threads
 ROUNDS = 8  # least number of runs of a lane in a piece; lanes are idle at the end of a piece

@@ -41,7 +41,7 @@ def command(
         raise click.UsageError("--again checks every stored log as it is; give it no SCENE, -p or --seed")
     need_flint()
     from cross_checks.truths.proofs.certified import examine, kept, varied
-    from cross_checks.truths.proofs.checker.balls import Refused
+    from cross_checks.truths.proofs.checker.formulas import Refused
 
     folder = default_path().parent / "proofs"
     try:

@@ -54,7 +54,7 @@ def command(
         return
     assert scene is not None
     from cross_checks.truths.proofs import log as logs
-    from cross_checks.truths.proofs.checker.balls import Refused
+    from cross_checks.truths.proofs.checker.formulas import Refused
     from cross_checks.truths.proofs.derivation import NotCovered
     from cross_checks.truths.proofs.integrate import prove, prove_family
 
@@ -123,7 +123,7 @@ def need_flint() -> None:
 
 def _check(file: Path, as_json: bool) -> None:
     from cross_checks.truths.proofs import log as logs
-    from cross_checks.truths.proofs.checker.balls import Refused
+    from cross_checks.truths.proofs.checker.formulas import Refused
     from cross_checks.truths.proofs.checker.proof import check
 
     began = time.process_time()

@@ -18,24 +18,29 @@ MOST_ABOVE = 10.0  # median of estimate over error
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
 @inputs.SHARD
 @click.option("--keep", type=inputs.NEW_FILE, help="JSON lines: runs that it holds are not repeated, others are added.")
+@click.option("--proven", is_flag=True, help="Certified scenes whose stored truths are proven, as those truths.")
 @console.table_file("calibration")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON: the table, and every run.")
-def command(count: int, first: int, shard: str, keep: Path | None, target: Path | None, as_json: bool) -> None:
+def command(
+    count: int, first: int, shard: str, keep: Path | None, proven: bool, target: Path | None, as_json: bool
+) -> None:
     """Compare error estimates of random runs with their errors. More accurate runs show the errors.
 
     Mechanisms, scenes, methods and settings are random. Exit code 1 where more than 1 % of the judged runs have an
     error above the estimate, or where the median estimate is more than ten times the error. With --keep an interrupted
     calibration resumes.
     """
+    if keep and proven:
+        raise click.UsageError("--keep stores runs of random scenes; give it no --proven")
     from benchmarks import calibration
 
     seeds = inputs.shard(list(range(first, first + count)), shard)
-    known = calibration.stored(keep) if keep else {}
+    known, among = calibration.stored(keep) if keep else {}, calibration.proven() if proven else []
     result = [known[seed] for seed in seeds if seed in known]
     with interruptible(lambda: f"{len(result)} runs"), progress("calibrate") as report:
         for seed in [seed for seed in seeds if seed not in known]:
             report(len(result), len(seeds), f"seed {seed}")
-            result.append(calibration.trial(seed))
+            result.append(calibration.trial(seed, among))
             if keep:
                 calibration.keep(keep, result[-1])
     rows, below = calibration.table(result), [one for one in result if one.is_below]

@@ -10,9 +10,10 @@
    series coefficients in ball arithmetic, their tails by Cauchy's estimate on a complex disc.
 
 4. At an impact, the box moves by the saltation matrix, bounded on all states of the window in which it happens.
+   Clearances and states after impacts are compared as in 1: Newton's law, an impulse along the clearance's derivatives.
 
-`mechanics` and `model` do 1 and 2, `impacts` does 4; they change with what proofs cover. `balls`, `formulas`, `bounds`
-and `proof`, 313 lines of code without docstrings and blank lines, do 3 for any formulas.
+`mechanics` and `model` do 1 and 2, `impacts` does 4; they change with what proofs cover. `formulas`, `bounds` and
+`proof`, 400 lines, do 3 for any formulas.
 
 Floats: GAMMA bounds the rounding of a product of matrices with up to 9000 terms a sum; `up` exceeds a sum of
 non-negative terms. The step is the unit of time within itself.

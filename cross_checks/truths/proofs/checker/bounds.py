@@ -5,8 +5,7 @@ from fractions import Fraction
 import numpy as np
 from flint import acb, arb, arb_series, ctx  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import GAMMA, Polynomials, Refused, above, exact, precision, terms, up
-from cross_checks.truths.proofs.checker.formulas import Formulas
+from cross_checks.truths.proofs.checker.formulas import GAMMA, Formulas, Refused, above, exact, precision, terms, up
 
 ORDER = 20  # terms of V, W, the Jacobian and inverses: their defect is about 6^-ORDER
 LONGER = 3  # halves of the polynomial's terms: so many of its defect are computed, and the others bounded
@@ -16,7 +15,7 @@ DISCS = (1.5, 2.0, 3.0, 4.0, 5.0, 6.5)  # radii of discs in steps; the best one 
 class Step:
     """Polynomials of y and z for a time h; rows of f are multiplied by h. Series end in Cauchy's estimate on a disc."""
 
-    def __init__(self, formulas: Formulas, h: Fraction, p: Polynomials) -> None:
+    def __init__(self, formulas: Formulas, h: Fraction, p: list[list[arb]]) -> None:
         self.formulas, self.h, self.p, self.roots = formulas, h, p, [*formulas.f, *formulas.g]
         self.size = np.array([[above(c) for c in row] for row in p])
         self.factor = np.where(np.arange(len(p)) < formulas.n, float(h), 1.0)
@@ -33,8 +32,7 @@ class Step:
             values = self.formulas.run(self.roots, [arb_series(row, count) for row in self.p])
             for k, value in enumerate(values):
                 if k < self.formulas.n:
-                    rates = [c * j for j, c in enumerate(self.p[k])][1:]
-                    value = exact(self.h) * value - arb_series(rates, count)
+                    value = exact(self.h) * value - arb_series([c * j for j, c in enumerate(self.p[k])][1:], count)
                 sums.append(sum(map(above, terms(value, count))))
         for radius in DISCS:
             with precision(64):
@@ -61,10 +59,9 @@ class Step:
         """Return the series of the Jacobian, and bounds of its error on the step."""
         jacobian, error = self.slopes()
         with precision(64):
-            bounds = self.formulas.slopes(self.roots, self._discs(radius))
-        for i, row in enumerate(bounds):
-            for j, slope in row.items():
-                error[i, j] += self.factor[i] * above(slope) * radius ** -float(ORDER) / (1.0 - 1.0 / radius)
+            for i, row in enumerate(self.formulas.slopes(self.roots, self._discs(radius))):
+                for j, slope in row.items():
+                    error[i, j] += self.factor[i] * above(slope) * radius ** -float(ORDER) / (1.0 - 1.0 / radius)
         return jacobian, up(error)
 
     def second_order(self, e: np.ndarray) -> np.ndarray:
@@ -90,20 +87,21 @@ def product(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return whole, up(GAMMA * up(size_of(a) @ size_of(b)))
 
 
+def times(a: np.ndarray, a_error: np.ndarray, b: np.ndarray, b_error: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the product of two matrices, and a bound of its error by theirs and by rounding."""
+    return a @ b, up(up(up(np.abs(a) + a_error) @ b_error) + up(a_error + GAMMA * np.abs(a)) @ np.abs(b))
+
+
 def variations(jacobian: np.ndarray, start: np.ndarray, source: np.ndarray) -> np.ndarray:
     """Return V and W, V' = f_y V + f_z W + source, 0 = g_y V + g_z W + source, to as many terms as the source has."""
     n, flow, rows = len(start), np.zeros_like(source), jacobian.swapaxes(0, 1).reshape(len(jacobian[0]), -1)
-
-    def moved(k: int) -> np.ndarray:
-        """Return coefficient k of the Jacobian times the flow so far."""
-        past = flow[max(0, k + 1 - len(jacobian)) : k + 1][::-1].reshape(-1, flow.shape[2])
-        return source[k] + rows[:, : len(past)] @ past
-
     flow[0, :n], inverse = start, np.linalg.inv(jacobian[0, n:, n:])
-    for k in range(len(source)):
-        if k:
-            flow[k, :n] = moved(k - 1)[:n] / k
-        flow[k, n:] = -inverse @ moved(k)[n:]
+    for k, own in enumerate(source):
+        past = flow[max(0, k + 1 - len(jacobian)) : k + 1][::-1].reshape(-1, flow.shape[2])
+        total = own + rows[:, : len(past)] @ past
+        flow[k, n:] = -inverse @ total[n:]
+        if k + 1 < len(source):
+            flow[k + 1, :n] = (total[:n] + jacobian[0, :n, n:] @ flow[k, n:]) / (k + 1)
     return flow
 
 

@@ -11,8 +11,8 @@ from typing import Any
 
 from flint import arb, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, terms
-from cross_checks.truths.proofs.coverage import DRIVES, ENERGETIC, complaints
+from cross_checks.truths.proofs.checker.formulas import Number, Refused, above, exact, terms
+from cross_checks.truths.proofs.coverage import DRIVES, ENERGETIC, PAIRS, complaints
 from cross_checks.truths.proofs.family import Varied
 from mbs_ref.scene import GROUND
 
@@ -167,13 +167,42 @@ class Mechanics:
                     total -= self.ball(harmonic) * ratio**n * legendre[n] / distance
         return total
 
-    def missing(self, states: list[Any], rates: list[list[arb]], bends: list[list[arb]]) -> list[arb]:
-        """Return what is 0 in a motion: all closures' second derivatives, and forces that no multipliers bear."""
-        motion, still, slopes, needs = self.jets(states, rates, bends), self.jets(states), {}, []
-        inertial = [self._inertial(*own) for own in zip(self.scene.bodies, states, rates, bends, strict=True)]
-        for column, (body, c) in enumerate(self.columns):
+    def clearance(self, jets: list[Any], part: Any) -> Number:
+        """Return what is positive where the bodies of a contact do not touch, and 0 where they do."""
+        gap = minus(*(jets[self.index[name]][0] for name in part.ends))
+        if part.type in PAIRS:
+            return dot(gap, gap) - (self.ball(part.radius_a) + self.ball(part.radius_b)) ** 2
+        if part.type == "circle_on_line":
+            point = self.vector(part.point_1)
+            normal = apply(_skew([arb(0), arb(0), arb(1)]), minus(self.vector(part.point_2), point))
+        else:
+            point, normal = self.vector(part.point), self.vector(part.normal)
+        return dot(normal, minus(gap, point)) - self.ball(part.radius) * dot(normal, normal).sqrt()
+
+    def struck(self, part: Any, states: list[Any], rates: list[list[arb]], later: list[list[arb]]) -> list[arb]:
+        """Return what is 0 in an impact: rate of clearance + e times the first, and momentum that no impulse bears."""
+        before, after = (self.clearance(self.jets(states, own), part)[1] for own in (rates, later))
+        bodies = zip(self.scene.bodies, states, map(minus, later, rates), strict=True)
+        momenta = [self._inertial(body, state, STILL, change) for body, state, change in bodies]
+        impulse = [self.clearance(virtual, part)[1] for *_, virtual in self._virtual(states)]
+        return [
+            after + self.ball(part.law.restitution) * before,
+            *_beyond([impulse], [momenta[k][c] for k, c in self.columns]),
+        ]
+
+    def _virtual(self, states: list[Any]) -> Iterator[tuple[int, int, list[Any]]]:
+        """Yield the motions of all bodies at rest but one, which has one unit rate."""
+        still = self.jets(states)
+        for body, c in self.columns:
             virtual = list(still)
             virtual[body] = self.jet(states[body], [arb(i == c) for i in range(6)])
+            yield body, c, virtual
+
+    def missing(self, states: list[Any], rates: list[list[arb]], bends: list[list[arb]]) -> list[arb]:
+        """Return what is 0 in a motion: all closures' second derivatives, and forces that no multipliers bear."""
+        motion, slopes, needs = self.jets(states, rates, bends), {}, []
+        inertial = [self._inertial(*own) for own in zip(self.scene.bodies, states, rates, bends, strict=True)]
+        for column, (body, c, virtual) in enumerate(self._virtual(states)):
             driven = self._driven(motion, virtual, body, c)
             needs.append(inertial[body][c] - driven + self.potential(virtual, body)[1])
             for joint in (joint for joint in self.scene.joints if body in map(self.index.get, joint.ends)):

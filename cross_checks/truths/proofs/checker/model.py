@@ -6,13 +6,13 @@ from fractions import Fraction
 from itertools import chain
 from typing import Any
 
+import numpy as np
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
-from cross_checks.truths.proofs.checker.balls import Number, Refused, above, exact, precision, terms
-from cross_checks.truths.proofs.checker.formulas import Formulas
+from cross_checks.truths.proofs.checker.formulas import Formulas, Number, Refused, above, exact, precision, terms
 from cross_checks.truths.proofs.checker.mechanics import EQUAL, Mechanics, rotation
-from cross_checks.truths.proofs.coverage import DRIVES
-from cross_checks.truths.proofs.family import Varied, family
+from cross_checks.truths.proofs.coverage import DRIVES, PAIRS
+from cross_checks.truths.proofs.family import family
 from mbs_ref import Scene
 
 POINTS, POINT_BITS = 3, 1000  # random points, bits of numbers
@@ -25,38 +25,52 @@ START_GAP = 1e-7  # of a rate, 1: how far a scene's dependent rates may be from 
 class Model:
     """A scene, the formulas that a log states for it, and the start of y and z. Refused where they do not fit."""
 
-    def __init__(self, header: dict[str, Any]) -> None:
+    def __init__(self, header: dict[str, Any], compares: bool) -> None:
         self.scene: Any = Scene.model_validate(header["scene"])
         if "ends" in header:
             self.scene = family(self.scene, *map(Scene.model_validate, header["ends"]))
+            for end in header["ends"]:
+                Mechanics(Scene.model_validate(end), header["inputs"])
         system, self.formulas = header["system"], Formulas(header["system"])
+        self.contacts = system["contacts"]  # of each: clearance, its rate, columns of y with lines after an impact
         self.units, self.clock, self.free = [Fraction(x) for x in system["units"]], system["clock"], system["free"]
         if min(self.units) <= 0 or [len(own) for own in self.formulas.outputs] != [STATE] * len(self.scene.bodies):
             raise Refused("a unit is not positive, or the outputs are not the states of the bodies")
+        if (self.free is None) == ("ends" in header):
+            raise Refused("the formulas have no parameter that varies, or one that the scene has not")
+        columns = {column for *_, changes in self.contacts for column, _ in changes}
+        if len(self.contacts) != len(self.scene.contacts) or columns & {self.clock, self.free}:
+            raise Refused("the impacts are not those of the contacts")
         self.mechanics = Mechanics(self.scene, header["inputs"])
-        clock, starts = self.clock, system["starts"]
-        if clock is not None and (Fraction(*starts[clock]) or self.formulas.lines[self.formulas.f[clock]] != ONE):
-            raise Refused(f"coordinate {clock} is not time")
+        lines, self.starts = self.formulas.lines, system["starts"]
+        for own, rate in ((self.clock, ONE), (self.free, ZERO)):
+            if own is not None and (lines[self.starts[own]] != ZERO or lines[self.formulas.f[own]] != rate):
+                raise Refused(f"coordinate {own} is not time, or is no parameter")
         with precision(POINT_BITS):
-            self.start = self._start(starts)
-            if "ends" in header:
-                self._vary_start(starts)
-            self._compare(self.start)
+            self.start = self._start()
+            if compares:
+                self._compare(self.start)
             self.z_start = root(self.formulas, self.start)
-            if self.free is not None:
-                self.start[self.free] = self.mechanics.s = arb(0, 1)
+            self.moved, self.box = np.eye(self.formulas.n), np.zeros(self.formulas.n)
+            if "ends" in header:
+                self._vary_start(self.free)
 
-    def _vary_start(self, starts: list[Any]) -> None:
-        """Refuse a family whose start values vary, or whose parameter does."""
-        varied = any(isinstance(x, Varied) for body in self.scene.bodies for x in _rates(body))
-        formulas = self.formulas
-        if self.scene.contacts:
-            raise Refused("a parameter as an interval is not covered where bodies collide")
-        if self.free is None or varied or None in starts or formulas.lines[formulas.f[self.free]] != ZERO:
-            raise Refused("the start rates vary with the parameter, which is not covered")
-        for s in (-1, 1):
-            self.mechanics.s = arb(s)
-            self._same_start([arb(s) if k == self.free else x for k, x in enumerate(self.start)])
+    def _vary_start(self, free: int) -> None:
+        """Enclose the start of a family: for every parameter in [-1, 1], it is in `start` + `moved` x, |x| <= `box`."""
+        for s in (arb(-1), arb(1), arb(random.Random(0).randrange(1000)) / 3333):
+            self.mechanics.s = s
+            self._start()
+        self.mechanics.s = arb(0, 1)
+        whole = self._solved_start()
+        slopes = self.formulas.slopes([place for place in self.starts if place is not None], whole)
+        for k, place in enumerate(self.starts):
+            if place is None:
+                self.start[k] = whole[k]
+            else:
+                own = slopes.pop(0).get(free, arb(0))
+                self.moved[k, free] = float(own.mid())
+                self.start[k] += (own - self.moved[k, free]) * arb(0, 1)
+        self.moved[free, free] = self.box[free] = 1.0
 
     @property
     def is_exhibited(self) -> bool:
@@ -75,6 +89,11 @@ class Model:
         units = [*[length] * 3, *[arb(1)] * 5, *[length / time] * 3, *[1 / time] * 3]
         return [[next(values) * unit for unit in units] for _ in outputs]
 
+    def after(self, contact: int, y: Sequence[Number]) -> list[Number]:
+        """Return y after an impact."""
+        changed = {column: self.formulas.run([place], y)[0] for column, place in self.contacts[contact][2]}
+        return [changed.get(k, x) for k, x in enumerate(y)]
+
     def states(self, bodies: list[list[Any]]) -> tuple[list[Any], list[list[Any]]]:
         """Return place, turn and angle, and the six rates, of every body as `Mechanics` takes them."""
         return [(own[:3], rotation(own[4:8]), own[3]) for own in bodies], [own[8:] for own in bodies]
@@ -84,28 +103,37 @@ class Model:
         jets = self.mechanics.jets(*self.states(self.bodies(y)))
         return [row[1] for joint in self.scene.joints for row in self.mechanics.closure(jets, joint)]
 
-    def _start(self, given: list[Any]) -> list[arb]:
-        """Return the start of y; closures decide what is not given. The outputs must be the scene's start."""
-        number, (length, time, _) = self.mechanics.exact, self.units
-        rates = {number(x) for body in self.scene.bodies for x in _rates(body)} | {Fraction(0)}
-        allowed = {(a - b) * unit for a in rates for b in rates for unit in (time, time / length)} | {Fraction(1)}
-        allowed |= {number(x) / length for body in self.scene.bodies for x in body.position}
-        if any(value is not None and Fraction(*value) not in allowed for value in given):
-            raise Refused("a start value is no number of the scene")
-        y = [arb(0) if value is None else exact(Fraction(*value)) for value in given]
-        if unknown := [k for k, value in enumerate(given) if value is None]:
+    def _start(self) -> list[arb]:
+        """Return the start of y at one parameter; each value given, and all outputs, must be the scene's."""
+        ball, (length, time, _), bodies = self.mechanics.ball, map(exact, self.units), self.scene.bodies
+        rates = [*{(x, getattr(x, "ends", ())): ball(x) for body in bodies for x in _rates(body)}.values(), arb(0)]
+        allowed = [(a - b) * unit for a in rates for b in rates for unit in (time, time / length)]
+        allowed += [ball(x) / length for body in bodies for x in body.position] + [arb(1)]
+        y = self._solved_start()
+        for k, place in enumerate(self.starts):
+            if place is not None and k != self.free and min(above(y[k] - right) for right in allowed) > EQUAL:
+                raise Refused("a start value is no number of the scene")
+        self._same_start(y)
+        if any(above(row) > EQUAL for row in self._closures(y)):
+            raise Refused("the start rates do not fulfil the closures")
+        return y
+
+    def _solved_start(self) -> list[arb]:
+        """Return the start of y at the parameter of now; closures decide what is not given."""
+        y = [self.mechanics.s if k == self.free else arb(0) for k in range(self.formulas.n)]
+        for k, place in enumerate(self.starts):
+            if place is not None and k != self.free:
+                (y[k],) = self.formulas.run([place], y)
+        if unknown := [k for k, place in enumerate(self.starts) if place is None]:
             base = self._closures(y)
             columns = [self._closures([arb(j == k) if j in unknown else x for j, x in enumerate(y)]) for k in unknown]
             matrix = [[c - b for c in row] for b, *row in zip(base, *columns, strict=True)]
-            rows = [r for r, row in enumerate(matrix) if max(map(above, row)) > EQUAL]
+            rows = [r for r, row in enumerate(matrix) if max(float(x.abs_lower()) for x in row) > EQUAL]
             if len(rows) != len(unknown):
                 raise Refused(f"{len(rows)} closures do not decide {len(unknown)} start rates")
             solved = solve(arb_mat([matrix[r] for r in rows]), arb_mat([[-base[r]] for r in rows]))
             for k, value in zip(unknown, solved.entries(), strict=True):
                 y[k] = value
-        self._same_start(y)
-        if any(above(row) > EQUAL for row in self._closures(y)):
-            raise Refused("the start rates do not fulfil the closures")
         return y
 
     def _same_start(self, y: list[arb]) -> None:
@@ -147,7 +175,7 @@ class Model:
             outputs = self.bodies([arb_series([x, rate / time]) for x, rate in zip(y, f, strict=True)])
             moving, (states, rates) = self.states(outputs), self.states(self.bodies(y))
             bends = [[terms(x, 2)[1] for x in own] for own in moving[1]]
-            missing = self.mechanics.missing(states, rates, bends)
+            missing = [*self.mechanics.missing(states, rates, bends), *self._impacts(y)]
             rows = zip(self.scene.bodies, outputs, moving[0], states, rates, strict=True)
             for body, own, (place, turn, angle), state, rate in rows:
                 right_place, right_turn, right_angle = self.mechanics.jet(state, rate)
@@ -158,6 +186,21 @@ class Model:
             most = max(above(x) for own in (*rates, *bends) for x in own)
             if not all(above(x) <= EQUAL * (1.0 + most) for x in missing):
                 raise Refused("the formulas do not move the bodies as the scene does")
+
+    def _impacts(self, y: list[arb]) -> list[arb]:
+        """Return what is 0 where the contacts' clearances, their rates, and the states after impacts are right."""
+        (length, time, _), missing = map(exact, self.units), []
+        before, (states, rates) = self.bodies(y), self.states(self.bodies(y))
+        for k, (part, (place, rate, _)) in enumerate(zip(self.scene.contacts, self.contacts, strict=True)):
+            later = self.bodies(self.after(k, y))
+            value, change = (x * length ** (1 + (part.type in PAIRS)) for x in self.formulas.run([place, rate], y))
+            right = self.mechanics.clearance(self.mechanics.jets(states, rates), part)
+            missing += [value - right[0], change / time - right[1]]
+            missing += self.mechanics.struck(part, states, rates, self.states(later)[1])
+            missing += [
+                x - y for old, new in zip(before, later, strict=True) for x, y in zip(old[:8], new[:8], strict=True)
+            ]
+        return missing
 
 
 def _rates(body: Any) -> list[float]:
