@@ -27,6 +27,7 @@ from mbs_ref.kernels.rigid import (
     descriptor,
     dynamics,
     events,
+    granules,
     grips,
     joints,
     loads,
@@ -62,7 +63,7 @@ HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a m
     "relative_spatial": (TreeModel, TreeWork),
     "particles": (ParticleModel, ParticleWork),
 }
-_RIGID = (contact_events, contact_forces, descriptor, dynamics, events, grips, joints, loads, model)
+_RIGID = (contact_events, contact_forces, descriptor, dynamics, events, granules, grips, joints, loads, model)
 _OWN = {  # core -> the first words of its answers' names, and their modules
     "planar": (("planar", "rigid"), (planar, *_RIGID)),
     "spatial": (("spatial", "rigid"), (spatial, spatial_contacts, *_RIGID)),

@@ -11,6 +11,7 @@ import numpy as np
 
 from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.grains import Shapes, axes_of
 from mbs_ref.scene import GROUND, Body, CoordinateDrive, Scene
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, Granules, PinOnSprocket, SphereOnPlane, SphereOnSphere
@@ -191,8 +192,12 @@ def _circles(contact, bodies: Sequence[Body]) -> list[tuple[str, tuple[float, ..
         first = (contact.body_a, contact.center_a, contact.radius_a)
         return [first, (contact.body_b, contact.center_b, contact.radius_b)]
     if isinstance(contact, Granules):
-        radii = np.broadcast_to(contact.radius, len(bodies)).tolist()
-        return [(body.name, body.position, radius) for body, radius in zip(bodies, radii, strict=True)]
+        places = np.array([body.position for body in bodies])
+        field, none = ("orientation", (1.0, 0.0, 0.0, 0.0)) if places.shape[1] == 3 else ("angle", 0.0)
+        turned = axes_of(np.array([getattr(body, field, none) for body in bodies]), places)
+        shapes = Shapes(contact, places, turned)
+        chosen = np.argwhere(shapes.is_corner)
+        return [(bodies[k].name, tuple(shapes.corner[k, c].tolist()), float(shapes.radius[k])) for k, c in chosen]
     if isinstance(contact, PinOnSprocket):
         return [(contact.body_b, contact.axle, contact.pitch_radius)]
     return []
