@@ -11,7 +11,6 @@ import numpy as np
 
 from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.observables.grains import Shapes, axes_of
 from mbs_ref.scene import GROUND, Body, CoordinateDrive, Scene
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, Granules, PinOnSprocket, SphereOnPlane, SphereOnSphere
@@ -192,12 +191,9 @@ def _circles(contact, bodies: Sequence[Body]) -> list[tuple[str, tuple[float, ..
         first = (contact.body_a, contact.center_a, contact.radius_a)
         return [first, (contact.body_b, contact.center_b, contact.radius_b)]
     if isinstance(contact, Granules):
-        places = np.array([body.position for body in bodies])
-        field, none = ("orientation", (1.0, 0.0, 0.0, 0.0)) if places.shape[1] == 3 else ("angle", 0.0)
-        turned = axes_of(np.array([getattr(body, field, none) for body in bodies]), places)
-        shapes = Shapes(contact, places, turned)
-        chosen = np.argwhere(shapes.is_corner)
-        return [(bodies[k].name, tuple(shapes.corner[k, c].tolist()), float(shapes.radius[k])) for k, c in chosen]
+        radius, half = contact.shapes(len(bodies), len(bodies[0].position))
+        reach = (radius + np.linalg.norm(half, axis=1)).tolist()  # of cores that are no points, what is around them
+        return [(body.name, body.position, size) for body, size in zip(bodies, reach, strict=True)]
     if isinstance(contact, PinOnSprocket):
         return [(contact.body_b, contact.axle, contact.pitch_radius)]
     return []

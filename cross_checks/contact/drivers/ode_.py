@@ -1,4 +1,4 @@
-"""Open Dynamics Engine: a contact is a soft constraint, ERP = h k/(h k + c), CFM = 1/(h k + c) (manual, section 3.8)."""
+"""Open Dynamics Engine: contacts with ERP = h k/(h k + c) and CFM = 1/(h k + c) (manual, section 3.8)."""
 
 import sys
 

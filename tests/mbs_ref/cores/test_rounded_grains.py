@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 
 from mbs_ref import Scene, observables, scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.observables.grains import axes_of, touching_granules
 from mbs_ref.scene import PlanarBody, PointMass, SpatialBody
 from mbs_ref.scene.contact import Granules, RegularisedCoulomb, SpringDamperLaw, Wall
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from tests.mbs_ref.cores.grain_features import axes_of, touching_granules
 
 STIFFNESS, RADIUS = 1e5, 0.02  # N/m, m
 POINT, CAPSULE, PLATE, BOX = (0.0, 0.0, 0.0), (0.0, 0.0, 0.08), (0.06, 0.0, 0.05), (0.06, 0.05, 0.04)  # m
@@ -193,18 +193,17 @@ def _stored(part: Granules, path, k: int) -> float:
     return float(np.sum(touch.sign * 0.5 * STIFFNESS * touch.gap**2))
 
 
-@pytest.mark.slow
-def test_the_energy_that_rubbing_grains_lose_is_the_work_of_their_contacts():
+def test_rubbing_and_damped_grains_lose_energy_whose_work_is_unknown():
     law = SpringDamperLaw(stiffness=STIFFNESS, damping=20.0)
-    scene = _cloud(5, 0.22, count=12, law=law, friction=RegularisedCoulomb(coefficient=0.4, speed=0.05))
-    path = simulate(
-        scene, Settings(method="dop853", rtol=1e-8, samples=401, t_end=0.08, estimate="off", reactions=False)
-    )
+    scene = _cloud(3, 0.22, count=12, law=law, friction=RegularisedCoulomb(coefficient=0.4, speed=0.05))
+    path = simulate(scene, Settings(method="dop853", rtol=1e-6, samples=11, t_end=0.08, estimate="off"))
     assert path.ok, path.message
-    energy = observables.energy_balance(scene, path)
-    assert energy.drift is not None
+    momentum, energy = observables.momentum_drift(scene, path), observables.energy_balance(scene, path)
+    assert momentum is not None
+    assert np.max(momentum) < 1e-7  # of rtol
     assert energy.energy[-1] < 0.9 * energy.energy[0]
-    assert np.max(np.abs(energy.drift)) < max(2.0 * energy.resolution, 2e-3 * energy.energy[0])
+    assert energy.drift is None
+    assert "half" in energy.reason
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""What touches among granules, and the power of its forces, from world poses alone.
+"""What touches among granules, from world poses alone: a second formulation.
 
 The pairs of features and their signs are those of mbs_ref.kernels.rigid.granules, evaluated for all grains at once.
 """
@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.contact import Granules
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -119,28 +118,6 @@ def touching_granules(part: Granules, position: np.ndarray, turned: np.ndarray) 
         ends, normals = np.column_stack((k, np.full(len(k), -1))), np.broadcast_to(normal, (len(k), len(normal)))
         found.append(Touching(ends, gap[k, c], normals, shapes.corner[k, c], np.ones(len(k))))
     return Touching(*map(np.concatenate, zip(*found, strict=True)))
-
-
-def granular_power(motion: Motion, part: Granules) -> np.ndarray:
-    """Return the power (n_t,), W, of the forces at all contacts of the granules."""
-    return np.array([_power(motion, part, k) for k in range(len(motion.times))])
-
-
-def _power(motion: Motion, part: Granules, k: int) -> float:
-    path, law, centres = motion.trajectory, part.law.numbers(), motion.trajectory.position[k]
-    ends, gap, normal, place, sign = touching_granules(part, centres, axes_of(path.orientation[k], centres))
-    place = place - np.broadcast_to(part.radius, len(centres))[ends[:, :1]] * normal
-    arm, turning = place[:, None] - centres[ends], path.angular_velocity[k][ends]  # (n, 2, ...)
-    across = np.stack((-arm[..., 1], arm[..., 0]), axis=-1)
-    swing = np.cross(turning, arm) if centres.shape[1] == 3 else turning[..., None] * across
-    u = np.where(ends[..., None] < 0, 0.0, path.velocity[k][ends] + swing)
-    slip = u[:, 0] - u[:, 1]
-    rate = np.sum(slip * normal, axis=1)
-    force = law.stiffness * (-gap) ** law.exponent - law.damping * (-gap) ** law.damping_exponent * rate
-    force = np.maximum(force, 0.0) if law.release == "force" else force
-    speed = np.linalg.norm(slip - rate[:, None] * normal, axis=1)
-    drag = part.friction.coefficient * np.tanh(speed / part.friction.speed) if part.friction else 0.0
-    return float(np.sum(sign * force * (rate - drag * speed)))
 
 
 def axes_of(orientation: np.ndarray, centres: np.ndarray) -> np.ndarray:
