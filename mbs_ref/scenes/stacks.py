@@ -175,7 +175,7 @@ def _grains(centers: list, mass: float, dimension: int, shape: str) -> list[Any]
         return [body(name=f"g{k}", position=c, **own) for k, c in enumerate(centers)]
     own["inertia"] = block_inertia(mass, *(2.0 * (half + ROUNDING) for half in CORES[shape]))
     turns = [tuple(from_axis_angle(np.array(AXIS), TURN * k).tolist()) for k in range(len(centers))]
-    return [body(name=f"g{k}", position=c, orientation=turns[k], **own) for k, c in enumerate(centers)]
+    return [SpatialBody(name=f"g{k}", position=c, orientation=turns[k], **own) for k, c in enumerate(centers)]
 
 
 def _walls(width: float, dimension: int) -> tuple[contact.Wall, ...]:
