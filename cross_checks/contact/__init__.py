@@ -7,18 +7,23 @@ from importlib import import_module
 from pathlib import Path
 
 from cross_checks import engines
+from cross_checks.contact import driven
 from cross_checks.contact.request import ContactModel, Request, Translation
 from cross_checks.engine import Engine, Refusal
 from cross_checks.engines.elsewhere import Elsewhere
+from cross_checks.isolation.environments import home_of
 from cross_checks.judge.vocabulary import OURS
 
-ENGINES = ("mujoco", "exudyn", "drake", "dart", "newton")  # that have a contact model of their own
+DRIVEN = ("bullet", "ode", "siconos")  # by a driver, under a Python of their own
+ENGINES = ("mujoco", "exudyn", "drake", "dart", "newton", *DRIVEN)  # that have a contact model of their own
 
 
 def model_of(engine: str) -> ContactModel | str:
     """Return the contact model of an engine, or the reason why there is none; ValueError for another name."""
     if engine not in ENGINES:
         raise ValueError(f"engine = {engine!r} has no contact model here; allowed: {', '.join(ENGINES)}")
+    if engine in DRIVEN:
+        return "not installed" if (home := home_of(engine)) is None else driven.model(engine, home)
     found = next(engines.installed([engine]), None)
     if found is None:
         return "not installed"

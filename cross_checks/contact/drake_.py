@@ -15,7 +15,16 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import CoulombFriction, DiscreteContactApproximation, MultibodyPlant
 
 from cross_checks.contact import request as wanted
-from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request, Translation, own_law, snippet
+from cross_checks.contact.request import (
+    GRAVITY,
+    ContactModel,
+    Refused,
+    Request,
+    Translation,
+    damped_by_step,
+    own_law,
+    snippet,
+)
 from cross_checks.engine import Method, Plan, Refusal, fixed
 from cross_checks.engines.drake_ import Built, Drake
 from cross_checks.engines.drake_.build import Shapes
@@ -23,9 +32,8 @@ from cross_checks.engines.drake_.run import SAP
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is_half_space, pair_mass, spheres_of
-from cross_checks.truths.of.bouncing import impact
 from mbs_ref import Scene
-from mbs_ref.scene.contact import PinOnSprocket, RoundPair, SpringDamperLaw, StickSlip
+from mbs_ref.scene.contact import PinOnSprocket, RoundPair, StickSlip
 
 SIGMA = 1e-3  # -, of SAP's friction, fixed in Drake
 MOBILITY = math.sqrt(2.0) / 3.0  # w m = m ||W||_F/3 with W = diag(1, 0, 1)/m of a planar body that does not turn
@@ -87,7 +95,7 @@ def _add_pair(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, c
     mu = getattr(contact.friction, "coefficient", 0.0)
     stiffness, tau = 0.5 * STOCK.point_stiffness, 2.0 * STOCK.relaxation_time  # of two shapes as shipped
     if plan.method.name != "stock":
-        law = _resolved(own_law(contact.law, pair_mass(linkage.scene, contact), plan.step, "force"), plan.step)
+        law = damped_by_step(own_law(contact.law, pair_mass(linkage.scene, contact), plan.step, "force"), plan.step)
         stiffness, tau = law.stiffness, law.damping / law.stiffness - plan.step
     material = {"dissipation": STOCK.hunt_crossley_dissipation, "point_stiffness": 2.0 * stiffness}
     geometry.AddContactMaterial(properties=properties, friction=CoulombFriction(mu, mu), **material)
@@ -100,24 +108,14 @@ def _add_pair(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, c
     return ids
 
 
-def _resolved(law: SpringDamperLaw, step: float) -> SpringDamperLaw:
-    """Return the law with the damping k h at least, which SAP has without a relaxation time; h is the step (s)."""
-    return law.model_copy(update={"damping": max(law.damping, law.stiffness * step)})
-
-
 def translate(request: Request) -> Translation:
     """Return stiffness, relaxation time and friction of two equal shapes under SAP."""
-    law, mu, step = _resolved(request.law, request.step), request.friction, request.step
+    law, mu, step = damped_by_step(request.law, request.step), request.friction, request.step
     tau = law.damping / law.stiffness - step
     friction = StickSlip(coefficient=mu, stiffness=law.stiffness) if mu else None
     pull = GRAVITY * math.sin(math.atan(wanted.SHARE * mu))
     creep = Refused(SIGMA * MOBILITY * step * pull, "friction is regularised in proportion to the step")
-    refused = {wanted.CREEP: creep} if mu else {}
-    if law.damping > request.law.damping:
-        free, why = impact(law, request.mass, request.speed), "a step damps as a relaxation time of its length"
-        lasts = free.duration + law.damping / law.stiffness
-        values = {wanted.RESTITUTION: free.restitution, wanted.DURATION: lasts, wanted.PENETRATION: free.penetration}
-        refused |= {label: Refused(value, why) for label, value in values.items()}
+    refused = wanted.refused_of_step(request) | ({wanted.CREEP: creep} if mu else {})
     parameters = {"point_stiffness": 2.0 * law.stiffness, "relaxation_time": 0.5 * tau, "friction": mu}
     text = snippet("drake.txt", mass=request.mass, step=step, friction=mu, stiffness=2.0 * law.stiffness, tau=0.5 * tau)
     return Translation(law, friction, parameters, text, refused)

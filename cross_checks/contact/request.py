@@ -137,3 +137,19 @@ def own_law(law: ContactLaw, mass: float, step: float, release: Release) -> Spri
         return linear_law(rebound, law.stiffness, mass, release)
     unit = impact(linear_law(rebound, 1.0, mass, release), mass, NOMINAL_SPEED)  # depth goes as 1/sqrt(k)
     return linear_law(rebound, (unit.penetration / reference.penetration) ** 2, mass, release)
+
+
+def damped_by_step(law: SpringDamperLaw, step: float) -> SpringDamperLaw:
+    """Return the law with the damping k h at least, h the step (s): a force of the velocity at its end has that."""
+    return law.model_copy(update={"damping": max(law.damping, law.stiffness * step)})
+
+
+def refused_of_step(request: Request) -> dict[str, Refused]:
+    """Return the figures that a request with less damping than k h cannot have."""
+    law = damped_by_step(request.law, request.step)
+    if law.damping == request.law.damping:
+        return {}
+    free, why = impact(law, request.mass, request.speed), "a step damps as a relaxation time of its length"
+    values = {RESTITUTION: free.restitution, DURATION: free.duration + law.damping / law.stiffness,
+              PENETRATION: free.penetration}  # fmt: skip
+    return {label: Refused(value, why) for label, value in values.items()}

@@ -36,7 +36,9 @@ STATE = ("position", "orientation", "velocity", "angular_velocity")
 FEWEST = 3  # samples of a free flight
 DEPTH = 1e-4  # m, penetration at NOMINAL_SPEED, below the noise: the publication states no stiffness
 SEED = 0  # of a sample
-RTOL, FINER = 1e-6, 1e-2  # of the reference solver, and the factor on it of the run that shows its error
+RTOL, FINER = 1e-6, 1e-2  # of the reference solver, and the factor on it at each refinement
+STEPS = 4  # times as many at each refinement of an engine of fixed steps
+RESOLVED, REFINEMENTS = 0.01, 4  # of the error: refinement ends where two runs differ by less, or after these
 
 
 def corners(position: np.ndarray, orientation: np.ndarray) -> np.ndarray:
@@ -175,25 +177,25 @@ class Predicted:
     model: str
     flight: float  # m, of the measured corners against the fitted flight: the measurement's noise
     error: float | None = None  # m, of the corners against the measured ones, see Toss.error
-    numerical: float | None = None  # m, of the corners against those of a run with 1 % of rtol or half of the step
+    numerical: float | None = None  # m, of the corners against those of a run with 1 % of rtol or a quarter of the step
     reason: str = ""
 
 
 @dataclass(frozen=True)
 class _Model:
-    """A contact law of one engine, and its run at RATE: the motion, or the sentence why there is none."""
+    """A contact law of one engine, and its run at RATE, refined so often: the motion, or why there is none."""
 
     engine: str
     name: str
     law: laws.ContactLaw
     friction: Any
-    run: Callable[[Scene, bool], Trajectory | str]  # the second is for the finer run
+    run: Callable[[Scene, int], Trajectory | str]
 
 
 def predict(
     tosses: list[Toss], others: dict[str, ContactModel], step: float, sample: int = 0, progress: Report | None = None
 ) -> Iterator[Predicted]:
-    """Predict each toss by the reference solver with each law, and by other engines' own contacts at about a step (s).
+    """Predict each toss by the reference solver with each law, and by other engines' own contacts from a step (s) on.
 
     A `sample` is drawn at random with a fixed seed; all are predicted if it is 0. ValueError names a toss without a
     free flight, or a sample larger than all.
@@ -225,15 +227,21 @@ def _each(every: list, floor: float, progress: Report) -> Iterator[Predicted]:
 def _predicted(toss: Toss, noise: float, floor: float, model: _Model) -> Predicted:
     scene = scene_of(toss, floor, model.law, model.friction)
     key = (toss.name, model.engine, model.name, noise)
-    path, finer = (model.run(scene, fine) for fine in (False, True))
-    if isinstance(path, str) or isinstance(finer, str):
-        return Predicted(*key, reason=path if isinstance(path, str) else str(finer))
-    exact = Toss(toss.name, finer.position[:, 0], finer.orientation[:, 0])
-    return Predicted(*key, toss.error(path), exact.error(path))
+    path, error, numerical = model.run(scene, 0), 0.0, math.inf
+    for refined in range(1, REFINEMENTS + 1):
+        if isinstance(path, str) or numerical <= RESOLVED * error:
+            break
+        finer, error = model.run(scene, refined), toss.error(path)
+        if isinstance(finer, str):
+            path = finer
+            break
+        numerical = Toss(toss.name, finer.position[:, 0], finer.orientation[:, 0]).error(path)
+        path = finer
+    return Predicted(*key, reason=path) if isinstance(path, str) else Predicted(*key, error, numerical)
 
 
-def _ours(scene: Scene, fine: bool) -> Trajectory | str:
-    rtol, outputs = RTOL * (FINER if fine else 1.0), "dense" if fine else "landed"  # steps differ
+def _ours(scene: Scene, refined: int) -> Trajectory | str:
+    rtol, outputs = RTOL * FINER**refined, "dense" if refined else "landed"  # steps differ
     more: dict[str, Any] = {"rtol": rtol, "atol": rtol * HALF, "outputs": outputs}
     settings = Settings(method="dop853", reactions=False, estimate="off", **more)
     return motion(engines.get(OURS), scene, settings, _samples(scene))
@@ -243,9 +251,9 @@ def _samples(scene: Scene) -> np.ndarray:
     return np.arange(round(scene.duration * RATE) + 1) / RATE
 
 
-def _sampled(model: ContactModel, method: str, steps: int) -> Callable[[Scene, bool], Trajectory | str]:
-    """Return runs with so many steps a sample, or twice as many."""
-    return lambda scene, fine: stepped(model, method, scene, 1.0 / (RATE * steps * (1 + fine)), _samples(scene))
+def _sampled(model: ContactModel, method: str, steps: int) -> Callable[[Scene, int], Trajectory | str]:
+    """Return runs with so many steps a sample, or STEPS times as many at each refinement."""
+    return lambda scene, k: stepped(model, method, scene, 1.0 / (RATE * steps * STEPS**k), _samples(scene))
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ STILL = 1e-4  # m/s: slower is at rest, regularised friction creeps
 STEADY = 0.1  # relative change of a mean speed that counts as steady
 MANY = 12  # contacts beyond which nobody reads a figure of each
 PLACES = 33  # along the continuation of a flight, between which its gap changes its sign once
+ROUNDOFF_GAP = 1e-9  # m: a rigid contact is closed where its gap is less
 LEAST_PATH = 1e-9  # m: a shorter path is no stop distance
 
 
@@ -39,12 +40,12 @@ def _of_contact(motion: Motion, contact) -> dict[str, float]:
     events = path.event_times  # None where the engine locates no events
     if gap[0] > 0.0 and events is not None and contact.name not in [path.event_names[int(k)] for k in events[:, 1]]:
         return {}
-    touching = gap < 0.0
-    figures = {"penetration, m": _deepest(motion.times, gap, rate)} if touching.any() else {}
+    rests = gap[-1] < ROUNDOFF_GAP
+    figures = {"penetration, m": _deepest(motion.times, gap, rate)} if (gap < 0.0).any() else {}
     figures |= _bounce(motion, contact, gap, rate)
-    if touching[-1] and contact.friction is not None and abs(slip[0]) < STILL:
+    if rests and contact.friction is not None and abs(slip[0]) < STILL:
         figures |= _creep(motion, contact)
-    if touching[-1] and abs(rate[-1]) < STILL and abs(slip[-1]) < STILL:
+    if rests and abs(rate[-1]) < STILL and abs(slip[-1]) < STILL:
         figures["static sink, m"] = -float(gap[-1])
         figures |= _stop(motion, contact, slip)
     return figures

@@ -163,24 +163,28 @@ def _other_ball(pairs: ContactPairs, k: int) -> Ball | None:
 
 
 def granules(scene: Scene, places: Axes) -> neighbours.Granules:
-    """Return the arrays of the granules: their spheres, walls and law, and room for the list of near pairs."""
+    """Return the arrays of the granules: their shapes, walls and law, and room for the list of near pairs."""
     parts = [load for load in scene.loads if isinstance(load, Granules)]
     if not parts:
         return empty(neighbours.Granules, dimension=scene.dimension, **{"n + 1": 1})
     (part,) = parts
-    radius = np.broadcast_to(part.radius, len(scene.bodies))
-    chosen = np.flatnonzero(radius)
+    chosen = np.flatnonzero(np.broadcast_to(part.radius, len(scene.bodies)))
+    radius, half = part.shapes(len(scene.bodies), scene.dimension)
+    radius, half = radius[chosen], half[chosen]
+    reach = radius + np.linalg.norm(half, axis=1)
+    slender = np.mean(reach**scene.dimension) / np.mean(np.prod(radius[:, None] + half, axis=1))  # 1 of spheres
     law, friction = part.law.numbers(), part.friction.numbers() if part.friction else FrictionNumbers()
     d, n, outward = scene.dimension, len(chosen), [unit(wall.normal) for wall in part.walls]
     numbers: dict[str, Any] = {
         "stiffness": law.stiffness, "dashpot": law.damping, "exponent": law.exponent,
         "damping_exponent": law.damping_exponent, "coefficient": friction.coefficient, "creep": friction.creep,
-        "skin": GRAIN_SKIN * float(np.mean(radius[chosen])),
+        "skin": GRAIN_SKIN * float(np.mean(reach)),
     }  # fmt: skip
-    lengths = {"n": n, "n + 1": n + 1, "dimension": d, "most": ROOM[d] * n, "buckets": 1 << (2 * n - 1).bit_length()}
+    most = ROOM[d] * math.ceil(slender) * n
+    lengths = {"n": n, "n + 1": n + 1, "dimension": d, "most": most, "buckets": 1 << (2 * n - 1).bit_length()}
     return empty(neighbours.Granules, **lengths)._replace(
         body=ints([places.body(scene.bodies[k].name) for k in chosen]),
-        radius=radius[chosen],
+        **{"radius": radius, "half": half, "reach": reach, "unit": np.eye(d)},
         normal=floats(outward, d),
         offset=floats(axis @ np.array(wall.point) for axis, wall in zip(outward, part.walls, strict=True)),
         release=ints([RELEASES[law.release]]),

@@ -27,6 +27,7 @@ from mbs_ref.kernels.rigid import (
     descriptor,
     dynamics,
     events,
+    granules,
     grips,
     joints,
     loads,
@@ -70,7 +71,7 @@ HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a m
     "relative_planar in lanes": (TreeModelInLanes, TreeWorkInLanes),
     "relative_spatial in lanes": (TreeModelInLanes, TreeWorkInLanes),
 }
-_RIGID = (contact_events, contact_forces, descriptor, dynamics, events, grips, joints, loads, model)
+_RIGID = (contact_events, contact_forces, descriptor, dynamics, events, granules, grips, joints, loads, model)
 _OWN = {  # core -> the first words of its answers' names, and their modules
     "planar": (("planar", "rigid"), (planar, *_RIGID)),
     "spatial": (("spatial", "rigid"), (spatial, spatial_contacts, *_RIGID)),

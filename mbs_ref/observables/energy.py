@@ -125,6 +125,8 @@ def _undefined(scene: Scene, trajectory: Trajectory) -> str:
     driving = [j.name for j in scene.joints if isinstance(j, UserConstraint) and j.depends_on_time]
     if driving:
         return f"{', '.join(driving)} may move in time and do work, which does not follow from its reaction"
+    if any(getattr(load, "half", ()) for load in scene.loads):
+        return "the work at granules with `half` does not follow from poses here"
     silent = [c.name for c in scene.contacts if c.name not in trajectory.contacts]
     if silent:
         return f"contact {', '.join(silent[:4])} does work, and the engine reports no force there"

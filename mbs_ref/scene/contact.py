@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from itertools import cycle
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from mbs_ref.scene.base import part
@@ -442,15 +443,19 @@ class Wall(part.Part):
 
 
 class Granules(Attached):
-    """Many spheres, in the plane discs, about the centres of mass of bodies: all may touch one another, and walls.
+    """Many rounded shapes about the centres of mass of bodies: all may touch one another, and walls.
 
-    One law and one friction hold for all. Pairs come from a neighbour search, so that the work grows with the number
-    of spheres. Touch-downs are not located, since many happen in every step: the force follows from the state, and
-    methods of high order are no more accurate than the kinks of the law allow.
+    A shape is a core and all that lies within `radius` of it. The core is a point (of a sphere, in the plane a disc)
+    unless `half` gives it lengths along the axes of its body: along one axis it is that of a capsule, along more that
+    of a plate or a box. One law and one friction hold for all. What touches are corners of cores and edges that cross.
+    Pairs come from a neighbour search, so that the work grows with the number of shapes. Touch-downs are not located,
+    since many happen in every step: the force follows from the state, and methods of high order are no more accurate
+    than the kinks of the law allow.
     """
 
     type: Literal["granules"] = "granules"
-    radius: Annotated[tuple[part.NonNegative, ...], Field(min_length=1)]  # m, one a body or one for all; 0: no sphere
+    radius: Annotated[tuple[part.NonNegative, ...], Field(min_length=1)]  # m, one a body or one for all; 0: no shape
+    half: tuple[tuple[part.NonNegative, ...], ...] = ()  # m, of the core along the body's axes; as many, or none
     walls: tuple[Wall, ...] = ()  # each a point (m) and the normal to the free side, world
     law: Annotated[StateLaw, Field(discriminator="type")]  # of the normal force
     friction: RegularisedCoulomb | None = None  # none unless given
@@ -461,11 +466,19 @@ class Granules(Attached):
             raise ValueError(f"radius = {self.radius}: one must be positive")
         return self
 
+    def shapes(self, count: int, dimension: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return radius (n,) and half (n, dimension), m, of `count` bodies."""
+        half = np.broadcast_to(self.half or np.zeros((1, dimension)), (count, dimension))
+        return np.broadcast_to(self.radius, count), half
+
     @property
     def ends(self) -> tuple[str, str]:
         return ("ground", "ground") if self.walls else ("", "")  # what it holds to
 
     def complaints(self, dimension: int) -> Iterator[str]:
+        for k, half in enumerate(self.half):
+            if len(half) != dimension:
+                yield f"half[{k}] = {half} must have {dimension} components here"
         for k, wall in enumerate(self.walls):
             for field, value in (("point", wall.point), ("normal", wall.normal)):
                 if len(value) != dimension:
@@ -478,13 +491,17 @@ def granular_complaints(loads: Sequence[Attached], bodies: Sequence[Body]) -> It
     if len(groups) > 1:
         yield f"loads {', '.join(repr(group.name) for group in groups.values())} are all granules; give one"
     for k, group in groups.items():
-        radius, where = group.radius, f"loads[{k}] ({group.name})"
-        if len(radius) not in (1, len(bodies)):
-            yield f"{where}: radius has {len(radius)} entries; allowed: 1, or {len(bodies)}, one a body"
-        elif group.friction:
-            pairs = zip(bodies, cycle(radius), strict=False)
-            points = [body.name for body, size in pairs if size and isinstance(body, PointMass)]
-            yield from (f"{where}: its friction turns {name!r}, a point mass, {NO_ORIENTATION}" for name in points)
+        where, allowed = f"loads[{k}] ({group.name})", (1, len(bodies))
+        wrong = [(name, len(given)) for name in ("radius", "half") if (given := getattr(group, name) or (0,))]
+        wrong = [one for one in wrong if one[1] not in allowed]
+        yield from (f"{where}: {name} has {n} entries; allowed: 1, or {len(bodies)}, one a body" for name, n in wrong)
+        sizes = cycle(group.radius), cycle(group.half or ((),))
+        for body, size, half in () if wrong else zip(bodies, *sizes, strict=False):
+            if any(half) and not size:
+                yield f"{where}: radius = 0 rounds the edges of {body.name!r}, half = {half}; it must be positive"
+            if size and isinstance(body, PointMass) and (any(half) or group.friction):
+                what = "half turns with" if any(half) else "friction turns"
+                yield f"{where}: its {what} {body.name!r}, a point mass, {NO_ORIENTATION}"
 
 
 Contact = Annotated[

@@ -84,7 +84,8 @@ def _reaches(scene: Scene) -> Iterator[float]:
     """Yield the radii of what touches."""
     for contact in scene.contacts:
         yield from (getattr(contact, name) for name in ("radius", "radius_a") if getattr(contact, name, None))
-    yield from (max(load.radius) for load in scene.loads if isinstance(load, Granules))
+    grains = [load for load in scene.loads if isinstance(load, Granules)]
+    yield from (max(load.radius) + max((math.hypot(*half) for half in load.half), default=0.0) for load in grains)
 
 
 def _spin(body: Any) -> float:

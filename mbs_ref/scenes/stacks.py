@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -10,6 +10,7 @@ from pydantic import Field
 from mbs_ref.scene import GROUND, PlanarBody, Scene, SpatialBody, contact
 from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.bodies import block_inertia, sphere_inertia
+from mbs_ref.scene.euler_parameters import from_axis_angle
 
 BOX_WIDTH, BOX_HEIGHT = 0.4, 0.2  # m
 
@@ -124,6 +125,9 @@ GRAIN_RADIUS = 0.05  # m
 SPACING = 2.2 * GRAIN_RADIUS  # m
 STAGGER = 0.3 * GRAIN_RADIUS  # m, layers are shifted by up to this: a regular lattice is a coincidence
 CLEARANCE = 0.5 * GRAIN_RADIUS  # m, to walls and floor at t = 0
+ROUNDING = 0.4 * GRAIN_RADIUS  # m, radius of the edges of shapes that are not round ...
+CORES = {"round": (0.0,) * 3, "capsule": (0.0, 0.0, 0.03), "box": (0.018, 0.0165, 0.015)}  # m ... within a round grain
+AXIS, TURN = (1.0, 2.0, 3.0), 0.7  # by which grain k + 1 is turned from grain k, rad
 
 
 def granular_column(
@@ -137,23 +141,28 @@ def granular_column(
     friction: NonNegative = 0.0,
     slip: Positive = 1e-2,
     search: bool = False,
+    shape: Literal["round", "capsule", "box"] = "round",
     gravity: Positive = 9.81,
 ) -> Scene:
     """Drop grains into a box: discs, or with `space` spheres.
 
     grains, how many across, whether in space; stiffness (N/m) and damping (N s/m^2) of the progressive law, mass
     of a grain (kg), coefficient of friction and the speed (m/s) at which it is reached, whether a neighbour search
-    finds the pairs (up to 300 grains they may be parts of the scene), gravity (m/s^2).
+    finds the pairs (up to 300 grains they may be parts of the scene), the shape of grains (capsules and boxes with
+    rounded edges need the search and space), gravity (m/s^2).
     """
     if grains > MOST_PAIRED and not search:
         raise ValueError(f"grains = {grains}: more than {MOST_PAIRED} need search = true")
+    if shape != "round" and not (search and space):
+        raise ValueError(f"shape = {shape!r} needs search = true and space = true")
     law = contact.ProgressiveLaw(stiffness=stiffness, damping=damping)
     rubbing = contact.RegularisedCoulomb(coefficient=friction, speed=slip) if friction else None
     dimension = 3 if space else 2
     centers = [_grain_place(k, across, dimension) for k in range(grains)]
-    bodies, walls = _grains(centers, mass, dimension), _walls(across * SPACING + CLEARANCE, dimension)
+    bodies, walls = _grains(centers, mass, dimension, shape), _walls(across * SPACING + CLEARANCE, dimension)
     touch: dict[str, Any] = {"law": law, "friction": rubbing}
-    group = contact.Granules(name="grains", radius=(GRAIN_RADIUS,), walls=walls, **touch)
+    size = {"radius": (ROUNDING,), "half": (CORES[shape],)} if shape != "round" else {"radius": (GRAIN_RADIUS,)}
+    group = contact.Granules(name="grains", **size, walls=walls, **touch)
     return Scene(
         name="granular_column",
         description=f"{grains} grains fall into a box.",
@@ -175,12 +184,16 @@ def _grain_place(k: int, across: int, dimension: int) -> tuple[float, ...]:
     return tuple((SPACING * cell + low + np.append(shift, -STAGGER)).tolist())
 
 
-def _grains(centers: list, mass: float, dimension: int) -> list[Any]:
-    """Return discs or spheres."""
+def _grains(centers: list, mass: float, dimension: int, shape: str) -> list[Any]:
+    """Return discs or spheres, or bodies with the inertia of the block around their shape."""
     flat: dict[str, Any] = {"mass": mass, "inertia": 0.5 * mass * GRAIN_RADIUS**2}
     solid: dict[str, Any] = {"mass": mass, "inertia": sphere_inertia(mass, GRAIN_RADIUS)}
     body, own = (SpatialBody, solid) if dimension == 3 else (PlanarBody, flat)
-    return [body(name=f"g{k}", position=c, **own) for k, c in enumerate(centers)]
+    if shape == "round":
+        return [body(name=f"g{k}", position=c, **own) for k, c in enumerate(centers)]
+    own["inertia"] = block_inertia(mass, *(2.0 * (half + ROUNDING) for half in CORES[shape]))
+    turns = [tuple(from_axis_angle(np.array(AXIS), TURN * k).tolist()) for k in range(len(centers))]
+    return [SpatialBody(name=f"g{k}", position=c, orientation=turns[k], **own) for k, c in enumerate(centers)]
 
 
 def _walls(width: float, dimension: int) -> tuple[contact.Wall, ...]:

@@ -191,8 +191,9 @@ def _circles(contact, bodies: Sequence[Body]) -> list[tuple[str, tuple[float, ..
         first = (contact.body_a, contact.center_a, contact.radius_a)
         return [first, (contact.body_b, contact.center_b, contact.radius_b)]
     if isinstance(contact, Granules):
-        radii = np.broadcast_to(contact.radius, len(bodies)).tolist()
-        return [(body.name, body.position, radius) for body, radius in zip(bodies, radii, strict=True)]
+        radius, half = contact.shapes(len(bodies), len(bodies[0].position))
+        reach = (radius + np.linalg.norm(half, axis=1)).tolist()  # of cores that are no points, what is around them
+        return [(body.name, body.position, size) for body, size in zip(bodies, reach, strict=True)]
     if isinstance(contact, PinOnSprocket):
         return [(contact.body_b, contact.axle, contact.pitch_radius)]
     return []

@@ -1,4 +1,4 @@
-"""Neighbours among many spheres or discs: pairs whose gap is within a skin, by a grid of hashed cells.
+"""Neighbours among many grains, each in a sphere: pairs whose gap is within a skin, by a grid of hashed cells.
 
 A cell is as wide as the largest reach of a pair, so that the neighbours of a sphere lie in its own cell and in those
 around it. The list holds until some sphere is half of the skin away from where it was when the list was built: until
@@ -18,10 +18,14 @@ PRIMES = (73856093, 19349663, 83492791)  # of the hash of a cell (Teschner et al
 
 
 class Granules(NamedTuple):
-    """Spheres that may all touch one another and fixed walls, by one law; and the list of near pairs."""
+    """Rounded cores that may all touch one another and fixed walls, by one law; and the list of near pairs."""
 
     body: Annotated[Ints, "n"]
-    radius: Annotated[Floats, "n"]  # m
+    radius: Annotated[Floats, "n"]  # m, by which the core is rounded
+    half: Annotated[Floats, "n", "dimension"]  # m, half of the core's lengths along the body's axes
+    reach: Annotated[Floats, "n"]  # m, radius of the sphere about it; the radius where the core is a point
+    unit: Annotated[Floats, "dimension", "dimension"]  # the identity
+    axes: Annotated[Floats, "n", "dimension", "dimension"]  # world, of a core that is no point; the core fills them
     normal: Annotated[Floats, "w", "dimension"]  # unit vector, to the free side of each wall
     offset: Annotated[Floats, "w"]  # m, of each wall along its normal
     # one law and one friction, named as in ContactLaws and ContactModes
@@ -69,7 +73,7 @@ def _bucket(grains, cell):
 @jit
 def _fill_cells(grains):
     """Place every sphere in its cell; the list of a bucket is ascending."""
-    width = 2.0 * np.max(grains.radius) + grains.skin[0]
+    width = 2.0 * np.max(grains.reach) + grains.skin[0]
     for b in range(grains.head.shape[0]):
         grains.head[b] = -1
     for s in range(grains.place.shape[0] - 1, -1, -1):
@@ -89,7 +93,7 @@ def _is_near(grains, i, j, cell):
             return False
         d = grains.place[j, c] - grains.place[i, c]
         square += d * d
-    reach = grains.radius[i] + grains.radius[j] + grains.skin[0]
+    reach = grains.reach[i] + grains.reach[j] + grains.skin[0]
     return square <= reach * reach
 
 

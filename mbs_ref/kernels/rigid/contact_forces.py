@@ -5,16 +5,13 @@ the row gap = 0 while contact lasts, and none otherwise. The row's multiplier is
 together; the contact pushes with its negative.
 """
 
-import math
-
 import numpy as np
 
 from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.contact.near_pairs import refresh
-from mbs_ref.kernels.contact.neighbours import refresh_neighbours
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.marks import exchange, inward, magnitude, place_of_mark, rate_between, separation
+from mbs_ref.kernels.rigid.marks import exchange, inward, magnitude, place_of_mark, separation
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 
@@ -95,68 +92,6 @@ def rigid_apply_contacts(model, work):
             force, lead = contact_force(model, work, k, touch, normal), ahead(model, work, k, touch)
             on_a, on_b = core.plus(work, touch.arm_a, lead), core.plus(work, touch.arm_b, lead)
             exchange(work, pairs.a[k], on_a, pairs.b[k], on_b, force)
-
-
-# --- granules ---------------------------------------------------------------------------------------
-
-
-@bare
-def _repel(work, grains, a, radius, b, n, gap):
-    """Add the force of a sphere on body a, of a radius (m), that is pressed against body b along n (from b to a)."""
-    arm_a = core.times(work, -radius, n)
-    arm_b = core.minus(work, core.plus(work, core.centre(work, a), arm_a), core.centre(work, b))
-    u = rate_between(work, b, a, arm_b, arm_a)
-    closing = core.dot(work, n, u)
-    normal = law.normal_force(grains, grains, 0, -gap, -closing)
-    if normal < 0.0 and grains.release[0] == law.RELEASE_FORCE:
-        return
-    force = core.times(work, normal, n)
-    if grains.coefficient[0] > 0.0:
-        slip = core.minus(work, u, core.times(work, closing, n))
-        scale = law.drag(grains, 0, normal, magnitude(work, slip))
-        force = core.plus(work, force, core.times(work, scale, slip))
-    exchange(work, a, arm_a, b, arm_b, force)
-
-
-@bare
-def _touch(work, grains, i, j):
-    """Add the forces of two spheres that overlap."""
-    a, b = grains.body[i], grains.body[j]
-    x = core.minus(work, core.centre(work, a), core.centre(work, b))
-    square, reach = core.dot(work, x, x), grains.radius[i] + grains.radius[j]
-    if 0.0 < square < reach * reach:  # where the centres coincide there is no direction
-        distance = math.sqrt(square)
-        _repel(work, grains, a, grains.radius[i], b, core.over(work, x, distance), distance - reach)
-
-
-@bare
-def _touch_walls(work, grains, ground):
-    for w in range(grains.offset.shape[0]):
-        n = core.times(work, 1.0, grains.normal[w])  # as a tuple
-        for i in range(grains.body.shape[0]):
-            a = grains.body[i]
-            gap = core.dot(work, core.centre(work, a), n) - grains.offset[w] - grains.radius[i]
-            if gap < 0.0:
-                _repel(work, grains, a, grains.radius[i], ground, n, gap)
-
-
-@jit
-def rigid_apply_granules(model, work):
-    """Add the forces of every sphere that touches another one or a wall."""
-    grains = model.granules
-    for i in range(grains.body.shape[0]):
-        place = core.centre(work, grains.body[i])
-        for c in range(len(place)):
-            grains.place[i, c] = place[c]
-    refresh_neighbours(grains)
-    _touch_walls(work, grains, model.bodies.mass.shape[0])
-    for i in range(grains.body.shape[0]):
-        if grains.overflow[0] == 1:
-            for j in range(i + 1, grains.body.shape[0]):
-                _touch(work, grains, i, j)
-        else:
-            for p in range(grains.first[i], grains.first[i + 1]):
-                _touch(work, grains, i, grains.near[p])
 
 
 # --- rows -------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ def _spheres(place: np.ndarray, radius: np.ndarray, skin: float, room: int = 40)
     n, dimension = place.shape
     lengths = {"n": n, "n + 1": n + 1, "dimension": dimension, "most": room * n, "buckets": 64}
     built, skins = np.full_like(place, np.nan), np.array([skin])
-    return empty(neighbours.Granules, **lengths)._replace(place=place.copy(), radius=radius, skin=skins, built=built)
+    return empty(neighbours.Granules, **lengths)._replace(place=place.copy(), reach=radius, skin=skins, built=built)
 
 
 def _listed(grains: neighbours.Granules) -> list[tuple[int, int]]:

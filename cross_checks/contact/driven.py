@@ -1,0 +1,143 @@
+"""Engines under a Python of their own, which a driver script of `drivers` runs: free bodies with contacts alone.
+
+ODE's ERP and CFM, and Bullet's stiffness and damping, are a spring and a damper whose force of a step h takes the
+velocity at its end: c = damping + k h. Siconos has impacts by Newton's law and Coulomb's friction, and no stiffness.
+"""
+
+import json
+import subprocess
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from cross_checks.contact import request as wanted
+from cross_checks.contact.request import ContactModel, Refused, Request, Translation, damped_by_step, own_law, snippet
+from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal, fixed
+from cross_checks.isolation.environments import python_of
+from cross_checks.linkage.links import Linkage, lifted, linkage_of
+from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is_half_space, pair_mass, spheres_of
+from cross_checks.truths.of.bouncing import impact
+from mbs_ref import Scene, Status
+from mbs_ref.scene import GROUND
+from mbs_ref.scene.contact import PinOnSprocket, RoundPair, StickSlip
+from mbs_ref.scene.euler_parameters import product
+from mbs_ref.scene.traits import part_types
+
+DRIVERS = Path(__file__).parent / "drivers"
+METHODS = {  # engine -> its one method
+    "bullet": fixed("impulses", 1, "symplectic Euler, sequential impulses", requires=frozenset({"contact"})),
+    "ode": fixed("step", 1, "symplectic Euler, Dantzig's LCP", requires=frozenset({"contact"})),
+    "siconos": fixed("moreau", 1, "Moreau and Jean's time stepping", requires=frozenset({"contact"})),
+}
+LONG = 600.0  # s, of a run
+
+
+class Driven(Engine):
+    """An engine that its driver runs in another process: bodies as standard input, rows as standard output."""
+
+    part_types: ClassVar[frozenset[str]] = frozenset({"planar", "spatial"})
+
+    def __init__(self, name: str, home: Path) -> None:
+        self.name = self.package = name  # type: ignore[misc]
+        self.python, self.script = python_of(home), DRIVERS / f"{name}_.py"
+
+    def methods(self) -> tuple[Method, ...]:
+        return (METHODS[self.name],)
+
+    def version(self) -> str:
+        return self._call("--version").stdout.strip()
+
+    def _call(self, *arguments: str, given: str = "") -> Any:
+        command = [str(self.python), str(self.script), *arguments]
+        return subprocess.run(command, input=given, capture_output=True, text=True, check=False, timeout=LONG)
+
+    def refusals(self, scene: Scene) -> list[Refusal]:
+        parts = sorted(part_types(scene.model_copy(update={"contacts": ()})) - self.part_types)
+        reasons = [f"the driver of {self.name} has no part type {kind!r}" for kind in parts]
+        for contact in scene.contacts:
+            reasons += friction_refusals(self.name, contact)
+            if isinstance(contact, PinOnSprocket):
+                reasons.append(f"contact {contact.name!r}: the driver of {self.name} has no sprocket")
+            elif self.name == "bullet" and not isinstance(contact, RoundPair) and not is_half_space(contact):
+                reasons.append(f"contact {contact.name!r}: the driver of bullet has endless planes on ground alone")
+        return [Refusal(reason, permanent=False) for reason in dict.fromkeys(reasons)]
+
+    def build(self, scene: Scene, plan: Plan) -> Linkage:
+        return linkage_of(scene)
+
+    def advance(self, model: Linkage, plan: Plan) -> Loop:
+        scene = model.scene
+        bodies = [_body(model, k) for k in range(len(scene.bodies))]
+        contacts = [_contact(model, contact, plan.step) for contact in scene.contacts]
+        problem = {"step": plan.step, "counts": plan.counts, "gravity": model.gravity.tolist()}
+        done = self._call(given=json.dumps(problem | {"bodies": bodies, "contacts": contacts}))
+        start = [[*b["position"], *b["orientation"], *b["velocity"], *b["spin"]] for b in bodies]
+        rows = np.array([start, *(json.loads(line) for line in done.stdout.splitlines() if line.startswith("[["))])
+        ended = f"its driver ended with code {done.returncode}: {done.stderr.strip()[-200:]}"
+        end = End(len(rows), Status.ENGINE_ERROR, ended) if len(rows) < len(plan.times) else End(len(rows))
+        return Loop(rows, end, sum(plan.counts))
+
+    def poses(self, model: Linkage, plan: Plan, states: np.ndarray) -> Poses:
+        position, turn, velocity, spin = np.split(states, (3, 7, 10), axis=2)
+        if model.scene.dimension == 3:
+            return position, product(turn, model.theta), velocity, spin
+        angle = np.unwrap(2.0 * np.arctan2(turn[..., 3], turn[..., 0]), axis=0) + model.angle
+        return position[..., :2], angle, velocity[..., :2], spin[..., 2]
+
+
+def _body(model: Linkage, k: int) -> dict[str, Any]:
+    """Return a body in the axes of the world at t = 0; in the plane it has the same moment of inertia about all."""
+    body: Any = model.scene.bodies[k]
+    spin = body.angular_velocity if model.scene.dimension == 3 else (0.0, 0.0, body.angular_velocity)
+    vectors = {"position": body.position, "velocity": body.velocity}
+    return {name: lifted(vector).tolist() for name, vector in vectors.items()} | {
+        "mass": body.mass, "inertia": model.of_body[k].inertia.tolist(), "orientation": [1.0, 0.0, 0.0, 0.0],
+        "spin": list(spin),
+    }  # fmt: skip
+
+
+def _contact(model: Linkage, contact: Any, step: float) -> dict[str, Any]:
+    scene = model.scene
+    mass, spheres = pair_mass(scene, contact), spheres_of(contact)
+    law = damped_by_step(own_law(contact.law, mass, step, "force"), step)
+
+    def local(name: str, point: Any) -> list[float]:
+        return (
+            lifted(point) - (0.0 if name == GROUND else lifted(scene.bodies[scene.body_index(name)].position))
+        ).tolist()
+
+    found = {
+        "a": scene.body_index(contact.body_a), "b": scene.body_index(contact.body_b),
+        "center": local(*spheres[0][:2]), "radius": spheres[0][2], "stiffness": law.stiffness,
+        "damping": law.damping - law.stiffness * step, "friction": getattr(contact.friction, "coefficient", 0.0),
+        "rebound": getattr(contact.law, "restitution", None) or impact(law, mass, wanted.NOMINAL_SPEED).restitution,
+    }  # fmt: skip
+    if isinstance(contact, RoundPair):
+        return found | {"origin": local(*spheres[1][:2]), "other": spheres[1][2]}
+    axes, middle, sides = frame_of(contact)
+    size = {"sides": [1e9, 1e9] if is_half_space(contact) else list(sides), "thickness": contact.thickness or THICK}
+    return found | size | {"origin": local(contact.body_b, middle), "axes": axes.T.tolist()}
+
+
+def translate(name: str, request: Request) -> Translation:
+    """Return an engine's parameters of two equal bodies."""
+    mu, step = request.friction, request.step
+    law, refused = damped_by_step(request.law, step), wanted.refused_of_step(request)
+    k, c = law.stiffness, law.damping - law.stiffness * step
+    parameters: dict[str, Any] = {"mu": mu, "soft_erp": step * k / (step * k + c), "soft_cfm": 1.0 / (step * k + c)}
+    if name == "bullet":
+        parameters = {"lateralFriction": mu**0.5, "contactStiffness": 2.0 * k, "contactDamping": 0.5 * c}
+    if name == "siconos":
+        parameters, why = {"e": request.rebound, "mu": mu}, "contacts are rigid: a step ends the impact"
+        soft = (wanted.DURATION, wanted.PENETRATION, *((wanted.SINK,) if mu else ()))
+        refused = {label: Refused(0.0, why) for label in soft}
+    friction = StickSlip(coefficient=mu, stiffness=k) if mu else None
+    text = snippet(f"{name}.txt", step=step, **parameters)
+    return Translation(request.law if name == "siconos" else law, friction, parameters, text, refused)
+
+
+def model(name: str, home: Path) -> ContactModel:
+    """Return the contact model of an engine that a driver runs under the Python of an environment."""
+    return ContactModel(Driven(name, home), partial(translate, name), (METHODS[name].name,))

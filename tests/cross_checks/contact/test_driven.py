@@ -1,0 +1,132 @@
+"""Engines that drivers run: the geometry of contacts, translations, refusals, and what a driver prints."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cross_checks import contact
+from cross_checks.contact import driven
+from cross_checks.contact.by_figure import measured
+from cross_checks.contact.drivers import contacts
+from cross_checks.contact.request import Request
+from cross_checks.isolation import environments
+from mbs_ref import Settings, Status, scenes
+from mbs_ref.observables.attachment import Motion
+from mbs_ref.observables.contact_gap import relative_motion
+from mbs_ref.scene import Scene, SpatialBody
+from mbs_ref.scene.contact import RollingFriction, SphereOnPlane, SphereOnSphere, SpringDamperLaw
+from mbs_ref.scene.euler_parameters import product
+from mbs_ref.trajectory import Trajectory
+
+LAW = SpringDamperLaw(stiffness=1e5, damping=100.0, release="force")
+ONE = {"mass": 2.0, "inertia": (0.1, 0.2, 0.25, 0.0, 0.0, 0.0)}
+TURNS = (0.5, 0.5, 0.5, 0.5), (0.6, 0.0, 0.8, 0.0)
+
+
+def _pair(kind, **more) -> Scene:
+    poses = [{"name": f"b{k}", "position": (0.3 * k, 0.1, -0.2 * k), "orientation": q} for k, q in enumerate(TURNS)]
+    bodies = tuple(SpatialBody.model_validate(ONE | pose) for pose in poses)
+    one = kind.model_validate({"name": "pair", "body_a": "b0", "body_b": "b1", "law": LAW} | more)
+    return Scene(name="pair", duration=0.01, bodies=bodies, contacts=(one,))
+
+
+FLAT = {"center": (0.1, 0.1, 0.05), "radius": 0.02, "point": (0.2, 0.1, 0.0), "normal": (0.2, 0.1, 1.0)}
+ROUND = {"center_a": (0.1, 0.1, 0.05), "radius_a": 0.02, "center_b": (0.25, 0.1, -0.2), "radius_b": 0.1}
+
+
+@pytest.mark.parametrize(("kind", "more"), [(SphereOnPlane, FLAT), (SphereOnSphere, ROUND)])
+def test_gap_and_normal_of_a_driver_are_those_of_the_scene_in_any_pose(kind, more):
+    scene = _pair(kind, **more)
+    model = driven.linkage_of(scene)
+    one, random = driven._contact(model, scene.contacts[0], 1e-4), np.random.default_rng(4)
+    for _ in range(5):
+        turns = random.standard_normal((2, 4))
+        turns /= np.linalg.norm(turns, axis=1, keepdims=True)
+        places = random.uniform(-0.3, 0.3, (2, 3))
+        still = np.zeros((1, 2, 3))
+        path = Trajectory(np.zeros(1), places[None], product(turns, np.array(TURNS))[None], still, still)
+        gap, normal, _ = relative_motion(Motion(scene, path), scene.contacts[0])
+        poses = list(zip(places.tolist(), turns.tolist(), strict=True))
+        found, direction, _ = contacts.touch(one, poses)
+        assert found == pytest.approx(float(gap[0]), abs=1e-12)
+        assert direction == pytest.approx(normal[0].tolist(), abs=1e-12)
+
+
+def test_a_damping_below_that_of_a_step_is_refused_by_name():
+    request = Request(rebound=0.99, friction=0.3, stiffness=1e5, mass=2.0, step=1e-3)
+    refused = driven.translate("ode", request).refused
+    assert set(refused) == {"restitution", "duration, s", "penetration, m"}
+    rigid = driven.translate("siconos", request)
+    assert set(rigid.refused) == {"duration, s", "penetration, m", "static sink, m"}
+    assert rigid.parameters == {"e": 0.99, "mu": 0.3}
+
+
+def test_parameters_of_ode_are_a_spring_and_a_damper():
+    request = Request(rebound=0.5, friction=0.7, stiffness=1e5, mass=2.0, step=1e-4)
+    found = driven.translate("ode", request).parameters
+    erp, cfm, h = found["soft_erp"], found["soft_cfm"], 1e-4
+    assert erp / (h * cfm) == pytest.approx(1e5)  # N/m (ODE's manual, section 3.8)
+    assert (1.0 - erp) / cfm + 1e5 * h == pytest.approx(request.law.damping)
+
+
+@pytest.fixture
+def engine(tmp_path, monkeypatch):
+    """An engine whose driver sends its first body 1 m along x at every output, and ends at the third."""
+    script = tmp_path / "driver.py"
+    script.write_text(
+        "import json, sys\np = json.load(sys.stdin)\n"
+        "for k in range(1, min(len(p['counts']), 3) + 1):\n"
+        "    b = p['bodies'][0]\n"
+        "    print([[k, *b['position'][1:], 1, 0, 0, 0, *b['velocity'], *b['spin']]] * len(p['bodies']))\n"
+    )
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "python").symlink_to(sys.executable)
+    one = driven.Driven("ode", tmp_path)
+    one.script = script
+    return one
+
+
+def test_rows_of_a_driver_are_poses_and_an_early_end_is_a_status(engine):
+    scene = scenes.make("sliding_block", height=0.0)
+    path = engine.run(scene, Settings(step=1e-3), np.array((0.0, 0.1, 0.2)))
+    assert path.ok, path.message
+    assert path.position[1:, 0, 0].tolist() == [1.0, 2.0]
+    path = engine.run(scene, Settings(step=1e-3), np.linspace(0.0, 0.5, 6))
+    assert path.status is Status.ENGINE_ERROR
+    assert "driver ended with code 0" in path.message
+    assert len(path.times) == 4
+
+
+def test_what_a_driver_lacks_is_named(engine):
+    scene = _pair(SphereOnPlane, **FLAT, friction=RollingFriction(coefficient=0.3, lever=0.01))
+    assert "resistance to rolling" in engine.refusal(scene, engine.method(None))
+    assert "no part type 'distance'" in engine.refusal(scenes.make("pendulum"), engine.method(None))
+    engine.name = "bullet"
+    assert "endless planes on ground alone" in engine.refusal(_pair(SphereOnPlane, **FLAT), engine.method("impulses"))
+
+
+def test_an_engine_without_an_environment_is_absent(tmp_path, monkeypatch):
+    monkeypatch.setenv(environments.FOLDER, str(tmp_path))
+    assert contact.model_of("siconos") == "not installed"
+    (tmp_path / "siconos.json").write_text(json.dumps({"environment": str(tmp_path)}))
+    found = contact.model_of("siconos")
+    assert not isinstance(found, str)
+    assert found.engine.methods()[0].name == "moreau"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", contact.DRIVEN)
+def test_an_engine_of_a_driver_obtains_what_was_requested(name):
+    model = contact.model_of(name)
+    if isinstance(model, str):
+        pytest.skip(f"{name}: {model}")
+    request = Request(rebound=0.5, friction=0.7, stiffness=1e5, mass=2.0, step=1e-4)
+    for one in measured(model, request, model.translate(request)):
+        if one.requested and not one.note.startswith("cannot") and one.figure != "static sink, m":
+            assert one.obtained == pytest.approx(one.requested, rel=0.02), one
+
+
+assert Path(contacts.__file__).parent == driven.DRIVERS
