@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable, Sequence
 from functools import partial, reduce
 from importlib.util import find_spec
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,10 @@ from cross_checks import engines
 from cross_checks.conformance.loading import NoEngine, load
 from cross_checks.engine import Engine
 from cross_checks.engine.plan import broken_start
-from mbs_ref import Scene, Settings, at_equilibrium, scenes
+from mbs_ref import Scene, Settings, scenes
 from mbs_ref.scene import messages as problems
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.scene.toml import SceneFileError, read_scene
+from mbs_ref.scene.toml import SceneFileError, read_builder
 from mbs_ref.simulate.start.consistent import fitted_rates
 from reports.terminal.console import EngineAbsent, NothingSelected
 
@@ -75,13 +76,7 @@ def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
         raise click.UsageError(f"{name_or_file}: the suffix decides the format: {stated}")
     try:
         if name_or_file.endswith(".toml"):
-            if list(parameters) == ["start=equilibrium"]:
-                return at_equilibrium(read_scene(name_or_file))
-            if parameters:
-                raise click.UsageError(
-                    f"a scene file has no parameter but start=equilibrium; -p {parameters[0]} was given"
-                )
-            return read_scene(name_or_file)
+            return _of_file(name_or_file, **_parameters(parameters))
         return scenes.make(name_or_file, **_parameters(parameters))
     except ValidationError as error:  # the scene that the parameters made
         raise click.UsageError(problems.sentences(error, Scene, {})) from error
@@ -89,8 +84,14 @@ def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
         raise click.UsageError(str(error)) from error
 
 
+def _of_file(file: str, /, **parameters: Any) -> Scene:
+    return scenes.build(read_builder(file), file, **parameters)
+
+
 def rebuilder(name_or_file: str, scene: Scene) -> Callable[..., Scene] | None:
-    """Return what makes the scene with other parameters; None where it was read from a file."""
+    """Return what makes the scene with other parameters; None where it was read from a file that declares none."""
+    if name_or_file.endswith(".toml") and signature(read_builder(name_or_file)).parameters:
+        return partial(_of_file, name_or_file, **scene.parameters)
     return partial(scenes.make, name_or_file, **scene.parameters) if name_or_file in scenes.names() else None
 
 

@@ -155,36 +155,3 @@ def rocking_block(
         ),
         contacts=tuple(_corners("edge", center, tilt, (SLENDER_WIDTH, SLENDER_HEIGHT), law=law, friction=grip)),
     )  # fmt: skip
-
-
-def painleve_rod(
-    *,
-    friction: NonNegative = 1.2,
-    angle: Annotated[float, Field(ge=5.0, le=85.0)] = 60.0,
-    speed: Positive = 2.0,
-    stiffness: Positive = 1e7,
-    gravity: Positive = 9.81,
-) -> Scene:
-    """Push a uniform rod along rough ground, its lower end ahead: Painleve's paradox beyond a friction of 4/3.
-
-    Where p = 1 + 3 cos(angle) (cos(angle) - mu sin(angle)) is negative, rigid ground has no answer, and on springs the
-    force grows as exp(sqrt(-p k/m) t) until the rod sticks. friction (mu), angle (deg) of the rod from the ground,
-    speed (m/s), contact stiffness (N/m), gravity (m/s^2).
-    """
-    half, lean = 0.5, math.radians(angle)  # m
-    rod = PlanarBody(
-        name="rod", mass=1.0, inertia=half**2 / 3.0, velocity=(speed, 0.0), angle=math.pi - lean,
-        position=(-half * math.cos(lean), half * math.sin(lean)),
-    )  # fmt: skip
-    return Scene(
-        name="painleve_rod", description=f"A rod at {angle:g} degrees slides on its lower end.",
-        source="Painleve, C. R. Acad. Sci. 121 (1895) 112-115; Genot, Brogliato, Eur. J. Mech. A 18 (1999) 653-677",
-        duration=0.1, gravity=(0.0, -gravity), bodies=(rod,),
-        contacts=(
-            CircleOnLine(
-                name="ground", body_a="rod", center=(0.0, 0.0), radius=0.0, point_1=(0.0, 0.0), point_2=(1.0, 0.0),
-                law=SpringDamperLaw(stiffness=stiffness, damping=0.0),
-                friction=StickSlip(coefficient=friction, stiffness=stiffness),
-            ),
-        ),
-    )  # fmt: skip

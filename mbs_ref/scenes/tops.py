@@ -8,7 +8,6 @@ from pydantic import Field
 
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical
 from mbs_ref.scene.base.part import Positive, dot
-from mbs_ref.scene.contact import RegularisedCoulomb, SphereOnPlane, SpringDamperLaw
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
 
@@ -96,71 +95,3 @@ def steady_precession(spin: float, tilt: float, gravity: float) -> float:
         least = math.sqrt(4.0 * about_pivot * math.cos(tilt) * weight) / TOP_AXIAL
         raise ValueError(f"heavy_top: spin = {spin} rad/s is too slow for steady precession; at least {least:.6g}")
     return 2.0 * weight / (TOP_AXIAL * spin + math.sqrt(discriminant))
-
-
-GYRO_MASS, GYRO_HALF = 1.0, 0.25  # kg; m, from a joint to the centre of mass
-GYRO_AXIAL, GYRO_ACROSS = 0.02, 0.03  # kg m^2
-
-
-def double_gyroscope(*, spin: float = 80.0, second_spin: float = -50.0, gravity: Positive = 9.81) -> Scene:
-    """Let two spinning gyroscopes go, joined to each other and to ground by spherical joints, axes horizontal.
-
-    spin, second_spin (rad/s about their own axes), gravity (m/s^2).
-    """
-    return Scene(
-        name="double_gyroscope",
-        description="Two gyroscopes on spherical joints, axes horizontal and at rest at the start, spinning fast.",
-        source="Two of Lagrange's tops in a row; every figure here is a choice",
-        duration=2.0,
-        gravity=(0.0, 0.0, -gravity),
-        bodies=(_wheel("first", GYRO_HALF, spin), _wheel("second", 3.0 * GYRO_HALF, second_spin)),
-        joints=(
-            Spherical(name="pivot", body_a=GROUND, body_b="first", point=(0.0, 0.0, 0.0)),
-            Spherical(name="link", body_a="first", body_b="second", point=(2.0 * GYRO_HALF, 0.0, 0.0)),
-        ),
-    )
-
-
-def _wheel(name: str, reach: float, spin: float) -> SpatialBody:
-    return SpatialBody(
-        name=name, mass=GYRO_MASS, inertia=(GYRO_AXIAL, GYRO_ACROSS, GYRO_ACROSS, 0.0, 0.0, 0.0),
-        position=(reach, 0.0, 0.0), angular_velocity=(spin, 0.0, 0.0),
-    )  # fmt: skip
-
-
-TIPPE_MASS = 6e-3  # kg
-BALL, STEM = (0.015, 0.003), (0.005, 0.016)  # m: radius, and how far its centre is above the top's centre of mass
-
-
-def tippe_top(
-    *, friction: Positive = 0.3, spin: Positive = 180.0, tilt: Positive = 0.1, stiffness: Positive = 1e4,
-    slip: Positive = 1e-2, gravity: Positive = 9.81,
-) -> Scene:  # fmt: skip
-    """Spin a tippe top on rough ground: friction turns it upside down, and it goes on spinning on its stem.
-
-    friction (mu), spin (rad/s, about the vertical), tilt (rad), stiffness (N/m) of the ground, slip (m/s) below which
-    friction fades, gravity (m/s^2). While its ball alone touches, Jellett's integral is constant: the angular momentum
-    along the way from the centre of mass to the lowest point.
-    """
-    sine, cosine, depth = math.sin(tilt), math.cos(tilt), TIPPE_MASS * gravity / stiffness
-    axis, place = np.array([sine, 0.0, cosine]), np.array([0.0, 0.0, BALL[0] - depth - BALL[1] * cosine])
-    law = SpringDamperLaw(stiffness=stiffness, damping=0.2 * math.sqrt(stiffness * TIPPE_MASS), release="force")
-    grip = RegularisedCoulomb(coefficient=friction, speed=slip)
-    return Scene(
-        name="tippe_top", description="A ball with a low centre of mass and a stem spins on rough ground.",
-        source="Leine, Glocker, Eur. J. Mech. A 22 (2003) 193-216; Jellett, Treatise on the Theory of Friction (1872)",
-        duration=4.0, gravity=(0.0, 0.0, -gravity),
-        bodies=(
-            SpatialBody(
-                name="top", mass=TIPPE_MASS, inertia=(8e-7, 8e-7, 7e-7, 0.0, 0.0, 0.0), position=tuple(place.tolist()),
-                orientation=(math.cos(0.5 * tilt), 0.0, math.sin(0.5 * tilt), 0.0), angular_velocity=(0.0, 0.0, spin),
-            ),
-        ),
-        contacts=tuple(
-            SphereOnPlane(
-                name=name, body_a="top", center=tuple((place + height * axis).tolist()), radius=radius,
-                point=(0.0, 0.0, 0.0), normal=(0.0, 0.0, 1.0), law=law, friction=grip,
-            )
-            for name, (radius, height) in (("ball", BALL), ("stem", STEM))
-        ),
-    )  # fmt: skip

@@ -1,0 +1,63 @@
+"""Parameters of a scene file: `[parameters.NAME]` declares one, `[values]` names what follows from them.
+
+A text that begins with "=" is a formula of both (mbs_ref.scene.base.expression), as in mass = "= density * length".
+"""
+
+import inspect
+from collections.abc import Callable
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from mbs_ref.scene.base.expression import evaluate
+from mbs_ref.scene.base.part import Part, limited
+
+FORMULA = "="  # the mark that a text begins with
+
+
+class Declared(Part):
+    """A parameter that a scene file declares: what it is unless given, and what is allowed."""
+
+    default: float | int | str | bool
+    gt: float | None = None  # greater than
+    ge: float | None = None  # at least
+    lt: float | None = None  # less than
+    le: float | None = None  # at most
+    among: tuple[float | int | str, ...] = ()  # the only values allowed; any unless given
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.among and self.default not in self.among:
+            raise ValueError(f"default = {self.default!r} is not among {list(self.among)}")
+        return self
+
+    def parameter(self, name: str) -> inspect.Parameter:
+        """Return it as a parameter of a function, whose annotation holds what is allowed."""
+        kind: Any = Literal[self.among] if self.among else type(self.default)
+        bounds = {key: getattr(self, key) for key in ("gt", "ge", "lt", "le") if getattr(self, key) is not None}
+        if kind is float:
+            kind = Annotated[float, Field(**bounds), AfterValidator(limited)]
+        elif bounds:
+            kind = Annotated[kind, Field(**bounds)]
+        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=self.default, annotation=kind)
+
+
+def filled(data: dict[str, Any], given: dict[str, Any], refuse: Callable[[str, str], Exception]) -> dict[str, Any]:
+    """Return a scene's data with numbers in place of formulas; raise what `refuse` returns of a place and a mistake."""
+
+    def fill(here: Any, place: str) -> Any:
+        if isinstance(here, dict):
+            return {key: fill(value, f"{place}.{key}".removeprefix(".")) for key, value in here.items()}
+        if isinstance(here, tuple):
+            return tuple(fill(value, f"{place}[{k}]") for k, value in enumerate(here))
+        if not isinstance(here, str) or not here.startswith(FORMULA):
+            return here
+        try:
+            return evaluate(here.removeprefix(FORMULA), known)
+        except (ValueError, ArithmeticError, TypeError) as error:
+            raise refuse(place, str(error)) from error
+
+    known = dict(given)
+    for name, formula in data.get("values", {}).items():
+        known[name] = fill(formula, f"values.{name}")
+    return fill({key: value for key, value in data.items() if key != "values"}, "") | {"parameters": given}

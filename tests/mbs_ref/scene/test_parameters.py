@@ -1,0 +1,105 @@
+"""Scene files with parameters: what they build, and what is refused, with its place."""
+
+from __future__ import annotations
+
+import inspect
+import math
+
+import pytest
+from click.testing import CliRunner
+
+from mbs_ref import scenes
+from mbs_ref.scene.toml import SceneFileError, builder, dumps, loads
+from reports import inputs
+from reports.cli import main
+
+HANGING = """
+# A bob hangs.
+name = "hanging"
+duration = "= 2 * period"
+gravity = [0.0, -9.81]
+
+[parameters]
+length = { default = 0.5, gt = 0.0, le = 4.0 }
+axis = { default = "x", among = ["x", "y"] }
+
+[values]
+period = "= 2 * pi * sqrt(length / 9.81)"
+down = "= -length + 0 * period"
+
+[[bodies]]
+type = "point_mass"
+name = "bob"
+mass = 1.0
+position = [0.0, "= down"]
+velocity = [0.0, 0.0]
+
+[[joints]]
+type = "coordinate_drive"
+name = "drive"
+body = "bob"
+coordinate = "= axis"
+motion = { type = "constant", value = "= length**2 / (1 + length)" }
+"""
+
+
+def test_a_file_is_built_with_the_values_of_its_formulas():
+    scene = loads(HANGING)
+    assert scene.parameters == {"length": 0.5, "axis": "x"}
+    assert scene.duration == 2.0 * (2.0 * math.pi * math.sqrt(0.5 / 9.81))
+    other = scenes.build(builder(HANGING), "hanging", length=2.0, axis="y")
+    assert other.bodies[0].position == (0.0, -2.0)
+    assert (other.joints[0].coordinate, other.joints[0].motion.value) == ("y", 2.0**2 / 3.0)
+    assert loads(dumps(other)) == other  # as built, without formulas
+
+
+def test_its_parameters_are_those_of_a_function():
+    signature = inspect.signature(builder(HANGING))
+    assert {one.name: one.default for one in signature.parameters.values()} == {"length": 0.5, "axis": "x"}
+    for given, words in (({"length": 5.0}, "less than or equal to 4"), ({"length": 0.0}, "greater than 0"),
+                         ({"axis": "z"}, "'x' or 'y'"), ({"lenght": 1.0}, "did you mean 'length'")):  # fmt: skip
+        with pytest.raises(ValueError, match=words):
+            scenes.build(builder(HANGING), "hanging", **given)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('"= down"', '"= dwon"', r"bodies\[0\]\.position\[1\]: 'dwon' is not allowed.*length, axis, period, down"),
+        ('"= down"', "\"= __import__('os')\"", r"position\[1\]: .* is not allowed"),
+        ('"= down"', '"= length.real"', r"position\[1\]: 'length.real' is not allowed"),
+        ('"= down"', '"= axis"', r"position\[1\].*number"),
+        ("length / 9.81", "-length", r"values\.period: "),
+        ("length / 9.81", "length / 0", r"values\.period: .*division by zero"),
+        ("default = 0.5, gt", "default = 0.5, above", r"parameters\.length\.above: is no field"),
+        ("default = 0.5, gt = 0.0, le = 4.0", "gt = 0.0", r"parameters\.length\.default: is missing"),
+        ('default = "x"', 'default = "z"', r"parameters\.axis: default = 'z' is not among \['x', 'y'\]"),
+        ("length = {", '"a b" = {', r"parameters\.a b: the name of a parameter"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_named_with_its_place(old, new, words):
+    assert old in HANGING
+    with pytest.raises(SceneFileError, match=words):
+        loads(HANGING.replace(old, new))
+
+
+def test_the_command_line_sets_the_parameters_of_a_file(tmp_path):
+    file = tmp_path / "hanging.toml"
+    file.write_text(HANGING, encoding="utf-8")
+    scene = inputs.scene(str(file), ["length=2.0"])
+    assert scene.parameters["length"] == 2.0
+    rebuild = inputs.rebuilder(str(file), scene)
+    assert rebuild is not None
+    assert rebuild(axis="y").bodies[0].position == (0.0, -2.0)
+    wrong = CliRunner().invoke(main, ["simulate", str(file), "-p", "length=9"])
+    assert wrong.exit_code == 2
+    assert "length = 9 is not allowed" in wrong.output
+
+
+def test_what_a_scene_was_built_with_is_no_parameter_of_its_file(tmp_path):
+    file = tmp_path / "kepler.toml"
+    file.write_text(dumps(scenes.make("kepler")), encoding="utf-8")
+    scene = inputs.scene(str(file))
+    assert scene == scenes.make("kepler")
+    assert inputs.rebuilder(str(file), scene) is None
+    assert "is no parameter" in CliRunner().invoke(main, ["simulate", str(file), "-p", "orbits=2"]).output
