@@ -33,7 +33,7 @@ from reports.facts import compiling
 from reports.facts.cheapest import Standing
 from reports.page import slug
 from reports.poses_file import csv_table
-from reports.studies.papers import measure as papers
+from reports.studies import papers
 from reports.terminal.console import Failed, NothingSelected, number
 from tests.reports.page.test_shown_figures import irregular
 
