@@ -53,13 +53,13 @@ SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a du
 def scene(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
     """Return the scene of that name, or in that TOML, URDF or MJCF (.xml) file.
 
-    Initial velocities that `keep_rates` names stay, and the others are made to fit the joints.
+    Initial velocities that `keep_rates` names stay, and the others are computed from the joints.
     """
     return _keeping(_read(name_or_file, parameters), keep_rates)
 
 
 def comparable(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
-    """Return a scene that engines can be held against one another on: one whose start its own joints allow."""
+    """Return a scene on which engines can be compared: one whose start its own joints allow."""
     built = scene(name_or_file, parameters, keep_rates)
     broken = broken_start(built, Settings().initial_tolerance)
     if broken:
@@ -78,7 +78,7 @@ def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
         if name_or_file.endswith(".toml"):
             return _of_file(name_or_file, **_parameters(parameters))
         return scenes.make(name_or_file, **_parameters(parameters))
-    except ValidationError as error:  # the scene that the parameters made
+    except ValidationError as error:  # of the scene with these parameters
         raise click.UsageError(problems.sentences(error, Scene, {})) from error
     except (SceneFileError, ValueError) as error:
         raise click.UsageError(str(error)) from error
@@ -134,7 +134,7 @@ def _giver[C: Callable[..., Any]](options: Sequence[Callable[[C], C]]) -> Callab
 
 
 scene_options = _giver((click.argument("scene", metavar="SCENE|FILE.toml"), PARAMETERS, KEEP))
-run_options = _giver(RUN)  # how a run is made
+run_options = _giver(RUN)  # the options of a run
 
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:

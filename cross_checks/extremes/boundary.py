@@ -19,7 +19,7 @@ TELLS = {False: 0.08, True: 0.02}  # nats that a run must be expected to tell, b
 
 
 def search(values: Sequence[float], probe: Callable[[float], Point], full: bool) -> list[Point]:
-    """Return the runs made, mild first: at both ends, and where the boundary is sought."""
+    """Return the runs, mild first: at both ends, and where the boundary is sought."""
     places = refined(values) if full else list(values)
     n, points = len(places), dict[int, Point]()
     first, end = np.triu_indices(n + 1)  # the failing stretch is first <= place < end; none where first = end

@@ -167,7 +167,7 @@ def _orientations(
 
 
 def _triad(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Columns: first, second made perpendicular, and their product."""
+    """Columns: first, the part of second across it, and their product."""
     first = first / np.sqrt(first @ first)
     second = second - first * (first @ second)
     second = second / np.sqrt(second @ second)

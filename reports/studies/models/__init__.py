@@ -116,7 +116,7 @@ SHOWS: dict[str, Rule] = {"bodies": _bodies, "orbit": _orbit, "error": _error, "
 def ladder(title: str, note: str, measured: str, models: Sequence[Model], text: Rule, by_last: bool = False) -> Ladder:
     """Run every model once for its figures, and in randomly interleaved turns for its time.
 
-    `by_last`: the last model is what the others are held against.
+    `by_last`: the others are compared with the last model.
     """
     paths = [finished(scene, settings) for _, scene, settings in models]
     again = [lambda scene=scene, settings=settings: simulate(scene, settings).timing.loop_s

@@ -1,6 +1,6 @@
 """Every pair: both at the same target errors, relative to the scene, and timed in interleaved runs.
 
-Each engine enters every method that it offers for a scene; its row is that of its cheapest. No run is made that cannot
+Each engine enters every method that it offers for a scene; its row is that of its cheapest. No run starts that cannot
 be that: none for a verdict alone, and none that would take longer than the cheapest so far at every target. Places in
 the sky are compared with the ephemeris that Astropy contains, without any download.
 """
