@@ -1,6 +1,7 @@
 """Parameters of a scene file: `[parameters.NAME]` declares one, `[values]` names what follows from them.
 
-A text that begins with "=" is a formula of both (mbs_ref.scene.base.expression), as in mass = "= density * length".
+A text that begins with "=" is a formula of both (mbs_ref.scene.base.expression), as in mass = "= density * length". A
+table with `choose` stands for the one of its entries that the formula names, or for `otherwise`; "none" leaves it out.
 """
 
 import inspect
@@ -13,6 +14,7 @@ from mbs_ref.scene.base.expression import evaluate
 from mbs_ref.scene.base.part import Part, limited
 
 FORMULA = "="  # the mark that a text begins with
+CHOOSE, OTHERWISE, NONE = "choose", "otherwise", "none"
 
 
 class Declared(Part):
@@ -42,20 +44,37 @@ class Declared(Part):
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=self.default, annotation=kind)
 
 
+def _left_out(old: Any, value: Any) -> bool:
+    return isinstance(old, dict) and value == NONE
+
+
 def filled(data: dict[str, Any], given: dict[str, Any], refuse: Callable[[str, str], Exception]) -> dict[str, Any]:
     """Return a scene's data with numbers in place of formulas; raise what `refuse` returns of a place and a mistake."""
 
     def fill(here: Any, place: str) -> Any:
+        if isinstance(here, dict) and CHOOSE in here:
+            return fill(*chosen(here, place))
         if isinstance(here, dict):
-            return {key: fill(value, f"{place}.{key}".removeprefix(".")) for key, value in here.items()}
+            inner = ((key, value, fill(value, f"{place}.{key}".removeprefix("."))) for key, value in here.items())
+            return {key: value for key, old, value in inner if not _left_out(old, value)}
         if isinstance(here, tuple):
-            return tuple(fill(value, f"{place}[{k}]") for k, value in enumerate(here))
+            pairs = ((value, fill(value, f"{place}[{k}]")) for k, value in enumerate(here))
+            return tuple(value for old, value in pairs if not _left_out(old, value))
         if not isinstance(here, str) or not here.startswith(FORMULA):
             return here
         try:
             return evaluate(here.removeprefix(FORMULA), known)
         except (ValueError, ArithmeticError, TypeError) as error:
             raise refuse(place, str(error)) from error
+
+    def chosen(here: dict[str, Any], place: str) -> tuple[Any, str]:
+        value = fill(here[CHOOSE], f"{place}.{CHOOSE}")
+        key = f"{value:g}" if isinstance(value, float) else str(value).lower() if value in (True, False) else str(value)
+        key = key if key in here else OTHERWISE
+        if key not in here:
+            allowed = ", ".join(key for key in here if key != CHOOSE)
+            raise refuse(place, f"{CHOOSE} = {value!r} names none of its entries; there are {allowed}")
+        return here[key], f"{place}.{key}"
 
     known = dict(given)
     for name, formula in data.get("values", {}).items():

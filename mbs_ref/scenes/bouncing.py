@@ -1,14 +1,11 @@
-"""A body that bounces off a floor or between walls, by any contact law, in the plane and in space."""
+"""A ball that bounces off a floor by any contact law, and Newton's cradle laid flat."""
 
-import math
 from typing import Annotated, Any, Literal, get_args
 
-import numpy as np
 from pydantic import Field
 
-from mbs_ref.scene import PlanarBody, Scene, SpatialBody, contact
+from mbs_ref.scene import PlanarBody, Scene, contact
 from mbs_ref.scene.base.part import NonNegative, Positive
-from mbs_ref.scene.bodies import sphere_inertia
 
 Law = Literal[
     "spring_damper", "spring_damper_force", "progressive", "hunt_crossley", "lankarani_nikravesh", "flores", "rigid"
@@ -71,92 +68,45 @@ def law_of(kind: str, **numbers: Any) -> contact.ContactLaw:
     return law(**{name: number for name, number in numbers.items() if name in law.model_fields})
 
 
-def bouncing_sphere(
+CRADLE_RUN_UP = 0.0234567  # m, no whole number of steps, so that no engine meets the floor of a step at touch-down
+
+
+def newtons_cradle(
     *,
-    law: Law = "spring_damper",
-    stiffness: Positive = 1e4,
-    damping: NonNegative = 40.0,
-    exponent: Annotated[float, Field(ge=1.0, le=3.0)] = 1.5,
-    restitution: Annotated[float, Field(gt=0.0, le=1.0)] = 0.5,
+    balls: Annotated[int, Field(ge=2, le=1000)] = 5,
+    law: Literal["rigid", "spring_damper"] = "rigid",
+    restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 1.0,
+    stiffness: Positive = 1e6,
+    damping: NonNegative = 0.0,
+    gap: NonNegative = 0.001,
     mass: Positive = 1.0,
-    height: NonNegative = 0.1,
-    speed: NonNegative = 1.0,
-    gravity: NonNegative = 0.0,
-    plate: NonNegative = 0.0,
-    tilt: Annotated[float, Field(ge=0.0, lt=1.5)] = 0.4,
-    heading: float = 0.7,
-    duration: Positive = 0.4,
+    speed: Positive = 1.0,
 ) -> Scene:
-    """Bounce a sphere off a tilted floor by a chosen contact law.
+    """Throw one disc against a row of equal ones; with a restitution of 1 only the last one leaves.
 
-    law; stiffness (N/m^n), damping (N s/m, or N s/m^(n + 1) where the law multiplies it by d^n), exponent
-    n of the power laws, nominal restitution; mass (kg), height above the floor (m), speed towards it (m/s),
-    gravity towards it (m/s^2; 0 leaves a single free impact), thickness of the floor if it is a plate (m; 0 is
-    endless), tilt of the floor's normal from z and its heading about z (rad), duration (s).
+    balls; law and its restitution, or stiffness (N/m) and damping (N s/m, released at F = 0); gap between
+    neighbours (m), mass (kg), speed of the first (m/s).
     """
-    chosen = law_of(law, stiffness=stiffness, damping=damping, exponent=exponent, restitution=restitution)
-    normal = floor_normal(tilt, heading)
-    center = tuple(((RADIUS + height) * normal).tolist())
+    chosen = law_of(law, restitution=restitution, stiffness=stiffness, damping=damping, release="force")
+    spacing = 2.0 * RADIUS + gap
+    centers = [(k * spacing - (CRADLE_RUN_UP if k == 0 else 0.0), 0.0) for k in range(balls)]
     return Scene(
-        name="bouncing_sphere",
-        description=f"A sphere falls on a tilted floor with the {law} contact law.",
-        source=SOURCE,
-        duration=duration,
-        gravity=tuple((-gravity * normal).tolist()),
-        bodies=(
-            SpatialBody(
-                name="ball", mass=mass, inertia=sphere_inertia(mass, RADIUS), position=center,
-                velocity=tuple((-speed * normal).tolist()),
-            ),
-        ),
-        contacts=(
-            contact.SphereOnPlane(
-                name="floor", body_a="ball", center=center, radius=RADIUS, point=(0.0, 0.0, 0.0),
-                normal=tuple(normal.tolist()), law=chosen, thickness=plate or None,
-            ),
-        ),
-    )  # fmt: skip
-
-
-def floor_normal(tilt: float, heading: float) -> np.ndarray:
-    """Return the floor's unit normal (3,)."""
-    across = math.sin(tilt)
-    return np.array([across * math.cos(heading), across * math.sin(heading), math.cos(tilt)])
-
-
-DISC_RADIUS, WALL_DISTANCE = 0.1, 1.0  # m
-
-
-def disc_between_walls(
-    *,
-    law: Literal["spring", "rigid"] = "spring",
-    stiffness: Positive = 1e5,
-    speed: Positive = 5.0,
-    mass: Positive = 1.0,
-) -> Scene:
-    """Bounce a disc without loss: its energy stays, and the period is exact.
-
-    law: an undamped spring of the stiffness (N/m), or rigid; speed (m/s), mass (kg). A period lasts
-    2 ((width - 2 r)/v + pi sqrt(m/k)).
-    """
-    chosen = law_of("spring_damper" if law == "spring" else law, stiffness=stiffness, restitution=1.0)
-    walls = {"left": (0.0, 1.0, 0.0), "right": (WALL_DISTANCE, 0.0, 1.0)}  # m: x, then y from and to
-    return Scene(
-        name="disc_between_walls",
-        description="A disc bounces between two walls without loss.",
-        source="Textbook",
-        duration=2.0,
-        bodies=(
+        name="newtons_cradle",
+        description=f"{balls} equal discs in a row, the first thrown at the others.",
+        source="Textbook; Herrmann and Schmalzle, Am. J. Phys. 49 (1981) 761",
+        duration=0.2,
+        bodies=tuple(
             PlanarBody(
-                name="disc", mass=mass, inertia=0.5 * mass * DISC_RADIUS**2, position=(0.5 * WALL_DISTANCE, 0.0),
-                velocity=(speed, 0.0),
-            ),
+                name=f"ball{k}", mass=mass, inertia=0.4 * mass * RADIUS**2, position=center,
+                velocity=(speed if k == 0 else 0.0, 0.0),
+            )
+            for k, center in enumerate(centers)
         ),
         contacts=tuple(
-            contact.CircleOnLine(
-                name=name, body_a="disc", center=(0.5 * WALL_DISTANCE, 0.0), radius=DISC_RADIUS,
-                point_1=(x, y1), point_2=(x, y2), law=chosen,
+            contact.CircleOnCircle(
+                name=f"pair{k}", body_a=f"ball{k}", center_a=centers[k], radius_a=RADIUS,
+                body_b=f"ball{k + 1}", center_b=centers[k + 1], radius_b=RADIUS, law=chosen,
             )
-            for name, (x, y1, y2) in walls.items()
+            for k in range(balls - 1)
         ),
     )  # fmt: skip

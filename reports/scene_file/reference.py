@@ -17,7 +17,7 @@ from pydantic_core import PydanticOmit
 
 from mbs_ref import Scene
 from mbs_ref.scene.base.part import Role, fields_of
-from mbs_ref.scene.parameters import FORMULA, Declared
+from mbs_ref.scene.parameters import CHOOSE, FORMULA, Declared
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 COMMENTED = re.compile(r"^    (\w+): .*?  # (.+)$", re.MULTILINE)
@@ -32,6 +32,7 @@ BOUNDS = {"exclusiveMinimum": "> {:g}", "minimum": "≥ {:g}", "exclusiveMaximum
 
 
 FORMULA_TEXT = {"type": "string", "pattern": f"^{FORMULA}"}
+CHOICE = {"type": "object", "properties": {CHOOSE: FORMULA_TEXT}, "required": [CHOOSE], "additionalProperties": True}
 
 
 class _Schema(GenerateJsonSchema):
@@ -68,7 +69,7 @@ def plain() -> dict[str, Any]:
 
 @cache
 def schema() -> dict[str, Any]:
-    """Return the JSON Schema of a scene file: a formula may stand for a number and for a choice."""
+    """Return the JSON Schema of a scene file: a formula or a choice may stand for a number, a word or a typed table."""
     result = _with_formulas(plain())
     parameter = Declared.model_json_schema(schema_generator=_Schema)
     result["properties"]["parameters"]["additionalProperties"]["anyOf"].append(parameter)
@@ -82,8 +83,9 @@ def _with_formulas(rule: Any) -> Any:
         return [_with_formulas(one) for one in rule]
     if not isinstance(rule, dict):
         return rule
-    if rule.get("type") in ("number", "integer") or "enum" in rule:
-        return {"anyOf": [rule, FORMULA_TEXT]} | {key: rule[key] for key in ("description", "default") if key in rule}
+    if rule.get("type") in ("number", "integer") or "enum" in rule or "oneOf" in rule:
+        known = {key: rule[key] for key in ("description", "default") if key in rule}
+        return {"anyOf": [rule, FORMULA_TEXT, CHOICE]} | known
     return {key: _with_formulas(value) for key, value in rule.items()}
 
 

@@ -83,6 +83,52 @@ def test_a_mistake_is_named_with_its_place(old, new, words):
         loads(HANGING.replace(old, new))
 
 
+BALL = """
+name = "ball"
+[parameters]
+law = { default = "rigid", among = ["rigid", "soft", "none"] }
+mu = { default = 0.0 }
+pushed = { default = false }
+[values]
+floor = { choose = "= law", rigid = { type = "rigid_law", restitution = 0.5 }, soft = "= linear" }
+linear = 1.0
+[[bodies]]
+type = "planar"
+name = "ball"
+mass = 1.0
+inertia = 0.1
+[[contacts]]
+type = "circle_on_line"
+name = "floor"
+body_a = "ball"
+center = [0.0, 0.0]
+radius = 0.1
+point_1 = [0.0, -0.1]
+point_2 = [1.0, -0.1]
+law = { type = "spring_damper_law", stiffness = 1e4 }
+friction = { choose = "= mu", 0 = "none", otherwise = { type = "regularised_coulomb", coefficient = "= mu" } }
+[[loads]]
+choose = "= pushed"
+true = { type = "torque", name = "push", body = "ball", torque = 1.0 }
+false = "none"
+"""
+
+
+def test_a_choice_stands_for_the_entry_that_is_named():
+    scene = loads(BALL)
+    assert (scene.contacts[0].friction, scene.loads) == (None, ())
+    other = scenes.build(builder(BALL), "ball", mu=0.3, pushed=True)
+    assert other.contacts[0].friction.coefficient == 0.3
+    assert [load.name for load in other.loads] == ["push"]
+    chosen = loads(BALL.replace('law = { type = "spring_damper_law", stiffness = 1e4 }', 'law = "= floor"').replace(
+        'mu = { default = 0.0 }', "mu = 0.0").replace('"= mu"', '"= 0"'))  # fmt: skip
+    assert chosen.contacts[0].law.restitution == 0.5
+    with pytest.raises(
+        SceneFileError, match=r"values\.floor: choose = 'none' names none of its entries; there are rigid, soft"
+    ):
+        scenes.build(builder(BALL), "ball", law="none")
+
+
 def test_the_command_line_sets_the_parameters_of_a_file(tmp_path):
     file = tmp_path / "hanging.toml"
     file.write_text(HANGING, encoding="utf-8")
