@@ -45,7 +45,8 @@ class Declared(Part):
 
 
 def _left_out(old: Any, value: Any) -> bool:
-    return isinstance(old, dict) and value == NONE
+    """Return whether a choice or a formula stands for nothing."""
+    return value == NONE and old != NONE
 
 
 def filled(data: dict[str, Any], given: dict[str, Any], refuse: Callable[[str, str], Exception]) -> dict[str, Any]:

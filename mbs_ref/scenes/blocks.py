@@ -8,7 +8,7 @@ from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.base.part import NonNegative, Positive
-from mbs_ref.scene.contact import CircleOnLine, Friction, RegularisedCoulomb, SpringDamperLaw, StickSlip
+from mbs_ref.scene.contact import CircleOnLine, Friction, SpringDamperLaw, StickSlip
 
 LENGTH, HEIGHT = 0.4, 0.1  # m
 
@@ -115,43 +115,4 @@ def sliding_block(
     return _resting_block(
         name="sliding_block", description="A block thrown along rough ground stops and stays.", angle=0.0, speed=speed,
         friction=grip, mass=mass, height=height, stiffness=stiffness, damping=damping, gravity=gravity, pull=friction,
-    )  # fmt: skip
-
-
-SLENDER_WIDTH, SLENDER_HEIGHT = 0.2, 0.8  # m
-
-
-def rocking_block(
-    *,
-    tilt: Annotated[float, Field(gt=0.0, lt=0.2)] = 0.1,
-    mass: Positive = 10.0,
-    stiffness: Positive = 1e6,
-    damping: NonNegative = 2000.0,
-    friction: NonNegative = 0.8,
-    gravity: Positive = 9.81,
-) -> Scene:
-    """Rock a block between its two lower edges.
-
-    tilt at the start (rad; below the angle of balance, atan(1/4)), mass (kg), contact stiffness (N/m) and
-    damping (N s/m) of each edge, friction (mu), gravity (m/s^2).
-    """
-    c, s = math.cos(tilt), math.sin(tilt)
-    sink = mass * gravity / stiffness
-    ahead, up = 0.5 * SLENDER_WIDTH, 0.5 * SLENDER_HEIGHT
-    center = (c * ahead - s * up, s * ahead + c * up - sink)  # it stands on its lower left edge
-    law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
-    grip = RegularisedCoulomb(coefficient=friction, speed=0.01) if friction else None
-    return Scene(
-        name="rocking_block",
-        description="A slender block rocks from edge to edge.",
-        source="G. W. Housner, Bull. Seism. Soc. Am. 53 (1963) 403",
-        duration=2.0,
-        gravity=(0.0, -gravity),
-        bodies=(
-            PlanarBody(
-                name="block", mass=mass, inertia=mass * (SLENDER_WIDTH**2 + SLENDER_HEIGHT**2) / 12.0,
-                position=center, angle=tilt,
-            ),
-        ),
-        contacts=tuple(_corners("edge", center, tilt, (SLENDER_WIDTH, SLENDER_HEIGHT), law=law, friction=grip)),
     )  # fmt: skip
