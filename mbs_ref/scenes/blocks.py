@@ -1,4 +1,4 @@
-"""Blocks and Painleve's rod on rough ground: resting on an incline, sliding to rest, rocking from edge to edge."""
+"""Blocks on rough ground, from equilibrium: resting on an incline, and sliding to rest."""
 
 import math
 from collections.abc import Iterator
@@ -78,20 +78,18 @@ def _resting_block(
                 velocity=(speed, 0.0),
             ),
         ),
-        contacts=tuple(_corners("corner", center, tilt, (LENGTH, height), law=law, friction=friction)),
+        contacts=tuple(_corners(center, tilt, height, law=law, friction=friction)),
     )  # fmt: skip
 
 
-def _corners(
-    name: str, center: tuple[float, float], tilt: float, size: tuple[float, float], **law: Any
-) -> Iterator[CircleOnLine]:
+def _corners(center: tuple[float, float], tilt: float, height: float, **law: Any) -> Iterator[CircleOnLine]:
     """Yield the contacts of a block's corners with the ground, the lower ones first; a slab has no others."""
     c, s = math.cos(tilt), math.sin(tilt)
-    for y, level in ((-0.5, ""), (0.5, "upper."))[: 2 if size[1] else 1]:
+    for y, level in ((-0.5, ""), (0.5, "upper."))[: 2 if height else 1]:
         for x, side in ((-0.5, "left"), (0.5, "right")):
-            ahead, up = x * size[0], y * size[1]
+            ahead, up = x * LENGTH, y * height
             corner = (center[0] + c * ahead - s * up, center[1] + s * ahead + c * up)
-            yield CircleOnLine(name=f"{name}.{level}{side}", body_a="block", center=corner, radius=0.0,
+            yield CircleOnLine(name=f"corner.{level}{side}", body_a="block", center=corner, radius=0.0,
                                point_1=(0.0, 0.0), point_2=(1.0, 0.0), **law)  # fmt: skip
 
 

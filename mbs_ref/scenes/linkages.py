@@ -1,4 +1,4 @@
-"""Linkages with closed forms: those that draw a straight line, driven at constant speed, and Cardan's joint."""
+"""Linkages that draw a straight line, driven at constant speed."""
 
 import math
 from typing import Any, Literal
@@ -10,7 +10,6 @@ from mbs_ref.scene.base.part import Positive, dot
 from mbs_ref.scene.signals import Constant
 from mbs_ref.scenes import read_data
 
-SHAFT = (0.02, 0.05, 0.05, 0.0, 0.0, 0.0)  # kg m^2
 SWING = 0.25  # rad, of the crank to both sides of its middle
 LINKAGES: dict[str, dict[str, Any]] = read_data("linkages")["linkages"]
 

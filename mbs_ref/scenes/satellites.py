@@ -1,4 +1,4 @@
-"""Artificial satellites of the Earth: a point mass with each force on its own switch, and a body that librates."""
+"""An artificial satellite of the Earth: a point mass with each force on its own switch."""
 
 import math
 from typing import Any, Literal
@@ -104,6 +104,3 @@ def _forces(j2: bool, zonals: bool, third_bodies: bool, drag: bool, radiation: b
             )
         )
     return parts
-
-
-EARTH_MASS = 5.9722e24  # kg, IAU 2015
