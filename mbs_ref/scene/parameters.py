@@ -2,6 +2,7 @@
 
 A text that begins with "=" is a formula of both (mbs_ref.scene.base.expression), as in mass = "= density * length". A
 table with `choose` stands for the one of its entries that the formula names, or for `otherwise`; "none" leaves it out.
+`[requires]` has a sentence for each formula of parameters that must be positive: why others are refused.
 """
 
 import inspect
@@ -78,6 +79,11 @@ def filled(data: dict[str, Any], given: dict[str, Any], refuse: Callable[[str, s
         return here[key], f"{place}.{key}"
 
     known = dict(given)
+    for sentence, formula in data.get("requires", {}).items():
+        if not fill(formula, f"requires.{sentence}") > 0.0:
+            stated = ", ".join(f"{name} = {value!r}" for name, value in given.items())
+            raise refuse("parameters", f"{sentence}; given: {stated}")
     for name, formula in data.get("values", {}).items():
         known[name] = fill(formula, f"values.{name}")
-    return fill({key: value for key, value in data.items() if key != "values"}, "") | {"parameters": given}
+    scene = {key: value for key, value in data.items() if key not in ("values", "requires")}
+    return fill(scene, "") | {"parameters": given}

@@ -73,8 +73,9 @@ def schema() -> dict[str, Any]:
     result = _with_formulas(plain())
     parameter = Declared.model_json_schema(schema_generator=_Schema)
     result["properties"]["parameters"]["additionalProperties"]["anyOf"].append(parameter)
-    value = {"anyOf": [{"type": "number"}, FORMULA_TEXT]}
-    result["properties"]["values"] = {"type": "object", "additionalProperties": value}
+    value = {"anyOf": [{"type": "number"}, FORMULA_TEXT, {"type": "object"}]}
+    for name in ("values", "requires"):
+        result["properties"][name] = {"type": "object", "additionalProperties": value}
     return result
 
 

@@ -129,6 +129,17 @@ def test_a_choice_stands_for_the_entry_that_is_named():
         scenes.build(builder(BALL), "ball", law="none")
 
 
+def test_parameters_that_break_a_requirement_are_refused_with_its_sentence():
+    text = HANGING.replace("[values]", '[requires]\n"the cord is too short" = "= length - 0.2"\n\n[values]')
+    assert loads(text).parameters["length"] == 0.5
+    with pytest.raises(SceneFileError, match=r"parameters: the cord is too short; given: length = 0\.1, axis = 'x'"):
+        scenes.build(builder(text), "hanging", length=0.1)
+    with pytest.raises(ValueError, match=r"does not rest.*restitution = 1\.0"):
+        scenes.make("bouncing_ball", law="rigid", restitution=1.0, height=0.0, speed=0.0, gravity=9.81)
+    with pytest.raises(ValueError, match=r"too slow for steady precession.*spin = 5\.0"):
+        scenes.make("heavy_top", motion="steady", spin=5.0)
+
+
 def test_the_command_line_sets_the_parameters_of_a_file(tmp_path):
     file = tmp_path / "hanging.toml"
     file.write_text(HANGING, encoding="utf-8")
