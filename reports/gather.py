@@ -11,8 +11,8 @@ from typing import Any
 
 from cross_checks import engines
 from cross_checks.extremes import DATA, LISTED, named
-from cross_checks.extremes.cell import Cell as ExtremeCell
-from cross_checks.extremes.cell import read as read_cells
+from cross_checks.extremes.fate import Cell as ExtremeCell
+from cross_checks.extremes.fate import read as read_cells
 from cross_checks.extremes.run import matrix
 from cross_checks.isolation.parent import Isolated
 from cross_checks.isolation.workers import Report
