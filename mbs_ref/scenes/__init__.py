@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
@@ -38,12 +39,16 @@ class SceneInfo:
 
 def names() -> list[str]:
     """Return the names of every scene, sorted."""
-    return sorted(_builders())
+    return sorted((*_functions(), *_files()))
 
 
 @cache
-def _builders() -> dict[str, Callable[..., Scene]]:
-    """Return the builder of every scene."""
+def _files() -> dict[str, Traversable]:
+    return {path.name[:-5]: path for path in DATA.iterdir() if path.name.endswith(".toml")}
+
+
+@cache
+def _functions() -> dict[str, Callable[..., Scene]]:
     modules = [importlib.import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__)]
     own = [
         (name, item)
@@ -51,12 +56,7 @@ def _builders() -> dict[str, Callable[..., Scene]]:
         for name, item in vars(module).items()
         if inspect.isfunction(item) and item.__module__ == module.__name__ and name[0] != "_"
     ]
-    written = {
-        path.name[:-5]: scene_file.builder(path.read_text(encoding="utf-8"), path.name)
-        for path in DATA.iterdir()
-        if path.name.endswith(".toml")
-    }
-    return written | {name: item for name, item in own if item.__annotations__.get("return") in (Scene, "Scene")}
+    return {name: item for name, item in own if item.__annotations__.get("return") in (Scene, "Scene")}
 
 
 @cache
@@ -131,15 +131,18 @@ def label(name: str, parameters: dict[str, Any]) -> str:
 
 def chosen(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
     """Return the parameters that differ from the defaults; all of them for other scenes than these."""
-    defaults = describe(name).parameters if name in _builders() else {}
+    defaults = describe(name).parameters if name in _functions() or name in _files() else {}
     return {key: value for key, value in parameters.items() if defaults.get(key) != value}
 
 
+@cache
 def builder_of(name: str) -> Callable[..., Scene]:
     """Return what builds a scene of any parameters, also of such as `make` refuses; ValueError for an unknown scene."""
-    if name not in _builders():
+    if name in _files():
+        return scene_file.builder(_files()[name].read_text(encoding="utf-8"), f"{name}.toml")
+    if name not in _functions():
         raise ValueError(f"scene = {name!r} is unknown{suggest(name, names())}; the scenes are {', '.join(names())}")
-    return _builders()[name]
+    return _functions()[name]
 
 
 @cache

@@ -6,6 +6,7 @@ Numbers, + - * / **, brackets, the functions of FUNCTIONS, `pi`, and the names t
 import ast
 import math
 from collections.abc import Callable, Collection
+from functools import lru_cache
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -42,7 +43,12 @@ def read(text: str) -> Read:
 
 def evaluate(text: str, known: dict[str, Any]) -> Any:
     """Return the value of a formula of named values; ValueError names what is not allowed in it."""
-    return _Reader(text, _of_values(known), OF_NUMBERS, ", ".join(known)).read().formula(known)
+    return _of_names(text, tuple(known))(known)
+
+
+@lru_cache(maxsize=10_000)
+def _of_names(text: str, names: tuple[str, ...]) -> Formula:
+    return _Reader(text, _of_values(names), OF_NUMBERS, ", ".join(names)).read().formula
 
 
 def _of_motion(name: str) -> Formula | None:
