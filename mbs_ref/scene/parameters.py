@@ -67,7 +67,7 @@ def filled(data: dict[str, Any], given: dict[str, Any], refuse: Callable[[str, s
         try:
             return evaluate(here.removeprefix(FORMULA), known)
         except (ValueError, ArithmeticError, TypeError) as error:
-            raise refuse(place, str(error)) from error
+            raise refuse(place, str(error.args[-1])) from error
 
     def chosen(here: dict[str, Any], place: str) -> tuple[Any, str]:
         value = fill(here[CHOOSE], f"{place}.{CHOOSE}")
@@ -78,12 +78,18 @@ def filled(data: dict[str, Any], given: dict[str, Any], refuse: Callable[[str, s
             raise refuse(place, f"{CHOOSE} = {value!r} names none of its entries; there are {allowed}")
         return here[key], f"{place}.{key}"
 
+    def table(name: str) -> dict[str, Any]:
+        if not isinstance(data.get(name, {}), dict):
+            raise refuse(name, "must be a table")
+        return data.get(name, {})
+
     known = dict(given)
-    for sentence, formula in data.get("requires", {}).items():
-        if not fill(formula, f"requires.{sentence}") > 0.0:
+    for sentence, formula in table("requires").items():
+        value = fill(formula, f"requires.{sentence}")
+        if not (isinstance(value, int | float) and value > 0.0):
             stated = ", ".join(f"{name} = {value!r}" for name, value in given.items())
             raise refuse("parameters", f"{sentence}; given: {stated}")
-    for name, formula in data.get("values", {}).items():
+    for name, formula in table("values").items():
         known[name] = fill(formula, f"values.{name}")
     scene = {key: value for key, value in data.items() if key not in ("values", "requires")}
     return fill(scene, "") | {"parameters": given}

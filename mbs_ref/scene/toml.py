@@ -72,14 +72,15 @@ def builder(text: str, file: str = "scene") -> Callable[..., Scene]:
         raise _refusal(file, "is nested too deeply") from error
     except ValueError as error:  # TOMLDecodeError, or a number with more digits than Python converts
         raise _refusal(file, f"is not TOML: {error}") from error
-    forbidden = _user_forces(data)
-    if forbidden:
-        raise SceneFileError(file, forbidden)
     declared = [_declared(name, value, file) for name, value in _tables(data).items()]
 
     def build(**given: Any) -> Scene:
         values = {parameter.name: parameter.default for parameter in declared} | given
-        return _validated(filled(data, values, lambda *mistake: _refusal(file, *mistake)) if declared else data, file)
+        try:
+            built = filled(data, values, lambda *mistake: _refusal(file, *mistake)) if declared else data
+        except RecursionError as error:
+            raise _refusal(file, "is nested too deeply") from error
+        return _validated(built, file)
 
     build.__signature__ = Signature(declared)  # type: ignore[attr-defined]
     build.__annotations__ = {one.name: one.annotation for one in declared} | {"return": Scene}
@@ -106,6 +107,9 @@ def _declared(name: str, value: dict[str, Any], file: str) -> Parameter:
 
 
 def _validated(data: dict[str, Any], file: str) -> Scene:
+    forbidden = _user_forces(data)
+    if forbidden:
+        raise SceneFileError(file, forbidden)
     try:
         return Scene.model_validate(data, strict=True)  # strict: mass = true is no number
     except ValidationError as error:

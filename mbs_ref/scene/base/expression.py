@@ -42,13 +42,22 @@ def read(text: str) -> Read:
 
 
 def evaluate(text: str, known: dict[str, Any]) -> Any:
-    """Return the value of a formula of named values; ValueError names what is not allowed in it."""
-    return _of_names(text, tuple(known))(known)
+    """Return the value of a formula of named numbers, or of a name alone, whatever that is.
+
+    ValueError names what is not allowed in it. Numbers are floats, of which no power takes long.
+    """
+    if text.strip() in known:
+        return known[text.strip()]
+    formula, names = _of_names(text, tuple(known))
+    for name in names:
+        if type(known[name]) not in (int, float):
+            raise ValueError(f"{name} = {known[name]!r} is no number")
+    return formula({name: float(known[name]) for name in names})
 
 
 @lru_cache(maxsize=10_000)
-def _of_names(text: str, names: tuple[str, ...]) -> Formula:
-    return _Reader(text, _of_values(names), OF_NUMBERS, ", ".join(names)).read().formula
+def _of_names(text: str, names: tuple[str, ...]) -> Read:
+    return _Reader(text, _of_values(names), OF_NUMBERS, ", ".join(names)).read()
 
 
 def _of_motion(name: str) -> Formula | None:

@@ -71,6 +71,9 @@ def test_its_parameters_are_those_of_a_function():
         ('"= down"', '"= axis"', r"position\[1\].*number"),
         ("length / 9.81", "-length", r"values\.period: "),
         ("length / 9.81", "length / 0", r"values\.period: .*division by zero"),
+        ("length / 9.81", "axis + axis", r"values\.period: axis = 'x' is no number"),
+        ("[values]", "[values.deep]\nx = { y = '= axis + 1' }\n[values]", r"values\.deep\.x\.y: axis = 'x' is no"),
+        ("[values]", "[requires]\nso = '= axis'\n[values]", r"parameters: so; given: length = 0\.5"),
         ("default = 0.5, gt", "default = 0.5, above", r"parameters\.length\.above: is no field"),
         ("default = 0.5, gt = 0.0, le = 4.0", "gt = 0.0", r"parameters\.length\.default: is missing"),
         ('default = "x"', 'default = "z"', r"parameters\.axis: default = 'z' is not among \['x', 'y'\]"),
@@ -138,6 +141,19 @@ def test_parameters_that_break_a_requirement_are_refused_with_its_sentence():
         scenes.make("bouncing_ball", law="rigid", restitution=1.0, height=0.0, speed=0.0, gravity=9.81)
     with pytest.raises(ValueError, match=r"too slow for steady precession.*spin = 5\.0"):
         scenes.make("heavy_top", motion="steady", spin=5.0)
+
+
+def test_numbers_of_formulas_are_floats_and_python_stays_out():
+    text = HANGING.replace(
+        'axis = { default = "x", among = ["x", "y"] }', 'axis = { default = "x" }\nn = { default = 9 }'
+    )
+    with pytest.raises(SceneFileError, match=r"values\.period: .*too large|Result too large|out of range"):
+        loads(text.replace("length / 9.81", "n**n**n**n"))
+    force = '\n[[loads]]\nchoose = "= axis"\nx = { type = "user_force", name = "f", function = "f" }\n'
+    with pytest.raises(SceneFileError, match="cannot be in a file: it is Python"):
+        loads(HANGING + force)
+    with pytest.raises(SceneFileError, match="values: must be a table"):
+        loads(HANGING.replace("[values]", "[other]").replace("[parameters]", "values = 3\n[parameters]"))
 
 
 def test_the_command_line_sets_the_parameters_of_a_file(tmp_path):
