@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from mbs_ref import scenes
+from mbs_ref.scene.base.expression import FUNCTIONS, evaluate
 from mbs_ref.scene.toml import SceneFileError, builder, dumps, loads
 from reports import inputs
 from reports.cli import main
@@ -141,6 +142,12 @@ def test_parameters_that_break_a_requirement_are_refused_with_its_sentence():
         scenes.make("bouncing_ball", law="rigid", restitution=1.0, height=0.0, speed=0.0, gravity=9.81)
     with pytest.raises(ValueError, match=r"too slow for steady precession.*spin = 5\.0"):
         scenes.make("heavy_top", motion="steady", spin=5.0)
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_of_numbers_is_that_of_its_name(name):
+    given = (0.4, 0.3)[: FUNCTIONS[name].nin]  # type: ignore[attr-defined]
+    assert evaluate(f"{name}({', '.join('xy'[: len(given)])})", {"x": 0.4, "y": 0.3}) == getattr(math, name)(*given)
 
 
 def test_numbers_of_formulas_are_floats_and_python_stays_out():
