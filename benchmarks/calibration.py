@@ -1,4 +1,4 @@
-"""Are the runs' own error estimates honest? Random runs of the reference solver, held against far tighter ones.
+"""Are the runs' own error estimates honest? Random runs of the reference solver, compared with far tighter ones.
 
 Half of the runs are of random mechanisms, half of the project's scenes over a random part of their duration; method
 and step or tolerance are random too. The truth is a run of DOP853 at TIGHT, and known as well as LSODAR at its tightest
@@ -47,7 +47,7 @@ class Trial:
     error: float | None = None  # likewise; None where there is no truth
     uncertainty: float | None = None  # of the truth
     cost: float | None = None  # of the estimate, over the run's loop
-    code: str = ""  # digest of the sources that made it
+    code: str = ""  # digest of the sources that computed it
 
     @property
     def is_below(self) -> bool:
@@ -76,7 +76,7 @@ def trials(seeds: Iterable[int]) -> Iterator[Trial]:
 
 
 def stored(file: Path) -> dict[int, Trial]:
-    """Return the trials in a file by their seeds; those that other sources made are left out."""
+    """Return the trials in a file by their seeds; those of other sources are left out."""
     result = lines.read_data(file, _from_dict)[0] if file.is_file() else []
     return {one.seed: one for one in result if one.code == _code()}
 

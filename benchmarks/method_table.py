@@ -1,6 +1,6 @@
 """method = "auto" against the best fixed choice, over the scenes of the library: `python -m benchmarks.method_table`.
 
-At each tolerance asked the chosen run has an error, held against a run far tighter. The best fixed choice is the
+At each tolerance the chosen run has an error, from comparison with a run far tighter. The best fixed choice is the
 cheapest of all methods and tolerances that errs no more. Both calls of `simulate` are timed whole, in CPU time and in
 turns, without estimates and reactions; the least of some turns counts. Where even the tight run is another motion, as
 in chaos, nothing is compared.
@@ -46,7 +46,7 @@ class Row:
 
 
 def rows(name: str) -> Iterator[Row]:
-    """Yield a row for each tolerance, or none where nothing can be told."""
+    """Yield a row for each tolerance, or none where no run can be judged."""
     scene = scenes.make(name)
     tight = _run(scene, DEFAULT if core_name(scene) != "particles" else "gauss", TIGHT)
     if not tight.ok or _error(scene, _run(scene, DEFAULT, 1e-11), tight) > LOST:

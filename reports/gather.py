@@ -11,8 +11,8 @@ from typing import Any
 
 from cross_checks import engines
 from cross_checks.extremes import DATA, LISTED, named
-from cross_checks.extremes.cell import Cell as ExtremeCell
-from cross_checks.extremes.cell import read as read_cells
+from cross_checks.extremes.fate import Cell as ExtremeCell
+from cross_checks.extremes.fate import read as read_cells
 from cross_checks.extremes.run import matrix
 from cross_checks.isolation.parent import Isolated
 from cross_checks.isolation.workers import Report
@@ -55,8 +55,8 @@ class Gathering:
     Effort is bounded by the work that a search may do and, unless `full`, by the predicted processor time of a run that
     serves a target alone; what is left out states its cost. `quick` takes few scenes; `scenes` and
     `engines` name others, without the studies; `again` times anew what the store has timed. What `files` of extremes
-    hold is shown, else a few extremes are run. Runs are made by callers alike `call`, times and studies always on this
-    machine.
+    hold is shown, else a few extremes are run. Callers alike `call` execute the runs; times and studies
+    are always measured on this machine.
     """
 
     store: Store

@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable, Sequence
 from functools import partial, reduce
 from importlib.util import find_spec
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +16,10 @@ from cross_checks import engines
 from cross_checks.conformance.loading import NoEngine, load
 from cross_checks.engine import Engine
 from cross_checks.engine.plan import broken_start
-from mbs_ref import Scene, Settings, at_equilibrium, scenes
+from mbs_ref import Scene, Settings, scenes
 from mbs_ref.scene import messages as problems
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.scene.toml import SceneFileError, read_scene
+from mbs_ref.scene.toml import SceneFileError, read_builder
 from mbs_ref.simulate.start.consistent import fitted_rates
 from reports.terminal.console import EngineAbsent, NothingSelected
 
@@ -52,13 +53,13 @@ SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a du
 def scene(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
     """Return the scene of that name, or in that TOML, URDF or MJCF (.xml) file.
 
-    Initial velocities that `keep_rates` names stay, and the others are made to fit the joints.
+    Initial velocities that `keep_rates` names stay, and the others are computed from the joints.
     """
     return _keeping(_read(name_or_file, parameters), keep_rates)
 
 
 def comparable(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
-    """Return a scene that engines can be held against one another on: one whose start its own joints allow."""
+    """Return a scene on which engines can be compared: one whose start its own joints allow."""
     built = scene(name_or_file, parameters, keep_rates)
     broken = broken_start(built, Settings().initial_tolerance)
     if broken:
@@ -75,22 +76,22 @@ def _read(name_or_file: str, parameters: Sequence[str]) -> Scene:
         raise click.UsageError(f"{name_or_file}: the suffix decides the format: {stated}")
     try:
         if name_or_file.endswith(".toml"):
-            if list(parameters) == ["start=equilibrium"]:
-                return at_equilibrium(read_scene(name_or_file))
-            if parameters:
-                raise click.UsageError(
-                    f"a scene file has no parameter but start=equilibrium; -p {parameters[0]} was given"
-                )
-            return read_scene(name_or_file)
+            return _of_file(name_or_file, **_parameters(parameters))
         return scenes.make(name_or_file, **_parameters(parameters))
-    except ValidationError as error:  # the scene that the parameters made
+    except ValidationError as error:  # of the scene with these parameters
         raise click.UsageError(problems.sentences(error, Scene, {})) from error
     except (SceneFileError, ValueError) as error:
         raise click.UsageError(str(error)) from error
 
 
+def _of_file(file: str, /, **parameters: Any) -> Scene:
+    return scenes.build(read_builder(file), file, **parameters)
+
+
 def rebuilder(name_or_file: str, scene: Scene) -> Callable[..., Scene] | None:
-    """Return what makes the scene with other parameters; None where it was read from a file."""
+    """Return what makes the scene with other parameters; None where it was read from a file that declares none."""
+    if name_or_file.endswith(".toml") and signature(read_builder(name_or_file)).parameters:
+        return partial(_of_file, name_or_file, **scene.parameters)
     return partial(scenes.make, name_or_file, **scene.parameters) if name_or_file in scenes.names() else None
 
 
@@ -133,7 +134,7 @@ def _giver[C: Callable[..., Any]](options: Sequence[Callable[[C], C]]) -> Callab
 
 
 scene_options = _giver((click.argument("scene", metavar="SCENE|FILE.toml"), PARAMETERS, KEEP))
-run_options = _giver(RUN)  # how a run is made
+run_options = _giver(RUN)  # the options of a run
 
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:

@@ -136,7 +136,7 @@ def sweep_records(
     """Return the sweep's records, and add to `target` those that it lacks; Interrupted where it is cut short.
 
     Engines run in a process of their own, within `timeout` (s) and `memory_mib` for each run. `best` states what the
-    runs so far show, which is printed while others are made. `worth` returns the runs that are timed alone, all unless
+    runs so far show, which is printed while others run. `worth` returns the runs that are timed alone, all unless
     given.
     """
     from cross_checks.prices.sweep import DECADES, sweep

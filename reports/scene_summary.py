@@ -1,4 +1,4 @@
-"""What a scene is, counted: said before a run, so that a forgotten joint or millimetres for metres are seen."""
+"""What a scene is, counted: printed before a run, so that a forgotten joint or millimetres for metres are seen."""
 
 import math
 from dataclasses import dataclass

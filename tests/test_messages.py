@@ -1,4 +1,4 @@
-"""Messages of all packages form one list; those of commands and pages, and the prose of the solver, use plain words."""
+"""Messages of all packages form one list; docstrings, comments and most messages use the words of the field."""
 
 from __future__ import annotations
 
@@ -46,6 +46,9 @@ def _prose(source: str):
     yield from (token.string for token in tokenize.generate_tokens(lines) if token.type == tokenize.COMMENT)
 
 
-@pytest.mark.parametrize("file", sorted(Path(mbs_ref.__file__).parent.rglob("*.py")), ids=str)
-def test_docstrings_and_comments_of_the_solver_use_the_words_of_the_field(file):
-    assert not [text for text in _prose(file.read_text()) if VAGUE.search(text)]
+@pytest.mark.parametrize("package", PACKAGES)
+def test_docstrings_and_comments_use_the_words_of_the_field(package):
+    files = sorted((Path(mbs_ref.__file__).parents[1] / package).rglob("*.py"))
+    vague = [(file.name, text) for file in files for text in _prose(file.read_text()) if VAGUE.search(text)]
+    assert files
+    assert not [(name, text) for name, text in vague if "type: ignore" not in text]

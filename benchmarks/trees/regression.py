@@ -16,7 +16,7 @@ from cross_checks.prices.timing import Comparison, Pace, Sample, compare
 
 
 class Tree:
-    """The packages found in a folder, alive in a child process. RuntimeError where it does not answer."""
+    """The packages in a folder, alive in a child process. RuntimeError where it does not answer."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder.resolve()
@@ -85,7 +85,7 @@ class Case:
 
     @property
     def what(self) -> dict[str, Any]:
-        """Scene, parameters and engine, as a Tree is asked for them."""
+        """Scene, parameters and engine, as a Tree receives them."""
         return {"scene": self.scene, "parameters": self.parameters, "engine": self.engine}
 
 

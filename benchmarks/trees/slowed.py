@@ -21,7 +21,7 @@ RUNS = 60  # of each tree a round, of which the fastest counts
 FUNCTION = "planar_derivative"
 # A chain of square roots cannot be shortened; it starts from the state and its end is used, so no compiler may
 # compute it beforehand or drop it; it stays small, so that results do not change. It stands inside the function: a
-# second function around it is not inlined as the first was, and that alone costs more than is asked for.
+# second function around it is not inlined as the first was, and that alone costs more than is requested.
 BUSY = """
     x = y[0] * y[0]
     for _ in range({turns}):

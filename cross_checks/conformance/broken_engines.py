@@ -1,4 +1,4 @@
-"""Engines with one mistake each, made of our own solver: an examination that is worth its name notices every one."""
+"""Engines with one mistake each, built from our own solver: the examination must detect every one."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Which method of which engine is asked for symmetry and repeatability on which scene."""
+"""The runs by which symmetry and repeatability are tested: each method of each engine on a scene."""
 
 import tomllib
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from mbs_ref import Scene, Settings, scenes
 
 STEP = 1e-3  # s, in the laboratory
 SKY_STEPS = 2000  # of a fixed step in the sky
-LOOSER = 20.0  # than a method's tightest tolerance: a tenth of the tolerance is asked as well
+LOOSER = 20.0  # than a method's tightest tolerance: a tenth of the tolerance is used, too
 
 
 class Case(NamedTuple):

@@ -1,4 +1,4 @@
-"""What the examination of an engine found."""
+"""The findings of the examination of an engine."""
 
 from dataclasses import asdict, dataclass
 from typing import Any, Literal

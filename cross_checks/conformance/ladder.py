@@ -43,7 +43,7 @@ def _peak(curve: np.ndarray) -> float:
 
 
 def climb(engine: Engine, method: Method, question: Question) -> tuple[list[Finding], Row]:
-    """Run the method from coarse to fine and return what is found, with the figures of the best run."""
+    """Run the method from coarse to fine and return the findings, with the figures of the best run."""
     name, scene, exemption = method.name, question.scene.name, method.exemption(question.scene)
     settings = rungs(method, question.times, jumps=not question.is_smooth)
     runs = [called(engine, question.scene, one, question.times) for one in settings]

@@ -1,7 +1,7 @@
-"""A small scene for every kind of joint, drive and load, so that an engine is asked for whatever it declares.
+"""A small scene for every kind of joint, drive and load, so that an engine is tested on whatever it declares.
 
-Two bodies in generic places, about generic axes: the joint that is asked for holds both; a load or a drive that is
-asked for acts on bodies that hinges hold. The truth shares no equation with any engine, ours among them: the dense
+Two bodies in generic places, about generic axes: the joint under test holds both; a load or a drive under test
+acts on bodies that hinges hold. The truth shares no equation with any engine, ours among them: the dense
 oracle, which reads forces and constraints from the shared judge alone, is integrated by SciPy's DOP853.
 """
 

@@ -50,7 +50,7 @@ class Engine:
     distribution: ClassVar[str] = ""  # whose version is the engine's; the package unless given
     method_table: ClassVar[tuple[Method, ...]] = ()
     part_types: ClassVar[frozenset[str]]
-    as_shipped: ClassVar[Settings | None] = None  # what it does where its user chooses nothing, if that can be said
+    as_shipped: ClassVar[Settings | None] = None  # the settings of a user who chooses nothing, if there are such
     default_method: ClassVar[str | None] = (
         None  # the method of one run by a user who names none; the first unless given
     )

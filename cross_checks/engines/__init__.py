@@ -23,7 +23,7 @@ from mbs_ref.scene.messages import suggest
 
 GROUP = "mbs_ref.engines"
 ADAPTERS = "MBS_REF_ADAPTERS"  # an environment variable, so that child processes know the same engines
-_IMPORTING = RLock()  # held while an adapter is imported, so that no other thread uses it half made
+_IMPORTING = RLock()  # held while an adapter is imported, so that no other thread uses it half imported
 
 
 class EngineMissing(ImportError):
@@ -75,7 +75,7 @@ def get(name: str) -> Engine:
     """Return the named engine.
 
     ValueError lists what is allowed; EngineMissing says that its own package is absent; any other
-    failure to import is a broken adapter and propagates. An engine with an environment of its own is asked there.
+    failure to import is a broken adapter and propagates. An engine with an environment of its own runs there.
     """
     home = home_of(name)
     if home is not None and name in names():

@@ -2,7 +2,7 @@
 
 The distribution is `bsk`. Its clock counts whole nanoseconds, and a step that is none is rounded without a word: time
 is therefore counted in steps here, which leaves the equations as they are. Its MuJoCo scenes ignore the gravity of
-their MJCF file without a word; none is made here.
+their MJCF file without a word; none is built here.
 """
 
 # The extra has no type information.
@@ -53,7 +53,7 @@ METHODS = (
 
 @dataclass
 class Built:
-    """Spacecraft, each with what acts on it; Basilisk's objects hold no references, so all are kept here."""
+    """Spacecraft, each with what acts on it; Basilisk's objects hold no references, so this one holds them."""
 
     scene: Scene
     unit: float  # s that a second of Basilisk's clock stands for

@@ -57,7 +57,7 @@ class Heyoka(Engine):
         )  # fmt: skip
 
     def advance(self, model: Built, plan: Plan) -> Loop:
-        """Stop at every asked time by a step that ends there: no dense output."""
+        """Stop at every output time by a step that ends there: no dense output."""
         integrator, steps = model.integrator, 0
         states = np.full((len(plan.times), len(model.start)), np.nan)
         states[0] = integrator.state

@@ -27,7 +27,7 @@ def serve(pipe: Connection) -> None:
             _copied(pipe, function, arguments)
         else:
             if apart:
-                send(pipe, None)  # in place of the copy's id: the call is made here
+                send(pipe, None)  # in place of the copy's id: the call is executed here
             send(pipe, _answer(pipe, function, arguments))
 
 

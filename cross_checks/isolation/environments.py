@@ -19,7 +19,7 @@ from mbs_ref.atomic_file import write_atomic
 FOLDER = "MBS_REF_ENVIRONMENTS"  # an environment variable: where the notes are
 INSIDE = "MBS_REF_INSIDE"  # set within an engine's own environment: the engine that is imported there
 PROJECT = Path(__file__).parents[2]
-BENEATH = "beneath.pth"  # in an environment made over this one: packages of this one are seen below its own
+BENEATH = "beneath.pth"  # in an environment on top of this one: packages of this one are seen below its own
 
 
 PINS = Path(__file__).parent / "pins"  # NAME.txt: the exact releases of an engine's environment
@@ -90,7 +90,7 @@ def forget(name: str) -> Path | None:
 
 
 def pins_of(name: str) -> Path | None:
-    """Return the file of exact releases that the engine's environment is made of; None where there is none."""
+    """Return the file of exact releases that the engine's environment consists of; None where there is none."""
     file = PINS / f"{name}.txt"
     return file if file.is_file() else None
 

@@ -63,7 +63,7 @@ class Pool[Name, Result]:
     """Run tasks in parallel; tasks may be added or dropped while results arrive.
 
     Iterate to receive every task's name with what its work returns, in the order in which they end; an exception of
-    the work is raised there. Tasks of fewest expected seconds begin first. Calls are made by callers alike `call`, one
+    the work is raised there. Tasks of fewest expected seconds begin first. Callers alike `call` execute the calls, one
     for each of its processors unless `workers` says how many. With `brief` (s) the calls of a first try stay within
     that; the result of a task with one that does not is a Late. A `call` that is not Isolated makes every task in the
     caller's thread. `tick` receives the tasks under way and their seconds. Use as a context manager.
@@ -185,7 +185,7 @@ def each[Task, Result](
 ) -> Iterator[tuple[Task, Result]]:  # fmt: skip
     """Yield every task with what `work` returns for it, as soon as it is known, from a Pool without first tries.
 
-    Calls are made by callers alike `call`, unless given in processes of this machine.
+    Callers alike `call` execute the calls, processes of this machine unless given.
     """
     with Pool[Task, Result](call or Isolated(timeout, memory), workers) as pool:
         for task in tasks:

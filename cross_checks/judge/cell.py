@@ -58,7 +58,7 @@ def judged(
 ) -> tuple[Cell, tuple[Record, ...]]:  # fmt: skip
     """Return the method's cell and the records that it is based on, coarse to fine; none of a method that is refused.
 
-    No run takes more than `most_steps`; unless `settle`, none is made for the verdict.
+    No run takes more than `most_steps`; unless `settle`, none is run for the verdict.
     """
     refusal = refusal_of(scene, engine, method, targets)
     if refusal is not None or method is None:

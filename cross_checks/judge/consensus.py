@@ -250,7 +250,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
 
 
 def _at_own_times(runs: Runs, scene: Scene, engine: str, settings: Settings) -> Trajectory | None:
-    """Return a run at the judges' times, made with others between them; None where it fails."""
+    """Return a run at the judges' times, with further outputs between them; None where it fails."""
     common = runs.grid(scene)
     seed = crc32(f"{engine} {settings.method} {label(settings)}".encode())
     times = np.union1d(common, between(common, settings.step, np.random.default_rng(seed)))

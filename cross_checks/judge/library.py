@@ -25,7 +25,7 @@ class Cells(list[Cell]):
 
 
 def run(scene: Scene, engine: str = "mbs_ref", *, judged: bool = True, **settings: Any) -> Run:
-    """Run a scene with an engine; return its record, held against the scene's truth, and the samples.
+    """Run a scene with an engine; return its record, compared with the scene's truth, and the samples.
 
     `settings` are those of mbs_ref.Settings: method, step (s) or rtol, t_end (s), samples, ... Failures are statuses
     of the record with a sentence. `judged = False` leaves the truth out, which may take a minute to make for the first

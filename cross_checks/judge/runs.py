@@ -41,7 +41,7 @@ class Runs:
         return grid(scene) if self.times is None else self.times
 
     def judged(self, scene: Scene, engine: str, settings: Settings, truth: Truth | NoTruth) -> Record:
-        """Return the record of a run on the judges' grid, held against a truth."""
+        """Return the record of a run on the judges' grid, compared with a truth."""
         run = self.run(scene, engine, settings)
         return against(scene, run, truth)
 
@@ -95,7 +95,7 @@ class Runs:
 
 
 def make(scene: Scene, engine: str, settings: Settings, times: np.ndarray) -> Run:
-    """Make a run, held against no truth; one that Ctrl-C cut short is none."""
+    """Execute a run without comparing it with a truth; one that Ctrl-C cut short is none."""
     wall, cpu = time.perf_counter(), processor_time()
     record, path = complete(judged_run(scene, engine, settings, times, truth=NOT_COMPARED))
     share = (processor_time() - cpu) / max(time.perf_counter() - wall, 1e-9)

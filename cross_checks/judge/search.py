@@ -1,7 +1,7 @@
 """Choose which settings of a method to run: the next run is the one that is worth most, by the convergence model.
 
 A run is worth the odds that it reaches a target from within WINDOW, less what its steps cost. An error below the
-window costs more than need be: it is worth LIKELY, the odds from which a cheaper run is made. A target is given
+window costs more than need be: it is worth LIKELY, the odds from which a cheaper run is tried. A target is given
 up where no setting within the work limit may reach it. Further runs follow only while the verdict is not settled: of
 the settings that may show the law, finer ones where a plateau or a limit of its own may hide it, the one that shows
 most for its cost. A method is classified as wrong only after a run plainly finer than all others, even beyond the work
@@ -67,7 +67,7 @@ class Search(ABC):
         """Return the error of a sound method of the same order at the same setting, of another package."""
 
     def affordable(self) -> float:
-        """Return the most steps of a run that is made for a target alone."""
+        """Return the most steps of a run that serves a target alone."""
         return math.inf
 
     def seconds(self, steps: float) -> float | None:
@@ -135,7 +135,7 @@ class Search(ABC):
     def _best(self, tries: dict[float, int]) -> tuple[float, list[float]] | None:
         """Return the setting worth most and the targets that it serves; None where no run is worth its cost.
 
-        `tries` counts the runs made for each target.
+        `tries` counts the runs for each target.
         """
         shown, knobs = self.shown(), self._candidates()
         if shown is None or not len(knobs := knobs[self.steps(knobs) <= self.affordable()]):
@@ -279,7 +279,7 @@ class Search(ABC):
 
         A run shows more the farther it is from all others, up to a setting that is plainly finer.
         Where rounding hides the law, the coarse half shows it; where runs do not follow it, the fine half. Fewer runs
-        are made where they follow it, and where a reference method shows that the motion is not resolved.
+        are tried where they follow it, and where a reference method shows that the motion is not resolved.
         """
         good, knobs, shown = np.array([point.knob for point in self.good]), self._candidates(), self.shown()
         if shown is None or not len(knobs):

@@ -152,7 +152,7 @@ def search(
 ) -> tuple[Tried, list[TargetResult]]:  # fmt: skip
     """Search the method's settings for every target; return all runs and what became of each target.
 
-    Unless `settle`, no run is made for the verdict. One open or wrong within `runs.longest` is sought without it; not
+    Unless `settle`, no run serves the verdict. One open or wrong within `runs.longest` is sought without it; not
     where a documented weakness exempts the method, which neither verdict classifies.
     """
     tried = Tried(runs, scene, engine, method, truth, most_steps)

@@ -1,4 +1,4 @@
-"""What is measured of a run, one file a metric, found by listing; all look at world poses and velocities."""
+"""The metrics of a run, one file each, listed from this folder; all look at world poses and velocities."""
 
 import importlib
 import pkgutil

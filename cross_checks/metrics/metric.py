@@ -71,7 +71,7 @@ class Absent:
 
 @dataclass(frozen=True)
 class Judged:
-    """A run and what it is held against."""
+    """A run and the truth that it is compared with."""
 
     scene: Scene
     path: Trajectory
@@ -98,7 +98,7 @@ class Metric:
     label: str  # over a column
     unit: str
     curve: Callable[[Judged], np.ndarray | Absent]  # (n,), one value a sample where plotted; the figure is the largest
-    plotted: bool = False  # its curve is kept for the plots
+    plotted: bool = False  # its curve is stored for the plots
 
 
 def largest_value(curve: np.ndarray | Absent) -> float | None:

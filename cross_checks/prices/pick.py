@@ -228,7 +228,7 @@ def settled(choice: Choice, comparison: Comparison) -> Choice:
 
 
 def as_shipped(runs: Runs, scene: Scene, engine: str) -> Record | None:
-    """Return the run of an engine as it comes, held against the scene's truth at its own steps.
+    """Return the run of an engine as it comes, compared with the scene's truth at its own steps.
 
     None where the engine is not installed or does not say how it comes.
     """

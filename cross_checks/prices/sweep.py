@@ -26,7 +26,7 @@ def sweep(
 ) -> Iterator[Record]:  # fmt: skip
     """Yield every run of every method's search for the targets, judged and timed, coarse to fine.
 
-    Runs are made on all processors, or on those of a cluster, where `runs` makes them in processes of their own, and
+    Runs use all processors, or those of a cluster, where `runs` executes them in processes of their own, and
     then timed one at a time on this machine.
     `seen` receives all runs so far, not timed yet. With `worth` only those are timed that it returns, and slow methods
     are left out where it returns any. Without a certified truth, errors are from what engines agree on. ValueError

@@ -1,4 +1,4 @@
-"""Records, verdicts and samples as data frames of pandas or Polars, whichever is asked for."""
+"""Records, verdicts and samples as data frames of pandas or Polars."""
 
 import importlib
 from collections.abc import Iterable, Iterator

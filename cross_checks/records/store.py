@@ -39,7 +39,7 @@ LISTING = frozenset(LISTED_BY)  # packages that import what lies in a folder by 
 
 
 def run_name(scene: Scene, engine: Engine, settings: Settings, times: np.ndarray) -> str:
-    """Return the key of a run; the same wherever and whenever it is made, and whatever the scene is called."""
+    """Return the key of a run; the same wherever and whenever it runs, and whatever the scene is called."""
     facts = {
         "physics": physics_of(scene),
         "times": hashlib.sha256(np.ascontiguousarray(times, dtype=float).tobytes()).hexdigest(),
@@ -95,11 +95,11 @@ PATIENCE = 60.0  # s to wait for another process that writes
 
 @dataclass(frozen=True)
 class Run:
-    """A record without an error, which depends on the truth, and the samples it was made from."""
+    """A record without an error, which depends on the truth, and the samples that it summarises."""
 
     record: Record
     path: Trajectory | None  # None where nothing came back
-    host: str = ""  # the machine (cross_checks.records.machine) that made it just now
+    host: str = ""  # the machine (cross_checks.records.machine) that executed it just now
 
     def _repr_html_(self) -> str:
         return self.record._repr_html_()
@@ -168,7 +168,7 @@ class Store:
         self._write("INSERT OR REPLACE INTO timings VALUES (?, ?, ?)", key, host, json.dumps(loops))
 
     def arrays(self, key: str) -> tuple[dict[str, Any], dict[str, np.ndarray]] | None:
-        """Return facts and arrays kept under a key, for truths that took long to make."""
+        """Return facts and arrays stored under a key, for truths that took long to compute."""
         return self._decoded("arrays", "facts, data", key, lambda row: (json.loads(row[0]), _arrays(row[1])))
 
     def keep_arrays(self, key: str, facts: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:

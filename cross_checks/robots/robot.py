@@ -15,7 +15,7 @@ from mbs_ref.scene import GROUND, Bushing, Revolute, RotationDrive, Scene, Torsi
 from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.messages import suggest
 
-RATE = ".rate"  # a start rate is asked for as joint.rate
+RATE = ".rate"  # a start rate is given as joint.rate
 TABLES = ("joints", "rates", "drives")  # of a start file
 LONGEST = 48  # letters of a name: a scene allows 64, and a joint's spring and damper are named after it
 LOCKED = "locked"  # the value of a joint that shall not move

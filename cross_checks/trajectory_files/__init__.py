@@ -1,1 +1,1 @@
-"""Trajectories that other tools wrote: read by a stated map of columns, and held against a truth."""
+"""Trajectories that other tools wrote: read by a stated map of columns, and compared with a truth."""

@@ -1,4 +1,4 @@
-"""A file's motion held against a truth, or against another file: errors of every body and component, and a verdict."""
+"""A file's motion compared with a truth, or with another file: errors of every body and component, and a verdict."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -41,7 +41,7 @@ class Judgement:
     scene: str
     verdict: str  # agrees, departs, not-judged
     reason: str
-    asked: float  # the error that the verdict was asked for, of the scene
+    limit: float  # the error that the verdict is about, of the scene
     error: Error | None
     parts: tuple[Part, ...]
     measures: dict[str, float | None]  # compliance, drifts: the file's own consistency
@@ -62,10 +62,10 @@ class Judgement:
         return {**vars(self), "error": error, "parts": [part._asdict() for part in self.parts]}
 
 
-def judgement(scene: Scene, motion: DescribedMotion, truth: Truth | NoTruth, asked: float) -> Judgement:
-    """Return the verdict on a motion: it agrees where no stated component is off by more than `asked` of the scene."""
+def judgement(scene: Scene, motion: DescribedMotion, truth: Truth | NoTruth, limit: float) -> Judgement:
+    """Return the verdict on a motion: it agrees where no stated component is off by more than `limit` of the scene."""
     figures = measure(Judged(scene, motion.path, truth))
-    verdict, reason = _verdict(figures["error"], truth, asked)
+    verdict, reason = _verdict(figures["error"], truth, limit)
     own = {name: figures["measures"][name] for name in metrics.every() if name not in _ERRORS}
     parts, curves = (), {}
     if isinstance(truth, Truth):
@@ -74,26 +74,26 @@ def judgement(scene: Scene, motion: DescribedMotion, truth: Truth | NoTruth, ask
         columns = {name: gaps_as_none(relative[:, c]) for c, name in enumerate(NAMES)}
         curves = {"t": motion.path.times.tolist(), **columns}
     return Judgement(
-        scene.name, verdict, reason, asked, figures["error"], parts, own, motion.missing, figures["notes"], curves
+        scene.name, verdict, reason, limit, figures["error"], parts, own, motion.missing, figures["notes"], curves
     )
 
 
 _ERRORS = frozenset({"position_error", "orientation_error", "velocity_error", "angular_velocity_error"})
 
 
-def _verdict(error: Error | None, truth: Truth | NoTruth, asked: float) -> tuple[str, str]:
+def _verdict(error: Error | None, truth: Truth | NoTruth, limit: float) -> tuple[str, str]:
     if isinstance(truth, NoTruth):
         return "not-judged", truth.reason
     if error is None:
         return "not-judged", "the error is not finite"
-    if error.bound <= asked:
-        return "agrees", f"off by {error.bound:.2g} of the scene at most; the limit is {asked:g}"
-    if error.value <= asked + error.uncertainty:
+    if error.bound <= limit:
+        return "agrees", f"off by {error.bound:.2g} of the scene at most; the limit is {limit:g}"
+    if error.value <= limit + error.uncertainty:
         return (
             "not-judged",
             f"off by {error.value:.2g} of the scene; the truth is known to {error.uncertainty:.1e} of it",
         )
-    return "departs", f"off by {error.value:.3g} of the scene in {error.worst}; the limit is {asked:g}"
+    return "departs", f"off by {error.value:.3g} of the scene in {error.worst}; the limit is {limit:g}"
 
 
 def _parts(scene: Scene, path: Trajectory, truth: Truth) -> Iterator[Part]:

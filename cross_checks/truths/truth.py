@@ -35,7 +35,7 @@ class Truth:
     uncertainty: float  # m, of every world point at every time
     kind: Literal["proven", "exact", "published", "converged", "agreed", "one-package"]
     how: str  # one sentence
-    difference: float | None = None  # m, between two unlike ways to it; None where it was found in one
+    difference: float | None = None  # m, between two unlike ways to it; None where there is one alone
     is_costly: bool = False  # takes so long to make that `mbs-ref certify --write` keeps its poses
     velocity: np.ndarray | None = None  # (n_t, n_bodies, dimension) m/s
     angular_velocity: np.ndarray | None = None  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s, world axes

@@ -1,6 +1,6 @@
 """Scenes in the forms of the field: robot files, and scripts that run in one engine alone.
 
-Each file as_*.py states its forms, found by listing. What is written is taken from the
+Each file as_*.py states its forms; this folder is listed. What is written is taken from the
 model that the engine's adapter has built, so that no writer can drift from its adapter.
 """
 

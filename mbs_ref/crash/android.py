@@ -13,9 +13,8 @@ from typing import Annotated, Any, Literal, get_type_hints
 from pydantic import Field
 
 from mbs_ref import scene as parts
-from mbs_ref.crash.body_contacts import body_contacts
-from mbs_ref.crash.places import Places, Point, read_data
-from mbs_ref.crash.stops import joint_stops
+from mbs_ref.crash.outlines import Places, Point, read_data
+from mbs_ref.crash.stops import body_contacts, joint_stops
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative
 from mbs_ref.scene.contact import CircleOnLine, ConstraintLaw, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw

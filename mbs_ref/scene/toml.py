@@ -1,6 +1,11 @@
 """Read and write scenes as TOML files, and report every error. A scene file is data; nothing in it runs."""
 
+import re
 import tomllib
+from collections.abc import Callable
+from dataclasses import replace
+from inspect import Parameter, Signature
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +16,12 @@ from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene.base.part import Part
 from mbs_ref.scene.loads import UserForce
 from mbs_ref.scene.messages import Problem, problems
+from mbs_ref.scene.parameters import Declared, filled
 from mbs_ref.scene.scene import Scene
 from mbs_ref.scene.traits import python_parts
 
 LARGEST_FILE = 32 * 2**20  # bytes; 100 000 bodies with their joints take about 25 MiB
+PARAMETER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 USER_FORCE: str = UserForce.model_fields["type"].default
 
 
@@ -29,6 +36,11 @@ class SceneFileError(ValueError):
 
 def read_scene(path: str | Path) -> Scene:
     """Return the scene in a TOML file; SceneFileError lists every problem."""
+    return read_builder(path)()
+
+
+def read_builder(path: str | Path) -> Callable[..., Scene]:
+    """Return what builds the scene in a TOML file from the parameters that it declares (`builder`)."""
     try:
         with Path(path).open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
@@ -40,17 +52,61 @@ def read_scene(path: str | Path) -> Scene:
         text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise _refusal(path, f"is not UTF-8 text (byte {error.start})") from error
-    return loads(text, file=str(path))
+    return builder(text, file=str(path))
 
 
 def loads(text: str, file: str = "scene") -> Scene:
     """Return the scene in a TOML text; errors refer to it as `file`."""
+    return builder(text, file)()
+
+
+def builder(text: str, file: str = "scene") -> Callable[..., Scene]:
+    """Return what builds the scene in a TOML text; errors refer to it as `file`.
+
+    Its parameters are those that the text declares, with their defaults and what is allowed in their annotations; the
+    comments at the head of the text describe it.
+    """
     try:
         data = _tuples(tomllib.loads(text))
     except RecursionError as error:
         raise _refusal(file, "is nested too deeply") from error
     except ValueError as error:  # TOMLDecodeError, or a number with more digits than Python converts
         raise _refusal(file, f"is not TOML: {error}") from error
+    declared = [_declared(name, value, file) for name, value in _tables(data).items()]
+
+    def build(**given: Any) -> Scene:
+        values = {parameter.name: parameter.default for parameter in declared} | given
+        try:
+            built = filled(data, values, lambda *mistake: _refusal(file, *mistake)) if declared else data
+        except RecursionError as error:
+            raise _refusal(file, "is nested too deeply") from error
+        return _validated(built, file)
+
+    build.__signature__ = Signature(declared)  # type: ignore[attr-defined]
+    build.__annotations__ = {one.name: one.annotation for one in declared} | {"return": Scene}
+    build.__doc__ = "\n".join(line[2:] for line in takewhile(lambda line: line[:1] == "#", text.splitlines()))
+    return build
+
+
+def _tables(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the parameters that are declared; a plain value is what a scene was built with."""
+    parameters = data.get("parameters")
+    pairs = parameters.items() if isinstance(parameters, dict) else ()
+    return {name: value for name, value in pairs if isinstance(value, dict)}
+
+
+def _declared(name: str, value: dict[str, Any], file: str) -> Parameter:
+    place = f"parameters.{name}"
+    if not PARAMETER.fullmatch(name):
+        raise _refusal(file, place, "the name of a parameter consists of a letter, then letters, digits and _")
+    try:
+        return Declared.model_validate(value, strict=True).parameter(name)
+    except ValidationError as error:
+        listed = problems(error, Declared, value)
+        raise SceneFileError(file, [replace(one, path=f"{place}.{one.path}".rstrip(".")) for one in listed]) from error
+
+
+def _validated(data: dict[str, Any], file: str) -> Scene:
     forbidden = _user_forces(data)
     if forbidden:
         raise SceneFileError(file, forbidden)
@@ -114,5 +170,6 @@ def _user_forces(data: dict[str, Any]) -> list[Problem]:
     ]
 
 
-def _refusal(path: str | Path, message: str) -> SceneFileError:
-    return SceneFileError(str(path), [Problem("", "", "", message)])
+def _refusal(path: str | Path, *mistake: str) -> SceneFileError:
+    *place, message = mistake
+    return SceneFileError(str(path), [Problem("".join(place), "", "", message)])

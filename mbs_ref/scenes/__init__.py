@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from itertools import takewhile
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
@@ -40,12 +39,16 @@ class SceneInfo:
 
 def names() -> list[str]:
     """Return the names of every scene, sorted."""
-    return sorted(_builders())
+    return sorted((*_functions(), *_files()))
 
 
 @cache
-def _builders() -> dict[str, Callable[..., Scene]]:
-    """Return the builder of every scene."""
+def _files() -> dict[str, Traversable]:
+    return {path.name[:-5]: path for path in DATA.iterdir() if path.name.endswith(".toml")}
+
+
+@cache
+def _functions() -> dict[str, Callable[..., Scene]]:
     modules = [importlib.import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__)]
     own = [
         (name, item)
@@ -53,27 +56,18 @@ def _builders() -> dict[str, Callable[..., Scene]]:
         for name, item in vars(module).items()
         if inspect.isfunction(item) and item.__module__ == module.__name__ and name[0] != "_"
     ]
-    written = {path.name[:-5]: _written(path) for path in DATA.iterdir() if path.name.endswith(".toml")}
-    return written | {name: item for name, item in own if item.__annotations__.get("return") in (Scene, "Scene")}
-
-
-def _written(path: Traversable) -> Callable[..., Scene]:
-    """Return the builder, without parameters, of a scene file whose comments at its head describe it."""
-    text = path.read_text(encoding="utf-8")
-
-    def builder() -> Scene:
-        return scene_file.loads(text)
-
-    builder.__doc__ = "\n".join(line[2:] for line in takewhile(lambda line: line[:1] == "#", text.splitlines()))
-    return builder
+    return {name: item for name, item in own if item.__annotations__.get("return") in (Scene, "Scene")}
 
 
 @cache
 def describe(name: str) -> SceneInfo:
     """Return the scene's summary and parameters; ValueError for an unknown scene."""
-    builder = _builder(name)
-    defaults = {p.name: p.default for p in inspect.signature(builder).parameters.values()}
-    return SceneInfo(name, (inspect.getdoc(builder) or "").splitlines()[0], defaults)
+    builder = builder_of(name)
+    return SceneInfo(name, (inspect.getdoc(builder) or "").splitlines()[0], _defaults(builder))
+
+
+def _defaults(builder: Callable[..., Scene]) -> dict[str, Parameter]:
+    return {p.name: p.default for p in inspect.signature(builder).parameters.values()}
 
 
 def make(name: str, **parameters: Any) -> Scene:
@@ -83,40 +77,49 @@ def make(name: str, **parameters: Any) -> Scene:
     Every scene has the parameter start = "equilibrium", which places it at rest in a static equilibrium near its start
     (`at_equilibrium`).
     """
-    builder = _builder(name)
-    if "start" in parameters and "start" not in describe(name).parameters:
-        return _settled(name, **parameters)
+    return build(builder_of(name), name, **parameters)
+
+
+def build(builder: Callable[..., Scene], name: str, /, **parameters: Any) -> Scene:
+    """Build a scene, as `make` does, by a builder such as `mbs_ref.scene.toml.read_builder` returns; errors name it."""
+    if "start" in parameters and "start" not in _defaults(builder):
+        return _settled(builder, name, **parameters)
     try:
         values = _parameter_model(builder)(**parameters).model_dump()
     except ValidationError as error:
-        raise ValueError("; ".join(_sentence(name, item) for item in error.errors())) from None
-    chosen = applicable(name, values)
+        raise ValueError("; ".join(_sentence(builder, name, item) for item in error.errors())) from None
+    chosen = _applicable(builder, values)
     for key in parameters.keys() - chosen.keys():
-        other, needed = _marks(name)[key]
+        other, needed = _marks(builder)[key]
         stated = f"{name}: {key} = {parameters[key]!r} does not go with {other} = {values[other]!r}"
         raise ValueError(f"{stated}: it belongs to {other} = {needed!r}")
-    return builder(**chosen).model_copy(update={"parameters": chosen})
+    built = builder(**chosen)
+    return built.model_copy(update={"parameters": chosen}) if chosen else built
 
 
 def applicable(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
     """Return those of a scene's parameters that the others do not exclude."""
-    excluded = {key for key, (other, needed) in _marks(name).items() if parameters[other] != needed}
+    return _applicable(builder_of(name), parameters)
+
+
+def _applicable(builder: Callable[..., Scene], parameters: dict[str, Any]) -> dict[str, Any]:
+    excluded = {key for key, (other, needed) in _marks(builder).items() if parameters[other] != needed}
     return {key: value for key, value in parameters.items() if key not in excluded}
 
 
-def _marks(name: str) -> dict[str, OnlyWith]:
+def _marks(builder: Callable[..., Scene]) -> dict[str, OnlyWith]:
     """Return by parameter which other value it belongs to."""
-    fields = _parameter_model(_builder(name)).model_fields
+    fields = _parameter_model(builder).model_fields
     return {key: mark for key, field in fields.items() for mark in field.metadata if isinstance(mark, OnlyWith)}
 
 
-def _settled(name: str, start: str, **parameters: Any) -> Scene:
+def _settled(builder: Callable[..., Scene], name: str, /, start: str, **parameters: Any) -> Scene:
     """Return a scene in equilibrium, where its own builder has no such choice."""
     if start != "equilibrium":
         raise ValueError(f"{name}: start = {start!r} is not allowed; allowed: 'equilibrium'")
     from mbs_ref.simulate.start.equilibrium import at_equilibrium  # compiled code, which other scenes do without
 
-    placed = at_equilibrium(make(name, **parameters))
+    placed = at_equilibrium(build(builder, name, **parameters))
     return placed.model_copy(update={"parameters": {**placed.parameters, "start": start}})
 
 
@@ -128,14 +131,18 @@ def label(name: str, parameters: dict[str, Any]) -> str:
 
 def chosen(name: str, parameters: dict[str, Any]) -> dict[str, Any]:
     """Return the parameters that differ from the defaults; all of them for other scenes than these."""
-    defaults = describe(name).parameters if name in _builders() else {}
+    defaults = describe(name).parameters if name in _functions() or name in _files() else {}
     return {key: value for key, value in parameters.items() if defaults.get(key) != value}
 
 
-def _builder(name: str) -> Callable[..., Scene]:
-    if name not in _builders():
+@cache
+def builder_of(name: str) -> Callable[..., Scene]:
+    """Return what builds a scene of any parameters, also of such as `make` refuses; ValueError for an unknown scene."""
+    if name in _files():
+        return scene_file.builder(_files()[name].read_text(encoding="utf-8"), f"{name}.toml")
+    if name not in _functions():
         raise ValueError(f"scene = {name!r} is unknown{suggest(name, names())}; the scenes are {', '.join(names())}")
-    return _builders()[name]
+    return _functions()[name]
 
 
 @cache
@@ -147,11 +154,11 @@ def _parameter_model(builder: Callable[..., Scene]) -> type[BaseModel]:
     return create_model("Parameters", __config__=ConfigDict(extra="forbid", allow_inf_nan=False), **fields)
 
 
-def _sentence(scene: str, item: Any) -> str:
+def _sentence(builder: Callable[..., Scene], scene: str, item: Any) -> str:
     """Return a sentence on one invalid parameter of a scene."""
     name = ".".join(str(part) for part in item["loc"])
     if item["type"] == "extra_forbidden":
-        allowed = describe(scene).parameters
+        allowed = _defaults(builder)
         stated = f"{name} = {item['input']!r} is no parameter of {scene}"
         return f"{stated}{suggest(name, allowed)}; allowed: {', '.join(allowed)}"
     return f"{scene}: {name} = {item['input']!r} is not allowed: {item['msg'].lower()}"

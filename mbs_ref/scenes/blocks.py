@@ -1,4 +1,4 @@
-"""Blocks and Painleve's rod on rough ground: resting on an incline, sliding to rest, rocking from edge to edge."""
+"""Blocks on rough ground, from equilibrium: resting on an incline, and sliding to rest."""
 
 import math
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.base.part import NonNegative, Positive
-from mbs_ref.scene.contact import CircleOnLine, Friction, RegularisedCoulomb, SpringDamperLaw, StickSlip
+from mbs_ref.scene.contact import CircleOnLine, Friction, SpringDamperLaw, StickSlip
 
 LENGTH, HEIGHT = 0.4, 0.1  # m
 
@@ -78,20 +78,18 @@ def _resting_block(
                 velocity=(speed, 0.0),
             ),
         ),
-        contacts=tuple(_corners("corner", center, tilt, (LENGTH, height), law=law, friction=friction)),
+        contacts=tuple(_corners(center, tilt, height, law=law, friction=friction)),
     )  # fmt: skip
 
 
-def _corners(
-    name: str, center: tuple[float, float], tilt: float, size: tuple[float, float], **law: Any
-) -> Iterator[CircleOnLine]:
+def _corners(center: tuple[float, float], tilt: float, height: float, **law: Any) -> Iterator[CircleOnLine]:
     """Yield the contacts of a block's corners with the ground, the lower ones first; a slab has no others."""
     c, s = math.cos(tilt), math.sin(tilt)
-    for y, level in ((-0.5, ""), (0.5, "upper."))[: 2 if size[1] else 1]:
+    for y, level in ((-0.5, ""), (0.5, "upper."))[: 2 if height else 1]:
         for x, side in ((-0.5, "left"), (0.5, "right")):
-            ahead, up = x * size[0], y * size[1]
+            ahead, up = x * LENGTH, y * height
             corner = (center[0] + c * ahead - s * up, center[1] + s * ahead + c * up)
-            yield CircleOnLine(name=f"{name}.{level}{side}", body_a="block", center=corner, radius=0.0,
+            yield CircleOnLine(name=f"corner.{level}{side}", body_a="block", center=corner, radius=0.0,
                                point_1=(0.0, 0.0), point_2=(1.0, 0.0), **law)  # fmt: skip
 
 
@@ -115,76 +113,4 @@ def sliding_block(
     return _resting_block(
         name="sliding_block", description="A block thrown along rough ground stops and stays.", angle=0.0, speed=speed,
         friction=grip, mass=mass, height=height, stiffness=stiffness, damping=damping, gravity=gravity, pull=friction,
-    )  # fmt: skip
-
-
-SLENDER_WIDTH, SLENDER_HEIGHT = 0.2, 0.8  # m
-
-
-def rocking_block(
-    *,
-    tilt: Annotated[float, Field(gt=0.0, lt=0.2)] = 0.1,
-    mass: Positive = 10.0,
-    stiffness: Positive = 1e6,
-    damping: NonNegative = 2000.0,
-    friction: NonNegative = 0.8,
-    gravity: Positive = 9.81,
-) -> Scene:
-    """Rock a block between its two lower edges.
-
-    tilt at the start (rad; below the angle of balance, atan(1/4)), mass (kg), contact stiffness (N/m) and
-    damping (N s/m) of each edge, friction (mu), gravity (m/s^2).
-    """
-    c, s = math.cos(tilt), math.sin(tilt)
-    sink = mass * gravity / stiffness
-    ahead, up = 0.5 * SLENDER_WIDTH, 0.5 * SLENDER_HEIGHT
-    center = (c * ahead - s * up, s * ahead + c * up - sink)  # it stands on its lower left edge
-    law = SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
-    grip = RegularisedCoulomb(coefficient=friction, speed=0.01) if friction else None
-    return Scene(
-        name="rocking_block",
-        description="A slender block rocks from edge to edge.",
-        source="G. W. Housner, Bull. Seism. Soc. Am. 53 (1963) 403",
-        duration=2.0,
-        gravity=(0.0, -gravity),
-        bodies=(
-            PlanarBody(
-                name="block", mass=mass, inertia=mass * (SLENDER_WIDTH**2 + SLENDER_HEIGHT**2) / 12.0,
-                position=center, angle=tilt,
-            ),
-        ),
-        contacts=tuple(_corners("edge", center, tilt, (SLENDER_WIDTH, SLENDER_HEIGHT), law=law, friction=grip)),
-    )  # fmt: skip
-
-
-def painleve_rod(
-    *,
-    friction: NonNegative = 1.2,
-    angle: Annotated[float, Field(ge=5.0, le=85.0)] = 60.0,
-    speed: Positive = 2.0,
-    stiffness: Positive = 1e7,
-    gravity: Positive = 9.81,
-) -> Scene:
-    """Push a uniform rod along rough ground, its lower end ahead: Painleve's paradox beyond a friction of 4/3.
-
-    Where p = 1 + 3 cos(angle) (cos(angle) - mu sin(angle)) is negative, rigid ground has no answer, and on springs the
-    force grows as exp(sqrt(-p k/m) t) until the rod sticks. friction (mu), angle (deg) of the rod from the ground,
-    speed (m/s), contact stiffness (N/m), gravity (m/s^2).
-    """
-    half, lean = 0.5, math.radians(angle)  # m
-    rod = PlanarBody(
-        name="rod", mass=1.0, inertia=half**2 / 3.0, velocity=(speed, 0.0), angle=math.pi - lean,
-        position=(-half * math.cos(lean), half * math.sin(lean)),
-    )  # fmt: skip
-    return Scene(
-        name="painleve_rod", description=f"A rod at {angle:g} degrees slides on its lower end.",
-        source="Painleve, C. R. Acad. Sci. 121 (1895) 112-115; Genot, Brogliato, Eur. J. Mech. A 18 (1999) 653-677",
-        duration=0.1, gravity=(0.0, -gravity), bodies=(rod,),
-        contacts=(
-            CircleOnLine(
-                name="ground", body_a="rod", center=(0.0, 0.0), radius=0.0, point_1=(0.0, 0.0), point_2=(1.0, 0.0),
-                law=SpringDamperLaw(stiffness=stiffness, damping=0.0),
-                friction=StickSlip(coefficient=friction, stiffness=stiffness),
-            ),
-        ),
     )  # fmt: skip

@@ -1,17 +1,15 @@
-"""Linkages with closed forms: those that draw a straight line, driven at constant speed, and Cardan's joint."""
+"""Linkages that draw a straight line, driven at constant speed."""
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import Field
 
-from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Revolute, Scene, SpatialBody, Universal
+from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Revolute, Scene
 from mbs_ref.scene.base.part import Positive, dot
 from mbs_ref.scene.signals import Constant
 from mbs_ref.scenes import read_data
 
-SHAFT = (0.02, 0.05, 0.05, 0.0, 0.0, 0.0)  # kg m^2
 SWING = 0.25  # rad, of the crank to both sides of its middle
 LINKAGES: dict[str, dict[str, Any]] = read_data("linkages")["linkages"]
 
@@ -75,35 +73,4 @@ def _rod(name: str, one: Any, other: Any, rate: Any, other_rate: Any) -> PlanarB
         name=name, mass=length, inertia=length * square / 12.0, position=tuple((0.5 * (one + other)).tolist()),
         angle=math.atan2(way[1], way[0]), velocity=tuple((0.5 * (rate + other_rate)).tolist()),
         angular_velocity=float(way[0] * turning[1] - way[1] * turning[0]) / square,
-    )  # fmt: skip
-
-
-def cardan_joint(*, angle: Annotated[float, Field(ge=0.0, le=80.0)] = 30.0, speed: Positive = 5.0) -> Scene:
-    """Let two shafts turn that Cardan's joint connects.
-
-    angle (deg) between the shafts, speed (rad/s) of the first one at the start.
-    """
-    bend = math.radians(angle)
-    cosine, sine = math.cos(bend), math.sin(bend)
-    first = SpatialBody(
-        name="first", mass=1.0, inertia=SHAFT, position=(-0.5, 0.0, 0.0), angular_velocity=(speed, 0.0, 0.0)
-    )
-    second = SpatialBody(
-        name="second", mass=1.0, inertia=SHAFT, position=(0.5 * cosine, 0.5 * sine, 0.0),
-        orientation=(math.cos(0.5 * bend), 0.0, 0.0, math.sin(0.5 * bend)),
-        angular_velocity=(speed * cosine * cosine, speed * cosine * sine, 0.0),
-    )  # fmt: skip
-    return Scene(
-        name="cardan_joint",
-        description=f"Two shafts at {angle:g} degrees; the second turns by tan(psi) = cos(angle) tan(phi).",
-        source="Textbook mechanism; Hunt, Kinematic Geometry of Mechanisms, Oxford 1978",
-        duration=1.0,
-        bodies=(first, second),
-        joints=(
-            Revolute(name="first.bearing", body_a=GROUND, body_b="first", point=first.position, axis=(1.0, 0.0, 0.0)),
-            Revolute(name="second.bearing", body_a=GROUND, body_b="second", point=second.position,
-                     axis=(cosine, sine, 0.0)),
-            Universal(name="cross", body_a="first", body_b="second", point=(0.0, 0.0, 0.0), axis_a=(0.0, 0.0, 1.0),
-                      axis_b=(-sine, cosine, 0.0)),
-        ),
     )  # fmt: skip

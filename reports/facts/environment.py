@@ -1,4 +1,4 @@
-"""Where and with what the report was made."""
+"""The machine and the packages of the report."""
 
 import os
 import platform

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from cross_checks.extremes.cell import Cell as ExtremeCell
+from cross_checks.extremes.fate import Cell as ExtremeCell
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.capabilities import Capability
 from cross_checks.judge.vocabulary import OURS, Cell, Verdict

@@ -58,9 +58,9 @@ class TruthFacts:
     how: str = ""
     uncertainty: float | None = None
     known_to: float | None = None  # over the scene: of poses, in the measure of the error
-    difference: float | None = None  # between two unlike ways; None where it was found in one
+    difference: float | None = None  # between two unlike ways; None where there is one alone
     length: float | None = None  # of the scene
-    certified: str = ""  # when its certificate was made; empty without one
+    certified: str = ""  # date of its certificate; empty without one
     confirmed_by: str = ""
     confirmed_to: float | None = None
     departs_by: float | None = None  # from the certificate, at the end

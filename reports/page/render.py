@@ -45,7 +45,7 @@ class Images:
 
 @cache
 def templates() -> Environment:
-    """Return the templates, whose compiled form is kept beside the kernels' where that folder can be written."""
+    """Return the templates, whose compiled form is stored beside the kernels' where that folder can be written."""
     loader, pages = FileSystemLoader((TEMPLATES, STUDIES)), select_autoescape(("html",), default_for_string=False)
     templates = Environment(loader=loader, autoescape=pages, undefined=StrictUndefined)
     templates.filters |= {"plain": plain, "tex": tex}

@@ -4,11 +4,15 @@ import hashlib
 import re
 import shlex
 from collections.abc import Sequence
+from inspect import signature
+from pathlib import Path
+from typing import Any
 
 from cross_checks import engines
 from cross_checks.judge.ladder import SAMPLES
 from cross_checks.records.record import Record
 from mbs_ref import scenes
+from mbs_ref.scene.toml import read_builder
 
 LONGEST = 80
 
@@ -28,13 +32,23 @@ def engine_file(name: str) -> str:
     return f"engine-{slug(name)}.html"
 
 
+def _of_file(file: str, record: Record) -> dict[str, Any]:
+    """Return the parameters of a record that a scene file declares and has other defaults for.
+
+    A file that is absent is one that a report writes of the built scene: it declares none.
+    """
+    declared = signature(read_builder(file)).parameters if Path(file).is_file() else {}
+    given = {key: value for key, value in record.parameters.items() if key in declared}
+    return {key: value for key, value in given.items() if value != declared[key].default}
+
+
 def command(record: Record, scene: str = "", stored: Sequence[str] = ()) -> str:
     """Return the mbs-ref command that runs what the record holds, of a `scene` that was named so: perhaps by a file.
 
-    `kept` are the initial velocities that it keeps.
+    `stored` are the initial velocities that it fixes.
     """
     words = ["mbs-ref", "simulate", scene or record.scene, "--engine", engines.called(record.engine)]
-    parameters = {} if scene.endswith(".toml") else scenes.chosen(record.scene, record.parameters)
+    parameters = _of_file(scene, record) if scene.endswith(".toml") else scenes.chosen(record.scene, record.parameters)
     for name, value in parameters.items():
         words += ["-p", f"{name}={value}"]
     for rate in stored:

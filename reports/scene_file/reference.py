@@ -17,6 +17,7 @@ from pydantic_core import PydanticOmit
 
 from mbs_ref import Scene
 from mbs_ref.scene.base.part import Role, fields_of
+from mbs_ref.scene.parameters import CHOOSE, FORMULA, Declared
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 COMMENTED = re.compile(r"^    (\w+): .*?  # (.+)$", re.MULTILINE)
@@ -28,6 +29,10 @@ LISTS = dict(bodies="Bodies", joints="Joints and drives", loads="Loads", contact
 NESTED = {"law": ("contacts", "Laws of contact"), "friction": ("contacts", "Friction"), "factor": ("loads", "Signals")}
 PLURAL = re.compile(r"^(number|list)\b")
 BOUNDS = {"exclusiveMinimum": "> {:g}", "minimum": "≥ {:g}", "exclusiveMaximum": "< {:g}", "maximum": "≤ {:g}"}
+
+
+FORMULA_TEXT = {"type": "string", "pattern": f"^{FORMULA}"}
+CHOICE = {"type": "object", "properties": {CHOOSE: FORMULA_TEXT}, "required": [CHOOSE], "additionalProperties": True}
 
 
 class _Schema(GenerateJsonSchema):
@@ -57,9 +62,32 @@ class _Schema(GenerateJsonSchema):
 
 
 @cache
-def schema() -> dict[str, Any]:
-    """Return the JSON Schema of a scene file."""
+def plain() -> dict[str, Any]:
+    """Return the JSON Schema of a scene file without formulas."""
     return {"$schema": DIALECT, **Scene.model_json_schema(schema_generator=_Schema)}
+
+
+@cache
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of a scene file: a formula or a choice may stand for a number, a word or a typed table."""
+    result = _with_formulas(plain())
+    parameter = Declared.model_json_schema(schema_generator=_Schema)
+    result["properties"]["parameters"]["additionalProperties"]["anyOf"].append(parameter)
+    value = {"anyOf": [{"type": "number"}, FORMULA_TEXT, {"type": "object"}]}
+    for name in ("values", "requires"):
+        result["properties"][name] = {"type": "object", "additionalProperties": value}
+    return result
+
+
+def _with_formulas(rule: Any) -> Any:
+    if isinstance(rule, list):
+        return [_with_formulas(one) for one in rule]
+    if not isinstance(rule, dict):
+        return rule
+    if rule.get("type") in ("number", "integer") or "enum" in rule or "oneOf" in rule:
+        known = {key: rule[key] for key in ("description", "default") if key in rule}
+        return {"anyOf": [rule, FORMULA_TEXT, CHOICE]} | known
+    return {key: _with_formulas(value) for key, value in rule.items()}
 
 
 def page() -> str:
@@ -70,11 +98,11 @@ def page() -> str:
 
 def _sections() -> Iterator[str]:
     yield "## The file\n"
-    yield from _fields(schema())
+    yield from _fields(plain())
     for name, title in LISTS.items():
-        yield from _parts(title, f"`[[{name}]]`", kinds(schema()["properties"][name]["items"]), name)
+        yield from _parts(title, f"`[[{name}]]`", kinds(plain()["properties"][name]["items"]), name)
     for field, (within, title) in NESTED.items():
-        kind = next(kind for kind in kinds(schema()["properties"][within]["items"]) if field in kind["properties"])
+        kind = next(kind for kind in kinds(plain()["properties"][within]["items"]) if field in kind["properties"])
         yield from _parts(title, f"a table, such as `{field}`", kinds(kind["properties"][field]), field)
 
 
@@ -86,7 +114,7 @@ def examples() -> dict[str, dict[str, dict[str, Any]]]:
 
 def kinds(union: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the schema of each kind of part that a list or a field allows."""
-    return [schema()["$defs"][one["$ref"].rpartition("/")[2]] for one in union.get("oneOf", [union])]
+    return [plain()["$defs"][one["$ref"].rpartition("/")[2]] for one in union.get("oneOf", [union])]
 
 
 def kind_of(part: dict[str, Any]) -> str:

@@ -1,1 +1,1 @@
-"""Pages of the documentation that are made from the code: the gallery of scenes, what engines can, the truths."""
+"""Pages of the documentation that are generated from the code: the gallery of scenes, what engines can, the truths."""

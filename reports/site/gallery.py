@@ -54,7 +54,7 @@ def who_can(scene: str, result: Iterable[Capability]) -> str:
 
 
 def truth_page() -> str:
-    """Return every kept certificate: how well a truth is known, and how that was found."""
+    """Return every stored certificate: how well a truth is known, and how that is known."""
     rows = []
     for one in every():
         name = " ".join([f"`{one.scene}`", *(f"{key}={value}" for key, value in one.parameters.items())])

@@ -1,1 +1,1 @@
-"""Studies of the full report, a folder each: measure.py returns what is measured, study.toml presents it."""
+"""Studies of the full report, a package each: its `measure()` returns what is measured, its study.toml presents it."""

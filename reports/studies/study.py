@@ -1,6 +1,6 @@
 """The studies, by listing this folder, and their measurements: each in a process of its own, with its facts stored.
 
-Beside a study's study.toml stands measure.py, whose `measure()` returns a Measured. It may offer `parts()` and
+A study is a package with a study.toml; its `measure()` returns a Measured. It may offer `parts()` and
 `make(part)`: runs that the store holds once they are computed, in any order and side by side, for `measure()` to read.
 A study that leaves out what costs most has `fuller = true` there: `measure(full)` and `make(part, full)`.
 """
@@ -40,12 +40,12 @@ def stored() -> dict[str, Measured]:
 
 def measure(name: str, full: bool = False) -> Measured:
     """Measure a study: for a process of its own."""
-    return import_module(f"reports.studies.{name}.measure").measure(*_fuller(name, full))
+    return import_module(f"reports.studies.{name}").measure(*_fuller(name, full))
 
 
 def make(name: str, part: Any, full: bool = False) -> None:
     """Compute one of a study's parts."""
-    import_module(f"reports.studies.{name}.measure").make(part, *_fuller(name, full))
+    import_module(f"reports.studies.{name}").make(part, *_fuller(name, full))
 
 
 def _fuller(name: str, full: bool) -> list[bool]:
@@ -55,7 +55,7 @@ def _fuller(name: str, full: bool) -> list[bool]:
 
 def parts(name: str) -> list[Any]:
     """Return the parts of a study that may be computed side by side before it is measured; most have none."""
-    module = import_module(f"reports.studies.{name}.measure")
+    module = import_module(f"reports.studies.{name}")
     return list(module.parts()) if hasattr(module, "parts") else []
 
 
@@ -63,7 +63,7 @@ def _sources(name: str) -> list[str]:
     """Return what a study's facts depend on: the digest of its code, and its data files but what presents them."""
     data = [file for file in (files("reports.studies") / name).iterdir() if file.name.endswith(".toml")]
     texts = {file.name: file.read_text(encoding="utf-8") for file in data if file.name != "study.toml"}
-    return [code_of(f"reports.studies.{name}.measure"), *(texts[file] for file in sorted(texts))]
+    return [code_of(f"reports.studies.{name}"), *(texts[file] for file in sorted(texts))]
 
 
 def measure_all(

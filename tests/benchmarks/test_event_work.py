@@ -6,7 +6,7 @@ import numpy as np
 
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
-from reports.studies.contact.measure import balance
+from reports.studies.contact import balance
 
 
 def test_the_balance_closes_over_bounces_that_lose_energy():

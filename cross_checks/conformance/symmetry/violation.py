@@ -10,7 +10,6 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.conformance.cases import Case
 from cross_checks.conformance.symmetry import placement as place
-from cross_checks.conformance.symmetry import restart
 from cross_checks.conformance.symmetry.placement import Placement, image, moved
 from cross_checks.engine import Engine
 from cross_checks.isolation.parent import Isolated, Lost
@@ -156,20 +155,20 @@ def _renamed(scene: Scene) -> Placement:
 
 def _cut(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
     """Stop half way and start anew from there."""
-    if reason := restart.obstacle(scene, back=False):
+    if reason := place.cut_obstacle(scene, back=False):
         return reason
     half = len(plain.times) // 2
     first = _run(engine, scene, settings, plain.times[: half + 1])
-    rest = restart.continued(scene, first, back=False)
+    rest = place.continued(scene, first, back=False)
     second = _run(engine, rest, settings, plain.times[half:] - plain.times[half])
     return float(_gap(scene, second, Partial(plain.position[half:], plain.orientation[half:]))[0])
 
 
 def _there_and_back(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
     """Turn all velocities round at the end: twice the method's error is left, where nothing is lost."""
-    if reason := restart.obstacle(scene, back=True):
+    if reason := place.cut_obstacle(scene, back=True):
         return reason
-    back = _run(engine, restart.continued(scene, plain, back=True), settings, plain.times)
+    back = _run(engine, place.continued(scene, plain, back=True), settings, plain.times)
     return float(_gap(scene, back, Partial(plain.position[::-1], plain.orientation[::-1]))[0])
 
 

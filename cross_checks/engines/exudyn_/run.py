@@ -160,7 +160,7 @@ class Left:
     failure: str = ""  # why the solver stopped
     rows: np.ndarray | None = None  # (n_t, n), adaptive methods: the states read between calls
     samples: int = 0  # of rows
-    retried: str = ""  # why the run was made a second time, with dense elimination
+    retried: str = ""  # why the run was repeated, with dense elimination
 
 
 def advance_fixed(model, plan: Plan, options, *, loops: bool) -> Left:

@@ -14,7 +14,6 @@ from cross_checks.extremes.parts import LENGTH, ROD_RATE, hanging, rod_chain, sl
 from cross_checks.truths.of import sky, tops
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, Distance, PointMass, Scene, UserForce
-from mbs_ref.scenes.orbits import kepler as kepler
 
 MASSES = (1.0, 1e-30, 1e30, 0.0, -1.0, math.nan, math.inf)  # kg
 SPEEDS = (0.0, math.nan, math.inf)  # m/s, rad/s
@@ -46,7 +45,7 @@ def _start(kind: float) -> Case:
 def _orbit(kind: float) -> Case:
     """A planet's speed that is no number: N-body codes carry it along without a word."""
     speed = SPEEDS[int(kind)]
-    sound = kepler(eccentricity=0.2, orbits=1.0)
+    sound = scenes.make("kepler", eccentricity=0.2, orbits=1.0)
     center, planet = sound.bodies
     moved = planet.model_copy(update={"velocity": (speed, *planet.velocity[1:])}) if speed else planet
     scene = sound.model_copy(update={"bodies": (center, moved)})

@@ -1,4 +1,4 @@
-"""Singular poses and redundant constraints: flat parallelograms, dead centres, a driven lock, hinges made twice."""
+"""Singular poses and redundant constraints: flat parallelograms, dead centres, a driven lock, repeated hinges."""
 
 import math
 

@@ -16,7 +16,6 @@ from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import DAY_S, Newton
-from mbs_ref.scenes.orbits import kepler as kepler
 
 TURN = 2.0 * math.pi  # s, of a = 1 m about 1 m^3/s^2
 STILL = (0.0, 0.0, 0.0)
@@ -30,7 +29,7 @@ FAR, SLOW = 1e10, 2e3  # m and m/s: where it is let go from, and how fast
 def _eccentric(gap: float) -> Case:
     """1 - e = gap, two orbits in 1000 steps; at 0 the bodies start in one place."""
     step = TURN / 500.0
-    scene = kepler(eccentricity=1.0 - gap, orbits=2.0) if gap else _pair("coincident", STILL, 0.0)
+    scene = scenes.builder_of("kepler")(eccentricity=1.0 - gap, orbits=2.0) if gap else _pair("coincident", STILL, 0.0)
     measure = measures.truth(sky.kepler) if gap else measures.unjudged
     return Case(scene, grid(1000.0 * step, step, 9), measure, step, 1e-10, must_stop=not gap)
 
@@ -49,7 +48,7 @@ def _plunge(sideways: float) -> Case:
 
 
 def _many(orbits: float) -> Case:
-    scene, step = kepler(eccentricity=0.2, orbits=orbits), TURN / 200.0
+    scene, step = scenes.make("kepler", eccentricity=0.2, orbits=orbits), TURN / 200.0
     times = grid(200.0 * orbits * step, step, 5)
     return Case(scene, times, measures.truth(sky.kepler), step, 1e-12, max_steps=300_000_000)
 

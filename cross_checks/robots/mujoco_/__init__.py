@@ -22,7 +22,7 @@ def read_mjcf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
     `joint.rate`, `gravity` (m/s^2, down along z), `duration` (s), and `ignore`: a comma-separated list of IGNORABLE
     that the file has and the scene leaves out. Hinges of one body become the joint that they make together: two that
     cross at right angles a universal joint, three a ball. Raises RobotError: no MJCF, other combinations of joints,
-    what a scene cannot hold and nobody asked to ignore, a moving body without mass, an unknown name.
+    what a scene cannot hold unless it is to be ignored, a moving body without mass, an unknown name.
     """
     asked = dict(given or {})
     gravity, duration = asked.pop("gravity", None), float(asked.pop("duration", 1.0))

@@ -11,8 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cross_checks.trajectory_files.mistakes.case import Case, Explanation, explanations
-from cross_checks.trajectory_files.mistakes.conventions import clocks, conventions, signs
-from cross_checks.trajectory_files.mistakes.frames import frames
+from cross_checks.trajectory_files.mistakes.frames import clocks, conventions, frames, signs
 from cross_checks.trajectory_files.mistakes.integration import integration_errors
 from cross_checks.trajectory_files.mistakes.terms import terms
 

@@ -1,1 +1,1 @@
-"""The truths by families of systems, found by listing this folder: public functions with the name of their scene."""
+"""The truths by families of systems, listed from this folder: public functions with the name of their scene."""

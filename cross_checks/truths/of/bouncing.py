@@ -18,7 +18,6 @@ from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturn
 from mbs_ref import Scene, scenes
 from mbs_ref.scene import contact as laws
 from mbs_ref.scene.contact import SpringDamperLaw
-from mbs_ref.scenes.bouncing import floor_normal
 
 CREEPING = 10.0  # -ln(1 - e D): beyond, the end of the contact is a creep whose duration doubles do not resolve
 ROUNDOFF = 1e-14  # m, of elementary functions at these magnitudes
@@ -210,12 +209,12 @@ def _depth(law: SpringDamperLaw, mass: float, speed: float, since: np.ndarray) -
 
 def bouncing_sphere(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """The ball moves along the normal alone and does not turn."""
-    given = dict(scene.parameters)
-    normal = floor_normal(float(given.pop("tilt")), float(given.pop("heading")))
+    given, floor = dict(scene.parameters), scene.contacts[0]
+    del given["tilt"], given["heading"]
     planar = bouncing_ball(scenes.make("bouncing_ball", **given), times)
     if isinstance(planar, NoTruth):
         return planar
-    position = planar.position[:, :, 1:] * normal
+    position = planar.position[:, :, 1:] * np.array(floor.normal)  # type: ignore[union-attr]
     return Truth(position, unturned(position), planar.uncertainty, planar.kind, planar.how)
 
 

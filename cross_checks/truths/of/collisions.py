@@ -12,7 +12,8 @@ from cross_checks.truths.made_by.numerics.closed_forms import integral
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturned
 from mbs_ref import Scene
 from mbs_ref.scene.contact import RigidLaw, SpringDamperLaw
-from mbs_ref.scenes.collisions import RADIUS_A, RADIUS_B, RUN_UP, line_of_centres
+
+REACH, RUN_UP = 0.05 + 0.08, 0.0876543  # m, of two smooth spheres: sum of radii, and way to touch-down
 
 
 def newtons_cradle(scene: Scene, times: np.ndarray) -> Truth:
@@ -78,7 +79,7 @@ def encounter(law: Any, reduced: float, normal: float, tangential: float) -> Enc
 
 def _central(omega2: float, normal: float, tangential: float) -> Encounter:
     """r'^2 = v_n^2 + v_t^2 (1 - R^2/r^2) - omega^2 (R - r)^2 between R and the least distance."""
-    reach = RADIUS_A + RADIUS_B
+    reach = REACH
 
     def square(r: float) -> float:
         return normal**2 + tangential**2 * (1.0 - (reach / r) ** 2) - omega2 * (reach - r) ** 2
@@ -110,7 +111,9 @@ def colliding_spheres(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     """Straight motion before and after; the centre of mass never changes its own."""
     a, b = (body for body in scene.bodies)
     given = scene.parameters
-    line = line_of_centres(float(given["obliquity"]), float(given["azimuth"]))
+    obliquity, azimuth = float(given["obliquity"]), float(given["azimuth"])
+    oblique = math.sin(obliquity)
+    line = np.array([math.cos(obliquity), oblique * math.cos(azimuth), oblique * math.sin(azimuth)])  # of centres
     speed = float(given["speed"])
     along = np.array([speed, 0.0, 0.0])
     normal = float(along @ line)
@@ -123,7 +126,7 @@ def colliding_spheres(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     clear = touch + collision.duration
     if np.any((times > touch) & (times < clear)):
         return NoTruth("the closed form gives the motion before and after contact; a requested time lies inside")
-    reach = RADIUS_A + RADIUS_B
+    reach = REACH
     # from b to a: -line at touch-down, moving towards `aside` while it turns
     c, s = math.cos(collision.angle), math.sin(collision.angle)
     outward, sideways = -c * line + s * aside, s * line + c * aside

@@ -12,7 +12,6 @@ from cross_checks.truths.made_by.numerics.jet import Jet
 from cross_checks.truths.truth import EPS, Truth
 from mbs_ref.scene import Scene, SpatialBody, Universal
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, rotation_matrices
-from mbs_ref.scenes.bricard import AXES, CORNERS
 from mbs_ref.scenes.linkages import LINKAGES, SWING
 from mbs_ref.scenes.puma560 import DATA, PATTERN, frames_at
 from mbs_ref.scenes.slider_cranks import PIVOT
@@ -130,7 +129,8 @@ def bricard(scene: Scene, times: np.ndarray) -> Truth:
     (2005) 2287: cos(theta) + cos(phi) + cos(theta) cos(phi) = 0). The half-angles are the legs of a right
     spherical triangle of hypotenuse 60 degrees; its angle s is a coordinate without turning points.
     """
-    rods = [np.subtract(b, a) for a, b in pairwise(CORNERS)]
+    hinges: Any = scene.joints
+    rods = [np.subtract(b.point, a.point) for a, b in pairwise(hinges)]
     bodies = (body for body in scene.bodies if isinstance(body, SpatialBody))
     start = [rotation_matrices(body.orientation).astype(np.longdouble) for body in bodies]
     right = 2 * np.arctan(np.longdouble(1))
@@ -141,7 +141,7 @@ def bricard(scene: Scene, times: np.ndarray) -> Truth:
         turned, corner = jet.lift(np.eye(3)), jet.lift(np.zeros(3))
         places, axes = [], []
         for k, (rod, frame) in enumerate(zip(rods, start, strict=True)):
-            turned = turned @ jet.turn(AXES[k], turns[k % 2])
+            turned = turned @ jet.turn(hinges[k].axis, turns[k % 2])
             along = turned @ rod
             places.append(corner + along * 0.5)
             axes.append(turned @ frame)

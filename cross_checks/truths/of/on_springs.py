@@ -13,7 +13,6 @@ from cross_checks.truths.made_by.agreement import Formulation, agree
 from cross_checks.truths.truth import Truth, unturned
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product
-from mbs_ref.scenes.flyball_governor import DROOP, LENGTH, OFFSET, REST, SLIDER_HEIGHT
 
 ROUNDOFF = 1e-15  # of the largest rise, per radian of the fastest mode
 
@@ -51,7 +50,10 @@ def suspension_rig(scene: Scene, times: np.ndarray) -> Truth:
     )  # fmt: skip
 
 
+LENGTH, OFFSET = 1.0, 0.05  # m, of the governor's shaft and rods; from its axis to the rods' hinges
 HALF = 0.5 * LENGTH  # m, from the hinge to the coupler
+DROOP = np.radians(30.0)  # rad, of the rods below the horizontal at the start
+REST, SLIDER_HEIGHT = 0.5, 0.5  # m, of the couplers and at the start
 
 
 def flyball_governor(scene: Scene, times: np.ndarray) -> Truth:

@@ -8,7 +8,6 @@ from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth
 from mbs_ref import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, parameter_matrix, product
-from mbs_ref.scenes.rolling import RADIUS
 
 BLOCK_ROUNDOFF = 1e-13  # m, of the equilibrium of the sunk corners
 
@@ -106,7 +105,7 @@ def _slip(scene: Scene) -> tuple[float, np.ndarray, float]:
     """Return the first slip speed (m/s), its direction (3,), and mu g (m/s^2)."""
     ball: Any = scene.bodies[0]
     contact: Any = scene.contacts[0]
-    slip = np.array(ball.velocity) - RADIUS * np.cross(ball.angular_velocity, UP)
+    slip = np.array(ball.velocity) - contact.radius * np.cross(ball.angular_velocity, UP)
     speed = float(np.linalg.norm(slip))
     return speed, slip / speed, contact.friction.coefficient * -scene.gravity[2]
 
@@ -114,8 +113,9 @@ def _slip(scene: Scene) -> tuple[float, np.ndarray, float]:
 def _orientation(scene: Scene, times: np.ndarray, end: float) -> np.ndarray:
     """Return theta (n_t, 4): omega' = 5 mu g / (2 r) n x u/|u| while it slides."""
     ball: Any = scene.bodies[0]
+    contact: Any = scene.contacts[0]
     _, direction, pull = _slip(scene)
-    spin, gain = np.array(ball.angular_velocity), 2.5 * pull / RADIUS * np.cross(UP, direction)
+    spin, gain = np.array(ball.angular_velocity), 2.5 * pull / contact.radius * np.cross(UP, direction)
     grid = np.unique(np.concatenate(([0.0, end], times[times < end])))
 
     def rate(t: float, theta: np.ndarray) -> np.ndarray:

@@ -10,11 +10,10 @@ from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter
 from cross_checks.truths.truth import EPS, NoConvergenceError, Truth
 from mbs_ref import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, product, rotation_matrices
-from mbs_ref.scenes.tops import ARM, ARM_MASS, steady_precession
-from mbs_ref.scenes.tops import TOP_AXIAL as AXIAL
-from mbs_ref.scenes.tops import TOP_TRANSVERSE as TRANSVERSE
 
 Z, Y = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
+ARM_MASS, ARM = 1.0, 0.3  # kg; m, of the heavy top, from the fixed point to the centre of mass
+AXIAL, TRANSVERSE = 0.02, 0.04  # kg m^2, about the centre of mass
 
 
 def heavy_top(scene: Scene, times: np.ndarray) -> Truth:
@@ -29,7 +28,7 @@ def heavy_top(scene: Scene, times: np.ndarray) -> Truth:
     grid = times.astype(np.longdouble)
     data = np.array([spin, tilt, gravity], dtype=np.longdouble)
     if given["motion"] == "steady":
-        rate = np.longdouble(steady_precession(spin, tilt, gravity))
+        rate = _steady_precession(*data)
         theta, phi = np.full(len(times), np.longdouble(tilt)), rate * grid
         psi = (spin - rate * np.cos(theta)) * grid
         error = EPS * (abs(float(rate)) + abs(spin)) * float(times[-1])
@@ -43,6 +42,12 @@ def heavy_top(scene: Scene, times: np.ndarray) -> Truth:
     axis = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1).astype(float)
     how = "elliptic functions by the arithmetic-geometric mean, quadrature in extended precision"
     return Truth(ARM * axis[:, None], turned[:, None], 1e-15 + error, "exact", how)
+
+
+def _steady_precession(spin: Any, tilt: Any, gravity: Any) -> Any:
+    """Return the slow root of A Omega^2 cos(tilt) - C spin Omega + m g l = 0 (rad/s), A about the fixed point."""
+    pivot, weight = TRANSVERSE + ARM_MASS * np.longdouble(ARM) ** 2, ARM_MASS * gravity * ARM
+    return 2 * weight / (AXIAL * spin + np.sqrt((AXIAL * spin) ** 2 - 4 * pivot * np.cos(tilt) * weight))
 
 
 def _nutation(data: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
@@ -167,7 +172,7 @@ def _orientations(
 
 
 def _triad(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Columns: first, second made perpendicular, and their product."""
+    """Columns: first, the part of second across it, and their product."""
     first = first / np.sqrt(first @ first)
     second = second - first * (first @ second)
     second = second / np.sqrt(second @ second)

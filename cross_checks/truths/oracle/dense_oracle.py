@@ -32,7 +32,7 @@ AUGMENTED_CUTOFF = 1e-13  # of the augmented matrix, whose small singular values
 
 @dataclass(frozen=True)
 class Solution:
-    """What the dense solve found; `condition` is that of the scaled C_q over its nonzero singular values."""
+    """The result of the dense solve; `condition` is that of the scaled C_q over its nonzero singular values."""
 
     acceleration: np.ndarray  # (n_bodies, width) m/s^2, rad/s^2; zero where a particle has no coordinate
     wrenches: dict[str, np.ndarray]  # joint -> force and torque on its last body at the joint's mark: N, N m

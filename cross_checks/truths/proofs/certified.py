@@ -33,7 +33,7 @@ def examine(
     Return the figures, and the proof as a truth; None where it does not reach the end, or where the motion is not
     unique. `limit` is the prover's processor time (s). `distance` (m) and `turned` (rad) are of the truth from the
     proof; where it is inside, both uncertainties and the rounding of both angles allow them. `folder` keeps the logs of
-    complete proofs by the digest of the scene's physics: a log that is kept is checked again instead.
+    complete proofs by the digest of the scene's physics: a log that is stored is checked again instead.
     """
     row: dict[str, Any] = {"scene": scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters))}
     file = stored_poses.file_of(scene, folder, SUFFIX)

@@ -42,15 +42,16 @@ def _directed(value: tuple[float, ...], info: ValidationInfo) -> tuple[float, ..
     return value
 
 
-def _limited(value: float) -> float:
+def limited(value: float) -> float:
+    """Return the value; ValueError where its square may overflow."""
     if value > LARGEST:
         raise ValueError(f"{value:g} is too large; allowed: up to {LARGEST:g}")
     return value
 
 
 LARGEST = 1e150  # the square of a larger number may overflow
-Positive = Annotated[float, Field(gt=0.0), AfterValidator(_limited)]
-NonNegative = Annotated[float, Field(ge=0.0), AfterValidator(_limited)]
+Positive = Annotated[float, Field(gt=0.0), AfterValidator(limited)]
+NonNegative = Annotated[float, Field(ge=0.0), AfterValidator(limited)]
 Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[A-Za-z][A-Za-z0-9_.\-]*$")]
 BodyName = Annotated[Name, Role.BODY]
 EndName = Annotated[Name, Role.END]

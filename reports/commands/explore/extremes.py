@@ -4,8 +4,7 @@ from contextlib import ExitStack
 
 import click
 
-from cross_checks.extremes.cell import Cell
-from cross_checks.extremes.fate import Fate
+from cross_checks.extremes.fate import Cell, Fate
 from reports import inputs
 from reports.query import SCHEDULER, begun, cluster
 from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
@@ -30,7 +29,7 @@ def command(
     Every run has a process of its own; two run at a time. Exit code 1 where the reference solver is
     silently wrong anywhere; other engines' failures are findings.
     """
-    from cross_checks.extremes import cell, every, run
+    from cross_checks.extremes import every, fate, run
 
     names = inputs.engine_names(chosen)
     extremes = [e for e in every() if only is None or only in e.name or only in e.family]
@@ -41,11 +40,11 @@ def command(
     with ExitStack() as stack:
         report = stack.enter_context(progress("extremes"))
         call = stack.enter_context(cluster(scheduler))
-        result = begun(stack, target, cell.read)
+        result = begun(stack, target, fate.read)
         stack.enter_context(interruptible(lambda: f"{len(result)} cells"))
         for one in run.matrix(extremes, names, full=full, known=tuple(result), progress=report, call=call):
             if target is not None:
-                cell.append(target, one)
+                fate.append(target, one)
             result.append(one)
     names = {e.name for e in extremes}
     shown = [c for c in result if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]

@@ -15,7 +15,7 @@ from reports import inputs
 from reports.query import SCHEDULER, STORE, open_runs, reporting
 from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
 
-MOST_REASONS = 5  # told where nothing runs
+MOST_REASONS = 5  # printed where nothing runs
 
 
 @click.command(name="check", epilog="Example: mbs-ref check slider_crank --engine mbs_ref --engine exudyn")
@@ -104,7 +104,7 @@ def _show(cells: list[Cell]) -> None:
 
 
 def _show_omitted(cells: list[Cell]) -> None:
-    """List what the runs that were not made would have cost and shown."""
+    """List what the runs that were left out would have cost and shown."""
     rows = [
         (cell.label, cell.engine, cell.method, number(result.target), str(result.omitted))
         for cell in cells

@@ -1,4 +1,4 @@
-"""mbs-ref judge: any tool's trajectory held against the truth of a scene, or against another file."""
+"""mbs-ref judge: any tool's trajectory compared with the truth of a scene, or with another file."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""mbs-ref history: what the nightly jobs found, and where it changed."""
+"""mbs-ref history: what the nightly jobs measured, and where it changed."""
 
 import html
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""mbs-ref nightly: regression verdicts against a baseline in the same job, sweeps, change points, all kept."""
+"""mbs-ref nightly: regression verdicts against a baseline in the same job, sweeps, change points, all stored."""
 
 import json
 import platform
@@ -26,7 +26,7 @@ from reports.terminal.console import NothingSelected, complain
 
 SWEPT = tomllib.loads((files("reports") / "scenes.toml").read_text(encoding="utf-8"))["nightly"]
 ERROR = 1e-6  # of the scene, at which the cheapest loop times are followed
-Where = tuple[str, str, str, str]  # job, made, commit, machine
+Where = tuple[str, str, str, str]  # job, time, commit, machine
 
 
 @click.command(name="nightly", epilog="Example: mbs-ref nightly")

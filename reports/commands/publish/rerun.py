@@ -55,7 +55,7 @@ def _extreme(name: str, engine: str, method: str) -> None:
 
 
 def _judge(cell: str, as_json: bool) -> None:
-    """Judge a method on a scene, every run made afresh."""
+    """Judge a method on a scene by runs that are all executed again."""
     first, engine, method = cell.split("/")
     name, *parameters = first.split(",")
     scene, solver = inputs.scene(name, parameters), inputs.engine(engine)

@@ -1,1 +1,1 @@
-"""The sections of the page: one file each, found by listing this folder."""
+"""The sections of the page: one file each, listed from this folder."""

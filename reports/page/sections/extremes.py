@@ -7,9 +7,8 @@ from itertools import groupby
 from typing import Any
 
 from cross_checks.extremes import every
-from cross_checks.extremes.cell import Cell
 from cross_checks.extremes.extreme import Axis, Extreme
-from cross_checks.extremes.fate import Fate
+from cross_checks.extremes.fate import Cell, Fate
 from cross_checks.judge.bounds import RESOLVED, TARGETS
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.numbers import short

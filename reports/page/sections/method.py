@@ -1,4 +1,4 @@
-"""How this report judges and times, the truths that it measures errors from, and where it was made."""
+"""How this report judges and times, the truths that it measures errors from, and the machine it ran on."""
 
 import re
 from inspect import getsource

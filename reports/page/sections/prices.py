@@ -25,7 +25,7 @@ def _block(data: ReportData, scene: str, target: float) -> dict[str, Any]:
 
 
 def cannot(blocks: list[dict[str, Any]]) -> dict[str, str]:
-    """Return the engines that run the scene at no target, with the reason: said once, below the table."""
+    """Return the engines that run the scene at no target, with the reason, which stands once below the table."""
     every = [{row["engine"]: row["missed"] for row in b["rows"] if row["answer"] == "cannot"} for b in blocks]
     return {name: why for name, why in every[0].items() if all(name in one for one in every)}
 

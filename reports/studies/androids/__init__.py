@@ -1,0 +1,245 @@
+"""The androids under the papers' integrators and others: compliance, work, stable steps, convergence, engines."""
+
+from collections.abc import Sequence
+from importlib.util import find_spec
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from cross_checks import engines
+from cross_checks.engine import Method
+from cross_checks.judge import ladder
+from cross_checks.judge.bounds import longest
+from cross_checks.judge.cell import cell_of
+from cross_checks.judge.one_run import judged_run
+from cross_checks.judge.runs import Runs
+from cross_checks.judge.tried import search
+from cross_checks.metrics.metric import off_truth
+from cross_checks.records.numbers import ABSENT, in_words, order_of, setting, short
+from cross_checks.records.store import Store, default_path
+from cross_checks.truths import truth_for
+from cross_checks.truths.truth import NoTruth, Truth
+from mbs_ref import Scene, Settings, Status, Trajectory, scenes
+from mbs_ref.integrators import integrators
+from mbs_ref.observables import constraint_residual
+from mbs_ref.observables.distance import distances
+from mbs_ref.simulate import simulate
+from mbs_ref.simulate.linearised import stiffness_at_start
+from reports.facts.curves import Curves, Measured, Row, curves, plain
+from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, VERTEBRAL, with_test
+
+PAPER_STEP = 1e-4  # s, Fox 1999
+PAPER_CRASH = f"{SIMPLIFIED}, front"
+PAPERS: dict[str, Any] = {"stabilization": "none"}  # without stabilization, as they ran
+OURS: dict[str, Any] = {}
+# the papers' step where these data bear it; RK4 bears 7.1e-5 s and Euler 5.1e-5 s on the vertebral android
+STEPS = {
+    SIMPLIFIED: (("rk4", PAPER_STEP, PAPERS), ("euler", PAPER_STEP, PAPERS), ("generalized_alpha", 2.5e-4, OURS)),
+    VERTEBRAL: (("rk4", 5e-5, PAPERS), ("euler", 2.5e-5, PAPERS), ("generalized_alpha", 2.5e-4, OURS)),
+}
+BEYOND = {SIMPLIFIED: 8e-3, VERTEBRAL: PAPER_STEP}  # s, steps that RK4 cannot bear
+FINE = 1e-9  # rtol at which two unlike methods are compared
+MANY = {"lsodar": (1e-4, 1e-6, 1e-8), "dassl": (1e-4,), "dop853": (1e-4, FINE), "radau": (1e-4, FINE)}
+FEW = {"lsodar": (1e-6,), "dassl": (1e-4,), "dop853": (FINE,), "radau": (FINE,)}  # dassl alone takes seconds a run
+RTOLS = {(SIMPLIFIED, "front"): MANY}  # FEW in the other crashes
+MOST_STEPS = 20_000  # of a run; the longest that is meant to end takes 8 000
+TESTED = ("rk4", "euler", "lsodar")  # the papers' methods, whose compliance test is run, too
+UNLIKE = ("dop853", "radau")  # explicit of order 8, implicit of order 5
+WATCHED = {"head": "head", "hip": "bottom"}
+ADAPTIVE = {("pinocchio", "dop853")}
+PEER_TARGETS = {"adaptive": (1e-3, 1e-6), "fixed": (1e-3,)}  # over the scene's scales; finer takes minutes
+SHOWN = {  # on 48 bodies what takes seconds
+    (SIMPLIFIED, "rear"): ADAPTIVE | {("exudyn", "tree_dopri5")},
+    (VERTEBRAL, "front"): ADAPTIVE,
+    (VERTEBRAL, "rear"): ADAPTIVE,
+}
+
+
+def measure(full: bool = False) -> Measured:
+    """Run everything; the vertebral android's truths are stored on disk. `full` makes runs that take long, too."""
+    measured = Measured()
+    scenes_run = [scenes.make(name, impact=impact, **PAPER) for name, impact in product(NAMES, IMPACTS)]
+    for scene in scenes_run:
+        add_convergence(measured, scene, _fine(add_numerics(measured, scene)))
+    for name in NAMES:
+        add_stable(measured, scenes.make(name, **PAPER))
+    with Store(default_path()) as store:
+        measured.tables["engines"] = tuple(
+            row for scene in scenes_run for row in peers(Runs(store, longest=longest(full)), scene)
+        )
+    return measured
+
+
+def label(scene: Scene) -> str:
+    """Return android and impact."""
+    return f"{scene.name}, {scene.parameters['impact']}"
+
+
+def _add(measured: Measured, table: str, row: Row) -> None:
+    measured.tables[table] = (*measured.tables.get(table, ()), row)
+
+
+# --- methods of integration ------------------------------------------------------------------------------
+
+
+def add_numerics(measured: Measured, scene: Scene) -> list[tuple[Settings, Trajectory]]:
+    """Run the papers' methods without stabilization, and the others as they come; return the runs."""
+    fixed = [Settings(method=method, step=step, **more) for method, step, more in STEPS[scene.name]]
+    adaptive = [
+        Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None)
+        for method, rtols in RTOLS.get((scene.name, str(scene.parameters["impact"])), FEW).items()
+        for rtol in rtols
+        if _is_installed(method)
+    ]
+    _add(measured, "androids", {"android": label(scene)})
+    return [(settings, add_run(measured, scene, _with_events(settings))) for settings in (*fixed, *adaptive)]
+
+
+def _is_installed(method: str) -> bool:
+    package = integrators()[method].package
+    return package is None or find_spec(package) is not None
+
+
+def _with_events(settings: Settings) -> Settings:
+    """A method that locates no events takes the forces as the state clips them."""
+    located = integrators()[str(settings.method)].locates_events
+    return settings if located else settings.model_copy(update={"events": "none"})
+
+
+def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
+    """Add one setting: the papers' methods under the papers' test, and again without it where it stops them."""
+    settings = settings.model_copy(update={"reactions": False, "estimate": "off", "max_steps": MOST_STEPS})
+    tested = settings.method in TESTED
+    path, test, error = with_test(scene, settings, tested)
+    method = f"{settings.method}, {setting({'step': settings.step, 'rtol': settings.rtol})}"
+    gaps = path.step_compliance if path.step_compliance is not None and len(path.step_compliance) else None
+    compliance = None if gaps is None else _finite(float(np.max(gaps[:, 1])))
+    _add(measured, "runs", {
+        "android": label(scene), "method": method,
+        "end": "reached 0.2 s" if path.ok else f"{path.status}: {path.message}", "error": error,
+        "compliance": compliance, "steps": int(path.steps), "rejected": int(path.rejected_steps),
+        "rhs_calls": int(path.rhs_calls), "switches": path.method_switches, "events": int(path.events),
+        "loop_s": float(path.timing.loop_s), "test": _test_result(test) if tested else "not requested",
+    })  # fmt: skip
+    if label(scene) == PAPER_CRASH and settings.step:
+        measured.figures[f"androids.{settings.method}.compliance"] = compliance
+    good = None if gaps is None else gaps[1:][np.isfinite(gaps[1:, 1])]  # |C| as long as it is finite
+    if good is not None and len(good):
+        lines = curves(good[:, 0], {"|C|": good[:, 1]}, "largest |C| since the last sample, m", log=True)
+        measured.curves[f"compliance: {label(scene)}: {method}"] = lines
+    return path
+
+
+def _test_result(test: Trajectory) -> str:
+    return test.message if test.status is Status.COMPLIANCE else "kept to the end" if test.ok else "not reached"
+
+
+def _finite(value: float) -> float | None:
+    return value if np.isfinite(value) else None
+
+
+# --- stable steps -----------------------------------------------------------------------------------------
+
+
+def add_stable(measured: Measured, scene: Scene) -> None:
+    """Linearise the motion at the start, request a step that is too long, and take it all the same."""
+    result = stiffness_at_start(scene)
+    limits = {name: _finite(float(result.step_limit(m.stability))) for name, m in integrators().items() if m.stability}
+    beyond = BEYOND[scene.name]
+    refused = Settings(method="rk4", step=beyond, samples=26, reactions=False)
+    forced = simulate(scene, refused.model_copy(
+        update={"stabilization": "none", "estimate": "off", "refuse_unstable": False, "max_steps": MOST_STEPS}
+    ))  # fmt: skip
+    rules = {"1/omega": result.oscillation_rule, "m/c": result.damping_rule}
+    known = ", ".join(f"{name} = {short(value)} s" for name, value in rules.items() if np.isfinite(value))
+    _add(measured, "stable", {
+        "android": scene.name, "decay": result.fastest_decay, "beyond": beyond,
+        "limits": ", ".join(f"{name} {short(limit)} s" for name, limit in limits.items()),
+        "rules": f" The papers' rules: {known}." if known else "",
+        "refusal": simulate(scene, refused).message, "forced": f"{forced.status}: {forced.message}",
+    })  # fmt: skip
+    modes = {"eigenvalues": plain(np.imag(result.modes))}
+    measured.curves[f"eigenvalues: {scene.name}"] = Curves(
+        plain(np.real(result.modes)), modes, "imaginary part, 1/s", "real part, 1/s", marks="markers"
+    )
+
+
+# --- convergence ------------------------------------------------------------------------------------------
+
+
+def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajectory] | None = None) -> Row:
+    """Compare the head's and the hip's path by two unlike integrators (`paths`, by method), and with the truth."""
+    times = ladder.grid(scene)
+    fine: dict[str, Any] = {"rtol": FINE, "reactions": False, "estimate": "off"}
+    paths = paths or {m: simulate(scene, Settings(method=m, **fine), times) for m in UNLIKE}
+    one, other = (paths[method] for method in UNLIKE)
+    apart = distances(scene, one, other)[..., 0]
+    gaps = {label: apart[:, scene.body_index(body)] for label, body in WATCHED.items()}
+    truth = truth_for(scene, times)
+    compliance = {m: float(np.abs(constraint_residual(scene, path)).max()) for m, path in paths.items()}
+    off = off_truth(scene, one)
+    row: Row = {
+        "android": label(scene), **{name: float(gap[1:].max()) for name, gap in gaps.items()}, **compliance,
+        "error": None if off is None else off[0], "uncertainty": None if truth is None else truth.uncertainty,
+    }  # fmt: skip
+    _add(measured, "convergence", row)
+    lines = {part: gap[1:] for part, gap in gaps.items()}
+    measured.curves[f"gaps: {label(scene)}"] = curves(times[1:], lines, "distance, m", log=True)
+    return row
+
+
+def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
+    """Return the paths of the two methods at FINE."""
+    return {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE}
+
+
+# --- engines ----------------------------------------------------------------------------------------------
+
+
+def entrants(scene: Scene, names: Sequence[str] | None = None) -> list[tuple[str, Method]]:
+    """Return the methods of every other engine that can run the scene: all in the first crash, few in the others."""
+    crash = scene.name, str(scene.parameters["impact"])
+    others = (engine for engine in engines.installed(names) if engine.name != "mbs_ref")
+    able = [(engine.name, method) for engine in others for method in engine.able(scene)]
+    return [(name, method) for name, method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
+
+
+def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
+    """Judge the methods of the other engines."""
+    truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
+    return [peer(runs, scene, *entrant, truth, ours) for entrant in entrants(scene, names)]
+
+
+def parts() -> list[tuple[str, str, str, str]]:
+    """Return every search as android, impact, engine and method."""
+    crashes = list(product(NAMES, IMPACTS))
+    return [(*crash, name, method.name) for crash in crashes
+            for name, method in entrants(scenes.make(crash[0], impact=crash[1], **PAPER))]  # fmt: skip
+
+
+def make(part: tuple[str, str, str, str], full: bool = False) -> None:
+    """Search once: the store keeps the runs, which `measure` reads."""
+    name, impact, engine, chosen = part
+    scene, method = scenes.make(name, impact=impact, **PAPER), engines.get(engine).method(chosen)
+    with Store(default_path()) as store:
+        runs = Runs(store, longest=longest(full))
+        search(runs, scene, engine, method, runs.truth(scene), PEER_TARGETS[method.kind])
+
+
+def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory) -> Row:
+    """Judge one method; its joint forces are compared with ours at the setting that speaks for it."""
+    tried, answers = search(runs, scene, engine, method, truth, PEER_TARGETS[method.kind])
+    cell = cell_of(tried, answers)
+    spoken = next((r for r in tried.records.values() if ladder.label(Settings(**r.settings)) == cell.setting), None)
+    forces = None
+    if spoken is not None:
+        again, _ = judged_run(
+            scene, engine, Settings(**spoken.settings), ladder.grid(scene), truth=truth, reference=ours
+        )
+        forces = again.measure("reaction_error")
+    return {
+        "android": label(scene), "method": f"{engine} {method.name}", "verdict": f"{cell.verdict} {cell.code}",
+        "error": cell.error, "order": order_of(cell.order, cell.documented_order) or ABSENT,
+        "setting": in_words(cell.setting) or ABSENT, "loop_s": cell.loop_s, "forces": forces, "reason": cell.reason,
+    }  # fmt: skip

@@ -27,7 +27,7 @@ class Ladder:
     method: str  # and its setting, the same on every rung
     measure: str  # what `accuracy` counts
     rungs: tuple[Rung, ...]
-    reference: str = ""  # the rung that the others are held against, where no truth is known
+    reference: str = ""  # the rung that the others are compared with, where no truth is known
 
     def cheapest(self) -> list[str]:
         """Return the cheapest model of each whole figure of accuracy, where it changes."""
@@ -64,7 +64,7 @@ class Ladder:
 class ModelChoice:
     """What is enough, and why nothing less is."""
 
-    error: float  # largest, relative, as asked
+    error: float  # largest, relative, as requested
     ladder: Ladder
     best: Rung | None
     lesser: Rung | None  # the most accurate of the cheaper models, none of which is enough

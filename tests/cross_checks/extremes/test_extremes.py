@@ -12,11 +12,10 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.extremes import LISTED, boundary, cell, every, families, named, run
-from cross_checks.extremes.cell import made_of
+from cross_checks.extremes import LISTED, every, families, fate, named, run
 from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid
 from cross_checks.extremes.families import bad_input
-from cross_checks.extremes.fate import Fate, Point, judge
+from cross_checks.extremes.fate import Fate, Point, judge, made_of
 from cross_checks.extremes.measures import unjudged
 from cross_checks.extremes.run import run_point
 from cross_checks.isolation.parent import Lost
@@ -132,14 +131,14 @@ def point_at(value: float, handled: bool) -> Point:
     return Point(value, Fate.SURVIVED if handled else Fate.STOPPED, float(handled), handled, None, "", "")
 
 
-def sought(values: list[float], is_handled: Callable[[float], bool], full: bool = False) -> cell.Cell:
+def sought(values: list[float], is_handled: Callable[[float], bool], full: bool = False) -> fate.Cell:
     calls: list[float] = []
 
     def probe(value: float) -> Point:
         calls.append(value)
         return point_at(value, is_handled(value))
 
-    found = made_of("a", "b", "e", "m", full, boundary.search(values, probe, full))
+    found = made_of("a", "b", "e", "m", full, run.search(values, probe, full))
     assert sorted(calls) == [point.value for point in found.points]
     return found
 
@@ -172,10 +171,10 @@ def test_a_full_search_detects_a_failure_in_the_middle_of_the_axis(bad):
 
 
 def test_values_whose_product_overflows_or_is_zero_are_refined():
-    fine = boundary.refined([1e160, 1e300])
+    fine = run.refined([1e160, 1e300])
     assert fine[4] == pytest.approx(1e230)
     assert (len(fine), fine[-1]) == (9, 1e300)
-    assert boundary.refined([1.0, 0.0]) == [1.0, 0.0]
+    assert run.refined([1.0, 0.0]) == [1.0, 0.0]
 
 
 def test_an_axis_of_one_value_is_one_run():
@@ -199,11 +198,11 @@ def test_a_cell_is_explained_by_the_first_of_its_worst_failures():
 def test_cells_survive_the_file_and_a_corrupt_line_costs_only_itself(tmp_path):
     one = made_of("a", "b", "e", "m", False, [point_at(1.0, True), point_at(2.0, False)])
     target = tmp_path / "cells.jsonl"
-    cell.append(target, one)
+    fate.append(target, one)
     with target.open("a") as file:
         file.write('{"extreme": 3}\n')
-    cell.append(target, made_of("a", "b", "e", "n", False, [point_at(1.0, False)]))
-    cells, problems = cell.read(target)
+    fate.append(target, made_of("a", "b", "e", "n", False, [point_at(1.0, False)]))
+    cells, problems = fate.read(target)
     assert cells[0] == one
     assert [c.method for c in cells] == ["m", "n"]
     assert len(problems) == 1
@@ -316,7 +315,7 @@ def test_an_orbit_in_too_few_steps_says_how_far_it_is_off():
 
 def test_after_a_failure_at_the_mild_end_the_far_end_is_not_the_next():
     calls: list[float] = []
-    boundary.search(VALUES, lambda value: calls.append(value) or point_at(value, False), False)  # type: ignore[func-returns-value]
+    run.search(VALUES, lambda value: calls.append(value) or point_at(value, False), False)  # type: ignore[func-returns-value]
     assert calls[0] == VALUES[0]
     assert calls[1:2] != [VALUES[-1]]
 

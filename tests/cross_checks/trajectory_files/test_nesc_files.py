@@ -24,10 +24,9 @@ from cross_checks.truths import seek_truth, truth_for
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
-from mbs_ref.scenes.nesc import SPIN
 
 ASKED = 1e-7
-FOOT = 0.3048  # m
+FOOT, SPIN = 0.3048, 7.292115e-5  # m, rad/s
 TIMES = np.linspace(0.0, 30.0, 61)
 SPHERE, BRICK = scenes.make("nesc_dropped_sphere"), scenes.make("nesc_tumbling_brick")
 DOCS = Path(__file__).parents[3] / "docs" / "judge-a-file.md"

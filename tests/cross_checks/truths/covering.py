@@ -60,7 +60,7 @@ class Outcome(NamedTuple):
 
 def values(name: str) -> dict[str, list[Any]]:
     """Return the values to combine for every parameter of a scene: each choice, the default, both ends."""
-    builder = scenes._builder(name)
+    builder = scenes.builder_of(name)
     hints = typing.get_type_hints(builder, include_extras=True)
     defaults = {p.name: p.default for p in inspect.signature(builder).parameters.values()}
     return {key: _values(hints[key], default) for key, default in defaults.items()}

@@ -14,7 +14,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 from reports.facts.curves import Measured
-from reports.studies.androids.measure import add_convergence
+from reports.studies.androids import add_convergence
 from reports.studies.crash import IMPACTS, NAMES
 
 BARE = {"model": "paper"}

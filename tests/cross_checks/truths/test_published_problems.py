@@ -12,11 +12,12 @@ from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scenes import puma560
-from mbs_ref.scenes.nesc import FOOT, SPIN
-from mbs_ref.scenes.nesc import R_MEAN as R_EARTH
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+
+FOOT, SPIN = 0.3048, 7.292115e-5  # m; rad/s, of the Earth
+R_EARTH = 6_371_007.1809  # m, mean radius of the check cases
 
 
 def both(scene: Scene, samples: int, **settings) -> tuple[Truth, Trajectory]:

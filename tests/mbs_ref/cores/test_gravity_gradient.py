@@ -15,10 +15,10 @@ from mbs_ref.observables.energy import energy_balance
 from mbs_ref.scene import PointMass, Scene, SpatialBody
 from mbs_ref.scene.celestial import GravityGradient, Newton
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.scenes.satellites import GM_EARTH
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
+GM_EARTH = 3.986004415e14  # m^3/s^2, EGM2008
 SHARE = math.sqrt(3.0 * (160.0 - 40.0) / 180.0)  # of the orbit's rate: sqrt(3 (roll - yaw) / pitch), Wertz eq 18-41
 
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from mbs_ref import scenes
-from mbs_ref.crash.outlines import excesses
-from mbs_ref.crash.places import Places, read_data
+from mbs_ref.crash.outlines import Places, excesses, read_data
 from mbs_ref.crash.results import crash_results
 from mbs_ref.crash.stops import STOP, bounds, joint_stops, stop_load
 from mbs_ref.observables.attachment import Motion

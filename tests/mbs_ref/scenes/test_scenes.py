@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mbs_ref import scenes
+from mbs_ref.scene.toml import builder
 from mbs_ref.scene.traits import traits
 
 
@@ -65,6 +66,5 @@ def test_traits(name, present, absent):
     assert not absent & found
 
 
-def test_a_scene_file_is_described_by_the_comments_at_its_head_alone(tmp_path):
-    (tmp_path / "made.toml").write_text('# Swing.\n#\n# At 1 µm.\nname = "made"\n# a choice\n', encoding="utf-8")
-    assert scenes._written(tmp_path / "made.toml").__doc__ == "Swing.\n\nAt 1 µm."
+def test_a_scene_file_is_described_by_the_comments_at_its_head_alone():
+    assert builder('# Swing.\n#\n# At 1 µm.\nname = "made"\n# a choice\n').__doc__ == "Swing.\n\nAt 1 µm."

@@ -30,7 +30,6 @@ from mbs_ref.scene.celestial import Newton, Oblateness
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.signals import HalfSine
 from mbs_ref.scenes.blocks import incline as incline
-from mbs_ref.scenes.orbits import kepler as orbit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import error_estimate, simulate
 from mbs_ref.simulate.error_estimate import SAFETY, _richardson
@@ -102,7 +101,7 @@ def test_a_double_pendulum_after_twenty_seconds_says_how_far_it_is_off():
 @pytest.mark.parametrize("figure", [False, True])
 def test_two_orbits_close_to_a_collision_say_how_far_they_are_off(method, figure):
     """A figure of 1e-30 moves nothing; with it no energy is known to be conserved."""
-    scene = orbit(eccentricity=1.0 - 1e-4, orbits=2.0)
+    scene = scenes.builder_of("kepler")(eccentricity=1.0 - 1e-4, orbits=2.0)
     times = np.linspace(0.0, 4.0 * math.pi, 101)
     exact = sky.kepler(scene, times).position
     if figure:
@@ -121,7 +120,7 @@ def test_two_orbits_close_to_a_collision_say_how_far_they_are_off(method, figure
 @pytest.mark.parametrize("gap", [1e-2, 1e-6, 1e-8])
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
 def test_a_near_collision_is_not_off_by_more_than_it_says(method, gap, rtol):
-    scene = orbit(eccentricity=1.0 - gap, orbits=2.0)
+    scene = scenes.builder_of("kepler")(eccentricity=1.0 - gap, orbits=2.0)
     path = simulate(scene, Settings(method=method, rtol=rtol, t_end=4.0 * math.pi, samples=9))
     if path.ok:
         assert np.linalg.norm(path.position - sky.kepler(scene, path.times).position, axis=2).max() < of(path).value
@@ -290,7 +289,7 @@ def test_a_block_at_rest_has_digits_however_little_it_trembles(rtol):
 @pytest.mark.parametrize("settings", [Settings(rtol=1e-5), Settings(method="rk4", step=2e-3 * math.pi)])
 def test_outputs_once_a_period_do_not_hide_how_far_the_motion_goes(settings):
     """Five orbits, looked at where each begins: errors of 1e-4 m are none on orbits of 2 m."""
-    path = simulate(orbit(eccentricity=0.2, orbits=5.0), settings, 2.0 * math.pi * np.arange(6.0))
+    path = simulate(scenes.make("kepler", eccentricity=0.2, orbits=5.0), settings, 2.0 * math.pi * np.arange(6.0))
     assert path.ok, path.message
     assert of(path).holds_until is None
 

@@ -33,7 +33,7 @@ from reports.facts import compiling
 from reports.facts.cheapest import Standing
 from reports.page import slug
 from reports.poses_file import csv_table
-from reports.studies.papers import measure as papers
+from reports.studies import papers
 from reports.terminal.console import Failed, NothingSelected, number
 from tests.reports.page.test_shown_figures import irregular
 
@@ -259,6 +259,15 @@ def test_the_command_of_a_record_repeats_every_setting_and_parameter(settings):
         given = {word[2:]: float(words[k + 1]) for k, word in enumerate(words) if word[2:] in ("step", "rtol", "atol")}
         assert given == settings
     assert "-p" not in slug.command(record, "own.toml").split()
+
+
+def test_the_command_of_a_record_repeats_the_parameters_that_its_file_declares(tmp_path):
+    file, body = tmp_path / "rods.toml", 'type = "point_mass"\nname = "bob"\nmass = 1.0'
+    body = f"[[bodies]]\n{body}\nposition = [0.0, 0.0]\nvelocity = [0.0, 0.0]\n"
+    file.write_text(f'name = "rods"\n[parameters.links]\ndefault = 5\n[parameters.size]\ndefault = 1.0\n{body}')
+    record = Record("rods", {"links": 7, "size": 1.0, "other": 2.0}, "exudyn", "rk4", {"step": 0.01}, "success")
+    words = slug.command(record, str(file)).split()
+    assert [words[k + 1] for k, word in enumerate(words) if word == "-p"] == ["links=7"]
 
 
 @pytest.mark.parametrize(("error", "gap", "ends"), [(Error(2e-7, "exact", 3e-7, None), 1e-9, True),

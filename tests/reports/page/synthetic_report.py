@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from cross_checks.extremes.cell import Cell as ExtremeCell
-from cross_checks.extremes.cell import made_of
-from cross_checks.extremes.fate import Fate, Point
+from cross_checks.extremes.fate import Cell as ExtremeCell
+from cross_checks.extremes.fate import Fate, Point, made_of
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.capabilities import Ability, Capability
 from cross_checks.judge.vocabulary import Cell, TargetResult, Verdict

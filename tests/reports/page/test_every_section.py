@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cross_checks.extremes.cell import Cell as ExtremeCell
-from cross_checks.extremes.cell import made_of
 from cross_checks.extremes.extreme import Axis, Extreme
-from cross_checks.extremes.fate import Fate, Point
+from cross_checks.extremes.fate import Cell as ExtremeCell
+from cross_checks.extremes.fate import Fate, Point, made_of
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.capabilities import Ability, Capability
 from cross_checks.judge.vocabulary import ANSWERS, MEANINGS, OURS, REFUSED, SILENT, Cell, TargetResult, Verdict

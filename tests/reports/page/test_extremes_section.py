@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from cross_checks.extremes import cell
+from cross_checks.extremes import fate
 from cross_checks.extremes.extreme import Axis
 from cross_checks.extremes.fate import Fate
 from cross_checks.records.store import Store
@@ -57,13 +57,13 @@ def test_values_between_listed_ones_stand_between_them_by_their_logarithm():
 
 
 def test_parts_kept_by_several_nights_are_shown_together_and_full_cells_before_quick_ones(tmp_path):
-    def one(name: str, full: bool) -> cell.Cell:
-        return cell.Cell(name, "made up", "mbs_ref", "rk4", full, Fate.SURVIVED, None, (), "full" if full else "quick")
+    def one(name: str, full: bool) -> fate.Cell:
+        return fate.Cell(name, "made up", "mbs_ref", "rk4", full, Fate.SURVIVED, None, (), "full" if full else "quick")
 
     first, second = tmp_path / "extremes-1.jsonl", tmp_path / "extremes-2.jsonl"
-    cell.append(first, one("a", True))
+    fate.append(first, one("a", True))
     for each in (one("a", False), one("b", False)):
-        cell.append(second, each)
+        fate.append(second, each)
     with Store(tmp_path / "runs.sqlite") as store:
         found = Gathering(store, files=(first, second)).extreme_cells()
     assert {c.extreme: c.reason for c in found} == {"a": "full", "b": "quick"}

@@ -12,9 +12,9 @@ from reports.facts.report_data import ReportData
 from reports.facts.stored import adapter
 from reports.page.build import data_of
 from reports.page.render import render
-from reports.studies.androids import measure as androids
+from reports.studies import androids
 from reports.studies.crash import PAPER, SIMPLIFIED
-from reports.studies.crashes.measure import add_crash
+from reports.studies.crashes import add_crash
 from tests.reports.page.synthetic_report import report_data
 
 

@@ -21,18 +21,10 @@ from mbs_ref.scene.celestial import AU_M
 from mbs_ref.trajectory import Status, Timing, Trajectory
 from reports.facts.cheapest import Entry
 from reports.facts.curves import Measured
-from reports.studies import claims, crash, document, study
-from reports.studies.androids import measure as androids
-from reports.studies.contact import measure as contact
-from reports.studies.crashes import measure as crashes
-from reports.studies.models import measure as models
+from reports.studies import androids, claims, contact, crash, crashes, document, models, pairs, sky, space, study, trust
 from reports.studies.models.choice import Ladder, Rung, choose
-from reports.studies.pairs import measure as pairs
 from reports.studies.papers import lessons
 from reports.studies.sky import frames
-from reports.studies.sky import measure as sky
-from reports.studies.space import measure as space
-from reports.studies.trust import measure as trust
 
 N = 7
 RNG = np.random.default_rng(3)

@@ -10,8 +10,7 @@ import pytest
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
-from reports.studies.androids import measure as androids
-from reports.studies.contact import measure as contact
+from reports.studies import androids, contact
 from reports.studies.papers import lessons
 
 

@@ -19,9 +19,7 @@ from mbs_ref.trajectory import Trajectory
 from reports.facts.cheapest import Entry
 from reports.facts.curves import Measured
 from reports.page.sections import overview, plots
-from reports.studies.androids import measure as androids
-from reports.studies.contact import measure as contact
-from reports.studies.pairs import measure as pairs
+from reports.studies import androids, contact, pairs
 from tests.reports.page.test_shown_figures import irregular
 
 

@@ -17,8 +17,8 @@ from mbs_ref import scenes
 from reports.facts import cheapest
 from reports.facts.cheapest import Entry
 from reports.page.render import render
-from reports.studies.pairs import measure
-from reports.studies.pairs.measure import Request, Result, pair, shown, sky_places
+from reports.studies import pairs as measure
+from reports.studies.pairs import Request, Result, pair, shown, sky_places
 from tests.reports.page.synthetic_report import report_data
 
 FEW = 1e-3

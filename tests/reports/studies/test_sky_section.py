@@ -11,7 +11,7 @@ from cross_checks.records.record import Record
 from reports.facts.curves import Measured
 from reports.facts.report_data import ReportData
 from reports.page.render import render
-from reports.studies.sky import measure as sky
+from reports.studies import sky
 from reports.studies.sky.frames import frames
 
 BODIES = ("sun", "mercury", "earth", "moon", "jupiter")

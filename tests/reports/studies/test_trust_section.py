@@ -6,8 +6,8 @@ from reports.commands.explore.repeatability import SAME_MACHINE
 from reports.commands.maintenance.calibrate import MOST_ABOVE, MOST_BELOW
 from reports.facts.report_data import ReportData
 from reports.page.render import render
+from reports.studies import trust
 from reports.studies.study import stored
-from reports.studies.trust import measure as trust
 
 
 def test_the_kept_calibration_is_honest():

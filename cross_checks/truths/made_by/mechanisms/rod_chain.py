@@ -112,7 +112,7 @@ def factor_and_solve(matrix, right):
     for j in range(n):
         for k in range(j):
             for i in range(j, n):
-                low[j, i] -= low[k, i] * low[k, j]  # the factor is kept transposed: rows are contiguous
+                low[j, i] -= low[k, i] * low[k, j]  # the factor is stored transposed: rows are contiguous
         pivot = np.sqrt(low[j, j])
         for i in range(j, n):
             low[j, i] /= pivot

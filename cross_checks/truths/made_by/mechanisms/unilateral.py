@@ -1,4 +1,4 @@
-"""Masses on a line with one-sided linear spring-dampers or rigid impacts: exact between instants found to roundoff.
+"""Masses on a line with one-sided linear spring-dampers or rigid impacts: exact between instants known to roundoff.
 
 With the closed contacts fixed the motion is z' = A z + b, solved by the matrix exponential. A contact's row r and
 offset give its gap r . x - offset; F = -k gap - c gap' pushes along r while it is closed.

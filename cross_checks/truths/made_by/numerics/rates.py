@@ -23,7 +23,7 @@ Poses = tuple[np.ndarray, np.ndarray]  # position (n_bodies, d) m, orientation (
 
 
 class Rates(NamedTuple):
-    """Velocities at the asked times and how well they are known."""
+    """Velocities at the output times and how well they are known."""
 
     velocity: np.ndarray  # (n_t, n_bodies, d) m/s
     angular_velocity: np.ndarray  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s
@@ -47,8 +47,8 @@ def stencil_times(times: np.ndarray, scale: float) -> tuple[np.ndarray, float]:
     return np.unique(np.concatenate([(times + j * h)[times + j * h >= 0.0] for j in AROUND])), h
 
 
-def of_poses(times: np.ndarray, h: float, asked: np.ndarray, poses: Poses, uncertainty: float, scales: Scales) -> Rates:
-    """Return the rates at `times` from poses at the times `asked` (see stencil_times), known to `uncertainty` (m).
+def of_poses(times: np.ndarray, h: float, at: np.ndarray, poses: Poses, uncertainty: float, scales: Scales) -> Rates:
+    """Return the rates at `times` from poses at the times `at` (see stencil_times), known to `uncertainty` (m).
 
     The error bar is the difference of the central from both one-sided derivatives of the same order: across a jump
     the central one is the mean of both sides, at any place of the jump. At the start, which no pose precedes, and
@@ -61,7 +61,7 @@ def of_poses(times: np.ndarray, h: float, asked: np.ndarray, poses: Poses, uncer
     for k, t in enumerate(times):
         if t + h * AROUND[0] < 0.0:
             continue
-        places = np.searchsorted(asked, t + h * AROUND - 1e-9 * h)
+        places = np.searchsorted(at, t + h * AROUND - 1e-9 * h)
         here = [(position[j], orientation[j]) for j in places]
         velocity[k], turning, *doubts = _slopes(here, h, (CENTRAL, FORWARD, -FORWARD[::-1]))
         spin[k] = turning if turning.ndim == spin.ndim - 1 else 0.0  # particles have no orientation

@@ -23,12 +23,12 @@ def real(values: Any) -> np.ndarray:
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return products of vectors along the last axis, which is kept."""
+    """Return products of vectors along the last axis, which remains."""
     return np.vecdot(a, b)[..., None]
 
 
 def norm(a: np.ndarray) -> np.ndarray:
-    """Return lengths of vectors along the last axis, which is kept."""
+    """Return lengths of vectors along the last axis, which remains."""
     return np.sqrt(dot(a, a))
 
 

@@ -10,7 +10,7 @@ from mbs_ref.scene.celestial import AU_M, Drag, RadiationPressure, StandardDrag,
 
 GEOPOTENTIAL_RADIUS = 6_356_766  # m: r_0 of eq 18
 LAYERS = ((0, "-6.5"), (11, "0"), (20, "1.0"), (32, "2.8"), (47, "0"), (51, "-2.8"), (71, "-2.0"))  # km', K/km'
-TOP = 86  # km', above all that is asked for
+TOP = 86  # km', above every altitude requested
 GEOMETRIC = (-5000, 86_000)  # m
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cross_checks.conformance.symmetry import restart
+from cross_checks.conformance.symmetry import placement
 from cross_checks.conformance.symmetry.placement import Placement, dimension, image
 from cross_checks.conformance.symmetry.violation import _reordered
 from cross_checks.engine.plan import initial_sample
@@ -80,8 +80,8 @@ def test_a_force_that_varies_is_not_carried_over_a_cut_and_a_constant_one_is():
     steady = _pushed_along_its_own_axes(2)
     ramp = Table(times=(0.0, 1.0), values=(0.0, 1.0))
     varied = steady.model_copy(update={"loads": (steady.loads[0].model_copy(update={"factor": ramp}),)})
-    assert restart.obstacle(steady, back=False) == ""
-    assert restart.obstacle(varied, back=False) == "signals are not carried over a cut"
+    assert placement.cut_obstacle(steady, back=False) == ""
+    assert placement.cut_obstacle(varied, back=False) == "signals are not carried over a cut"
 
 
 @pytest.mark.parametrize("matrix", [QUARTER, QUARTER * [[1.0], [-1.0]]], ids=["turned", "mirrored"])
