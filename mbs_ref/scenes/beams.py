@@ -159,7 +159,7 @@ def princeton_beam(
 ) -> Scene:
     """Load a flat cantilever at its tip, obliquely: it bends both ways and twists, by up to 0.4 of its length.
 
-    segments; load (N) and its angle (deg) from the height of the section. With start = "equilibrium" it rests, as in the
+    segments; load (N) and its angle (deg) from the section's height. With start = "equilibrium" it rests, as in the
     source; without, it is let go straight.
     """
     pitch, area, shear = SPAN / segments, HEIGHT * WIDTH, YOUNG / (2.0 + 2.0 * POISSON)

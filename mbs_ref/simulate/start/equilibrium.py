@@ -91,7 +91,7 @@ class _AtRest:
         return float(np.abs(self.acceleration(y)).max())
 
     def solved(self, y: np.ndarray, allowed: float) -> np.ndarray:
-        """Return a state without accelerations above `allowed`, nor above rounding; NoEquilibrium if none is reached."""
+        """Return a state with accelerations below `allowed` and near rounding; NoEquilibrium if none is reached."""
         longest, best, least = LONGEST * self.system.scales.length, y, np.inf
         distance = longest
         for _ in range(MOST):

@@ -72,20 +72,19 @@ def _touching(scene: Scene, path: Trajectory) -> dict[str, Value]:
 def _parts(scene: Scene) -> dict[str, Value]:
     """Return how many parts of each kind that the paper names the vertebral android has."""
     kinds = {"revolutes": Revolute, "restoring": TorsionSpring, "tissue": PointBushing}
-    return {f"parts.{name}": sum(isinstance(x, kind) for x in (*scene.joints, *scene.loads))
-            for name, kind in kinds.items()}  # fmt: skip
+    every = (*scene.joints, *scene.loads)
+    return {f"parts.{name}": sum(isinstance(part, kind) for part in every) for name, kind in kinds.items()}
 
 
 NECK = ("head", "C1", "C2", "C3", "C4", "C5", "C6")
 
 
 def _rising(scenes_: dict[str, Scene], paths: dict[str, Trajectory], results: dict[str, Any]) -> dict[str, Value]:
-    """Return the start, how Q_c rises, how often it is negative along x first, and the belts' pull (N) at its largest."""
+    """Return the start, how Q_c rises, how often it is negative along x first, and the belts' largest pull (N)."""
     scene, path = scenes_["simplified"], paths["simplified"]
-    held = {kind: results[kind].forces.constraint for kind in results}
-    sizes = {name: np.hypot(*held["simplified"][:, scene.body_index(name), :2].T)
-             for name in ("head", "thorax", "lumbar")}  # fmt: skip
-    neck = [held["vertebral"][:, scenes_["vertebral"].body_index(name), 0] for name in NECK]
+    held = {kind: own.constraint for kind, own in results.items()}
+    sizes = [np.hypot(*held["simplified"][:, scene.body_index(part), :2].T) for part in ("head", "thorax", "lumbar")]
+    neck = [held["vertebral"][:, scenes_["vertebral"].body_index(part), 0] for part in NECK]
     motion, pulls = Motion(scene, path), []
     for belt in (load for load in scene.loads if isinstance(load, SpringDamper)):
         apart = motion.point(belt.body_a, belt.point_a)[0] - motion.point(belt.body_b, belt.point_b)[0]
@@ -95,7 +94,7 @@ def _rising(scenes_: dict[str, Scene], paths: dict[str, Trajectory], results: di
     return {
         "start.gap": abs(float(path.contacts["bottom.buttock.seat_base"][0, 0])),
         "start.speed": float(np.abs(path.velocity[0]).max()), "rising.backward": float(pulled[0]),
-        "rising.least": min(float(size.max() / size[0]) for size in sizes.values()), "rising.downward": float(pulled[1]),
+        "rising.downward": float(pulled[1]), "rising.least": min(float(x.max() / x[0]) for x in sizes),
         "rising.neck": float(sum(x.min() < 0.0 < x.max() and x.argmin() < x.argmax() for x in neck)),
     }  # fmt: skip
 

@@ -92,7 +92,7 @@ def _changed(scene: Scene, kind: type, field: str, **factors: float) -> Scene:
 
 
 def _restoring(scene: Scene) -> tuple[float, float]:
-    """Return the least c^2/(4 k I) of the restoring torques (Fox 1999 eq. 31), and how many modes oscillate by them alone.
+    """Return the least c^2/(4 k I) of restoring torques (Fox 1999 eq. 31), and how many modes oscillate by them alone.
 
     I is the moment of inertia of the lighter part; a chain bears on its joints by more than that.
     """
@@ -124,10 +124,10 @@ UPRIGHT, ACROSS = (0.1, 0.0, 1.0), (0.0, 1.0, 0.1)
 
 
 def counted_rows() -> dict[str, Value]:
-    """Swing a door on one hinge, on three in a line and on two across: angular rows, rank, motion (below Fox 2001 eq. 35)."""
+    """Swing a door on one hinge, on three in a line and on two across: rows, rank, motion (below Fox 2001 eq. 35)."""
     door = SpatialBody(name="door", mass=20.0, inertia=(2.0, 1.0, 2.0, 0.0, 0.0, 0.0), position=(0.0, 0.5, 0.0))
     figures: dict[str, Value] = {}
-    paths, settings = [], Settings(rtol=1e-9, estimate="off", t_end=1.0, samples=11)
+    paths, settings = [], Settings(rtol=1e-9, estimate="off", samples=11)
     for name, axes in (("one", (UPRIGHT,)), ("three", (UPRIGHT,) * 3), ("crossed", (UPRIGHT, ACROSS))):
         hinges = tuple(
             Revolute(name=f"hinge{k}", body_a=GROUND, body_b="door", point=tuple(k * x for x in UPRIGHT), axis=axis)
@@ -173,9 +173,7 @@ def softer() -> dict[str, Value]:
     scene = scenes.make("android_simplified", **PAPER)
     soft = _changed(scene, ProgressiveLaw, "contacts", stiffness=0.1, damping=0.1)
     one, other = finished(scene), finished(soft)
-    return {
-        "softer.calls": other.rhs_calls / one.rhs_calls, "softer.apart": farthest(scene, one, other)[0],
-    }  # fmt: skip
+    return {"softer.calls": other.rhs_calls / one.rhs_calls, "softer.apart": farthest(scene, one, other)[0]}
 
 
 def block_inversion() -> dict[str, Value]:

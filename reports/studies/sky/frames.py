@@ -136,7 +136,7 @@ def turned(places: np.ndarray, ut1: np.ndarray, level: int, turn: float) -> np.n
 
 
 def elevations(places: np.ndarray, longitude: float, latitude: float) -> np.ndarray:
-    """Return the elevations (n,), rad, of places (n, 3), m, that turn with the Earth, from a station on its ellipsoid."""
+    """Return the elevations (n,), rad, of places (n, 3), m, in axes of the Earth, from a station on its ellipsoid."""
     c, s = np.cos(latitude), np.sin(latitude)
     up = np.array([c * np.cos(longitude), c * np.sin(longitude), s])
     flat = np.array([1.0, 1.0, (1.0 - OBLATE) ** 2])

@@ -86,8 +86,8 @@ def test_exudyns_beam_elements_rest_where_the_princeton_beam_does():
     section.massPerLength, section.inertia = 0.1, 1e-6 * np.eye(3)
     for count in (8, 16):
         mbs = exu.SystemContainer().AddSystem()
-        nodes = [mbs.AddNode(item.NodeRigidBodyRotVecLG(referenceCoordinates=[span * k / count, 0.0, 0.0, 0.0, 0.0, 0.0]))
-                 for k in range(count + 1)]  # fmt: skip
+        places = [[span * k / count, 0.0, 0.0, 0.0, 0.0, 0.0] for k in range(count + 1)]
+        nodes = [mbs.AddNode(item.NodeRigidBodyRotVecLG(referenceCoordinates=place)) for place in places]
         for pair in pairwise(nodes):
             beam = item.ObjectBeamGeometricallyExact(nodeNumbers=list(pair), length=span / count, sectionData=section)
             mbs.AddObject(beam)
@@ -103,5 +103,5 @@ def test_exudyns_beam_elements_rest_where_the_princeton_beam_does():
         options.staticSolver.numberOfLoadSteps, options.staticSolver.verboseMode = 10, 0
         mbs.SolveStatic(options)
         errors.append(np.linalg.norm(mbs.GetNodeOutput(nodes[-1], exu.OutputVariableType.Position) - rod))
-    print(errors)
-    assert errors[1] < 1e-4  # m
+    assert errors[1] < 2e-4  # m; the tip moves by 0.16
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
