@@ -94,7 +94,8 @@ def _rising(scenes_: dict[str, Scene], paths: dict[str, Trajectory], results: di
     return {
         "start.gap": abs(float(path.contacts["bottom.buttock.seat_base"][0, 0])),
         "start.speed": float(np.abs(path.velocity[0]).max()), "rising.backward": float(pulled[0]),
-        "rising.downward": float(pulled[1]), "rising.least": min(float(x.max() / x[0]) for x in sizes),
+        "rising.downward": float(pulled[1]), "rising.start": max(float(x[0]) for x in sizes),
+        "rising.least": min(float(x.max()) for x in sizes),
         "rising.neck": float(sum(x.min() < 0.0 < x.max() and x.argmin() < x.argmax() for x in neck)),
     }  # fmt: skip
 
