@@ -1,6 +1,7 @@
 """What the papers advise, and their range of crashes: tolerances, step rules, no block inversion, orders of errors."""
 
 import math
+from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
@@ -13,7 +14,6 @@ from mbs_ref.crash.results import crash_results
 from mbs_ref.integrators import integrators
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import GROUND, Revolute, Scene, SpatialBody, TorsionSpring
-from mbs_ref.scene.contact import ProgressiveLaw
 from mbs_ref.scene.euler_parameters import parameter_matrix
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
@@ -61,6 +61,9 @@ def step_rules() -> dict[str, Value]:
     for kind in ("simplified", "vertebral"):
         scene = scenes.make(f"android_{kind}", **PAPER)
         stiff, path = stiffness_at_start(scene), finished(scene)
+        undamped = tuple(
+            x.model_copy(update={"damping": 0.0} if isinstance(x, TorsionSpring) else {}) for x in scene.loads
+        )
         system = compile_scene(scene)
         mobility = system.contact_oscillators(0.0, system.initial_state(), 0.0)[:, 0]
         laws = [part.law.numbers() for part in scene.contacts]
@@ -73,22 +76,16 @@ def step_rules() -> dict[str, Value]:
             f"rules.{kind}.stable": stiff.step_limit(RK4),
             **dict(zip((f"rules.{kind}.overdamped", f"rules.{kind}.oscillating"), _restoring(scene), strict=True)),
             f"stiff.{kind}": stiff.fastest, f"stiff.{kind}.modes": float(len(stiff.eigenvalues)),
-            f"stiff.{kind}.undamped": stiffness_at_start(_changed(scene, TorsionSpring, "loads", damping=0.0)).fastest,
+            f"stiff.{kind}.undamped": stiffness_at_start(scene.model_copy(update={"loads": undamped})).fastest,
         }  # fmt: skip
     return figures | {"rules.track.stable": stiffness_at_start(scenes.make("tracked_vehicle")).step_limit(RK4)}
 
 
-def _changed(scene: Scene, kind: type, field: str, **factors: float) -> Scene:
-    """Return the scene with numbers of its parts of a kind, or of their laws, times factors."""
-
-    def changed(part: Any) -> Any:
-        own = part if isinstance(part, kind) else getattr(part, "law", None)
-        if not isinstance(own, kind):
-            return part
-        own = own.model_copy(update={name: factor * getattr(own, name) for name, factor in factors.items()})
-        return own if isinstance(part, kind) else part.model_copy(update={"law": own})
-
-    return scene.model_copy(update={field: tuple(map(changed, getattr(scene, field)))})
+def _softened(parts: Sequence[Any], factor: float) -> tuple[Any, ...]:
+    """Return contacts whose laws have stiffness and damping times a factor."""
+    both = ("stiffness", "damping")
+    laws = [part.law.model_copy(update={name: factor * getattr(part.law, name) for name in both}) for part in parts]
+    return tuple(part.model_copy(update={"law": law}) for part, law in zip(parts, laws, strict=True))
 
 
 def _restoring(scene: Scene) -> tuple[float, float]:
@@ -160,9 +157,7 @@ def soles() -> dict[str, Value]:
             })
             for k, s in enumerate(share)
         )  # fmt: skip
-        sole = _changed(scene.model_copy(update={"contacts": points}), ProgressiveLaw, "contacts",
-                        stiffness=2.0 / count, damping=2.0 / count)  # fmt: skip
-        path = finished(scene.model_copy(update={"contacts": (*rest, *sole.contacts)}))
+        path = finished(scene.model_copy(update={"contacts": (*rest, *_softened(points, 2.0 / count))}))
         pressed = [np.hypot(*path.contacts[f"sole{k}"][:, 1:3].T).max() for k in range(count)]
         figures[f"sole.{count}"] = float(max(pressed))
     return figures
@@ -171,8 +166,7 @@ def soles() -> dict[str, Value]:
 def softer() -> dict[str, Value]:
     """Return what contacts of a tenth of the stiffness and damping save, and how far (m) they move the android."""
     scene = scenes.make("android_simplified", **PAPER)
-    soft = _changed(scene, ProgressiveLaw, "contacts", stiffness=0.1, damping=0.1)
-    one, other = finished(scene), finished(soft)
+    one, other = finished(scene), finished(scene.model_copy(update={"contacts": _softened(scene.contacts, 0.1)}))
     return {"softer.calls": other.rhs_calls / one.rhs_calls, "softer.apart": farthest(scene, one, other)[0]}
 
 

