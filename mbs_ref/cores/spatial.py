@@ -70,8 +70,10 @@ def _bushings(build: _Builder) -> arrays.Bushings:
     loads = [x for x in build.scene.loads if isinstance(x, Bushing)]
     return arrays.Bushings(
         *ends(build, loads),
-        *(floats([build.point(x.ends[k], x.marks[k]) for x in loads], 3) for k in (0, 1)),
-        *(floats([build.direction(x.ends[k], x.frames[k]) for x in loads], 3, 3) for k in (0, 1)),
+        floats([build.point(x.body_a, x.marks[0]) for x in loads], 3),
+        floats([build.point(x.body_b, x.marks[1]) for x in loads], 3),
+        floats([build.direction(x.body_a, x.frames[0]) for x in loads], 3, 3),
+        floats([build.direction(x.body_b, x.frames[1]) for x in loads], 3, 3),
         floats([x.stiffness for x in loads], 6),
         floats([x.damping for x in loads], 6),
     )

@@ -167,6 +167,10 @@ def princeton_beam(
     rigid = (YOUNG * area, shear * area, shear * area, shear * TWIST * HEIGHT * WIDTH**3, *(YOUNG * i for i in second))
     mass, lean = DENSITY * area * pitch, math.radians(angle)
     across = [mass * pitch**2 / 12.0 + DENSITY * pitch * i for i in second]
+    inertia: Any = (DENSITY * pitch * sum(second), *across, 0.0, 0.0, 0.0)
+    joined: list[Any] = [
+        tuple(share / pitch * x for x in rigid) for share in (2.0, 1.0)
+    ]  # at the clamp, between segments
     names = [f"segment{k}" for k in range(segments)]
     return Scene(
         name="princeton_beam", description=f"A flat cantilever of {segments} segments, loaded at its tip.",
@@ -174,8 +178,7 @@ def princeton_beam(
         "34 (2015) 373-389; Obrezkov et al., Nonlinear Dynamics 109 (2022) 531-546", duration=0.05,
         gravity=(0.0, 0.0, 0.0),
         bodies=tuple(
-            SpatialBody(name=name, mass=mass, position=((k + 0.5) * pitch, 0.0, 0.0),
-                        inertia=(DENSITY * pitch * sum(second), *across, 0.0, 0.0, 0.0))
+            SpatialBody(name=name, mass=mass, inertia=inertia, position=((k + 0.5) * pitch, 0.0, 0.0))
             for k, name in enumerate(names)
         ),
         loads=(
@@ -183,7 +186,7 @@ def princeton_beam(
                   vector=(0.0, -load * math.cos(lean), load * math.sin(lean))),
             *(
                 Bushing(name=f"joint{k}", body_a=names[k - 1] if k else GROUND, body_b=name,
-                        point=(k * pitch, 0.0, 0.0), stiffness=tuple((1.0 if k else 2.0) / pitch * x for x in rigid))
+                        point=(k * pitch, 0.0, 0.0), stiffness=joined[min(k, 1)])
                 for k, name in enumerate(names)
             ),
         ),

@@ -98,7 +98,7 @@ def _restoring(scene: Scene) -> tuple[float, float]:
     ratios = [x.damping**2 / (4.0 * x.stiffness * min(inertia[name] for name in x.ends)) for x in springs]
     alone = scene.model_copy(update={"gravity": (0.0, 0.0), "contacts": (), "loads": springs})
     values = stiffness_at_start(alone).eigenvalues
-    return min(ratios), float(np.sum(np.abs(values.imag) > SLOW))
+    return min(ratios), float(np.sum(np.abs(np.imag(values)) > SLOW))
 
 
 def leading_matrix() -> dict[str, Value]:
