@@ -168,9 +168,7 @@ def princeton_beam(
     mass, lean = DENSITY * area * pitch, math.radians(angle)
     across = [mass * pitch**2 / 12.0 + DENSITY * pitch * i for i in second]
     inertia: Any = (DENSITY * pitch * sum(second), *across, 0.0, 0.0, 0.0)
-    joined: list[Any] = [
-        tuple(share / pitch * x for x in rigid) for share in (2.0, 1.0)
-    ]  # at the clamp, between segments
+    joined: list[Any] = [tuple(share / pitch * x for x in rigid) for share in (2.0, 1.0)]  # at the clamp, elsewhere
     names = [f"segment{k}" for k in range(segments)]
     return Scene(
         name="princeton_beam", description=f"A flat cantilever of {segments} segments, loaded at its tip.",
