@@ -53,8 +53,24 @@ def velocity(version: str, body: str, jd: float) -> np.ndarray:
 def in_frame(frame: str, places: np.ndarray, jds: np.ndarray) -> np.ndarray:
     """Return geocentric places (n, 3), m, of GCRS axes in a frame of FRAMES, at Julian dates TDB (n,)."""
     time = time_of(jds)
-    there: Any = coordinates.GCRS(coordinates.CartesianRepresentation(places.T * units.m), obstime=time)
-    return np.asarray(there.transform_to(FRAMES[frame](obstime=time)).cartesian.xyz.to_value(units.m)).T
+    there = _seen_from_earth(places, time).transform_to(FRAMES[frame](obstime=time))
+    return np.asarray(there.cartesian.xyz.to_value(units.m)).T
+
+
+def _seen_from_earth(places: np.ndarray, time: Any) -> Any:
+    return coordinates.GCRS(coordinates.CartesianRepresentation(places.T * units.m), obstime=time)
+
+
+def elevations(places: np.ndarray, jds: np.ndarray, longitude: float, latitude: float) -> np.ndarray:
+    """Return the elevations (n,), rad, of such places above the horizon at a longitude and geodetic latitude (rad).
+
+    By AltAz of the straight line from the station on the WGS 84 ellipsoid, without refraction, light time, aberration.
+    """
+    time, station = time_of(jds), coordinates.EarthLocation.from_geodetic(longitude * units.rad, latitude * units.rad)
+    there: Any = _seen_from_earth(places, time).transform_to(coordinates.ITRS(obstime=time))
+    line: Any = there.cartesian - station.get_itrs(time).cartesian
+    seen: Any = coordinates.ITRS(line, obstime=time, location=station)
+    return np.asarray(seen.transform_to(coordinates.AltAz(obstime=time, location=station)).alt.to_value(units.rad))
 
 
 def apparent(version: str, body: str, jd: float) -> np.ndarray:

@@ -15,7 +15,7 @@ from mbs_ref.kernels.rigid.model import TorsionSprings, rigid_scratch
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.kernels.spatial.model import SpatialScratch
 from mbs_ref.scene import Bushing, Scene, SpatialBody, TorsionSpring, symmetric
-from mbs_ref.scene.base.part import normals, unit
+from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.base.taylor import Taylor
 from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton, at_most_one
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
@@ -68,15 +68,12 @@ def _torsion_springs(build: _Builder) -> TorsionSprings:
 
 def _bushings(build: _Builder) -> arrays.Bushings:
     loads = [x for x in build.scene.loads if isinstance(x, Bushing)]
-    directions = [(unit(x.x_axis), unit(x.y_axis)) for x in loads]
-    frames = [np.column_stack((x, y, np.cross(x, y))) for x, y in directions]
-    pairs = list(zip(loads, frames, strict=True))
     return arrays.Bushings(
         *ends(build, loads),
-        floats([build.point(x.body_a, x.point) for x in loads], 3),
-        floats([build.point(x.body_b, x.point) for x in loads], 3),
-        floats((build.direction(x.body_a, f) for x, f in pairs), 3, 3),
-        floats((build.direction(x.body_b, f) for x, f in pairs), 3, 3),
+        floats([build.point(x.body_a, x.marks[0]) for x in loads], 3),
+        floats([build.point(x.body_b, x.marks[1]) for x in loads], 3),
+        floats([build.direction(x.body_a, x.frames[0]) for x in loads], 3, 3),
+        floats([build.direction(x.body_b, x.frames[1]) for x in loads], 3, 3),
         floats([x.stiffness for x in loads], 6),
         floats([x.damping for x in loads], 6),
     )

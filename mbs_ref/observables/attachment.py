@@ -157,11 +157,9 @@ def _initial_angle(motion: Motion, body: str) -> float:
 
 def bushing_strain(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.ndarray]:
     """Return offset and rotation vector (n_t, 6) along the bushing's axes in body a, and their rates for dampers."""
-    x, y = (np.asarray(v) / np.linalg.norm(v) for v in (bushing.x_axis, bushing.y_axis))
-    axes = (x, y, np.cross(x, y))
-    bodies = (bushing.body_a, bushing.body_b)
-    here, there = (np.stack([motion.direction(body, e)[0] for e in axes], axis=2) for body in bodies)
-    (a, a_rate), (b, b_rate) = motion.point(bushing.body_a, bushing.point), motion.point(bushing.body_b, bushing.point)
+    ends = zip(bushing.ends, bushing.frames, strict=True)
+    here, there = (np.stack([motion.direction(body, e)[0] for e in frame.T], axis=2) for body, frame in ends)
+    (a, a_rate), (b, b_rate) = (motion.point(end, at) for end, at in zip(bushing.ends, bushing.marks, strict=True))
     carried = np.cross(motion.turning(bushing.body_a), b - a)
     from scipy.spatial.transform import Rotation  # takes long to import
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.scene.base import part
@@ -95,26 +96,44 @@ class TorsionSpring(AttachedPair):
 
 
 class Bushing(AttachedPair):
-    """Six springs and dampers between two bodies at a point, along axes fixed in body a (space).
+    """Six springs and dampers between a mark on each of two bodies, along axes fixed in body a (space).
 
-    Stiffness and damping are for the offset along x, y, z and the rotation vector about x, y, z of the
-    bushing's axes; neither is strained at t = 0. Beyond 3 rad of relative rotation it stops the run.
+    Stiffness and damping are for the offset along x, y, z and the rotation vector about x, y, z of the bushing's
+    axes. The marks coincide at t = 0, and nothing is strained, unless body b's point or axes are given. Beyond 3 rad of
+    relative rotation it stops the run.
     """
 
     DIMENSIONS: ClassVar[tuple[int, ...]] = (3,)
     TURNS: ClassVar[bool] = True
 
     type: Literal["bushing"] = "bushing"
-    point: part.Point3  # m, world, t = 0
+    point: part.Point3  # m, world, t = 0, of the mark on body a
     stiffness: part.SixNonNegative  # N/m, N m/rad
     damping: part.SixNonNegative = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # N s/m, N m s/rad
     x_axis: part.Direction3 = (1.0, 0.0, 0.0)  # direction, world, t = 0
     y_axis: part.Direction3 = (0.0, 1.0, 0.0)  # direction, world, t = 0; perpendicular to x_axis
+    point_b: part.Point3 | None = None  # m, world, t = 0, of the mark on body b; `point` unless given
+    x_axis_b: part.Direction3 | None = None  # direction, world, t = 0, on body b; x_axis unless given
+    y_axis_b: part.Direction3 | None = None  # direction, world, t = 0, on body b; y_axis unless given
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         require_perpendicular("x_axis", self.x_axis, "y_axis", self.y_axis)
+        x, y = self.x_axis_b or self.x_axis, self.y_axis_b or self.y_axis
+        require_perpendicular("x_axis_b", x, "y_axis_b", y)
         return self
+
+    @property
+    def marks(self) -> tuple[part.Point3, part.Point3]:
+        """Both points, of body a and of body b (m, world, t = 0)."""
+        return self.point, self.point if self.point_b is None else self.point_b
+
+    @property
+    def frames(self) -> tuple[np.ndarray, np.ndarray]:
+        """The axes (3, 3) of both marks as columns, world, t = 0."""
+        own = part.unit(self.x_axis), part.unit(self.y_axis)
+        far = part.unit(self.x_axis_b or self.x_axis), part.unit(self.y_axis_b or self.y_axis)
+        return np.column_stack((*own, np.cross(*own))), np.column_stack((*far, np.cross(*far)))
 
 
 class PointBushing(AttachedPair):

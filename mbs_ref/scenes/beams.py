@@ -1,9 +1,9 @@
-"""Flexible bodies: beams in the plane as rigid segments, between which springs have the beam's stiffness.
+"""Flexible bodies: beams as rigid segments, between which springs have the beam's stiffness.
 
 A segment of length h carries the mass of its part of the beam. Where two meet, a bushing of E A/h and a torsion spring
 of E I/h join them, and twice that where a beam is clamped: the element of Simo and Reissner with one point of
-integration, its shear as stiff as its axis. With n segments the error is in proportion to 1/n^2 (Huston, Computers and
-Structures 13 (1981) 45-49).
+integration, its shear in the plane as stiff as its axis. In space one bushing has all six. With n segments the error is
+in proportion to 1/n^2 (Huston, Computers and Structures 13 (1981) 45-49).
 """
 
 import math
@@ -13,8 +13,20 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, PointBushing, Prismatic, Revolute, Scene, TorsionSpring
-from mbs_ref.scene.base.part import Positive
+from mbs_ref.scene import (
+    GROUND,
+    Bushing,
+    CoordinateDrive,
+    Force,
+    PlanarBody,
+    PointBushing,
+    Prismatic,
+    Revolute,
+    Scene,
+    SpatialBody,
+    TorsionSpring,
+)
+from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.signals import Constant, Harmonic
 
 Segments = Annotated[int, Field(ge=2, le=200)]
@@ -131,4 +143,49 @@ def flexible_slider_crank(*, segments: Segments = 16) -> Scene:
             Prismatic(name="guide", body_a=GROUND, body_b="slider", point=(reach, 0.0), axis=(1.0, 0.0)),
         ),
         loads=tuple(rod.springs(CRANK)),
+    )  # fmt: skip
+
+
+SPAN, HEIGHT, WIDTH = 0.508, 12.3777e-3, 3.2024e-3  # m, of the Princeton beam: along x, y, z
+YOUNG, POISSON, DENSITY = 71.7e9, 0.31, 2810.0  # Pa, 1, kg/m^3: aluminium 7075
+TWIST = 1.0 / 3.0 * (1.0 - 0.63025 * WIDTH / HEIGHT)  # of HEIGHT WIDTH^3: Saint-Venant's J, Timoshenko and Goodier 1970
+
+
+def princeton_beam(
+    *,
+    segments: Annotated[int, Field(ge=2, le=100)] = 16,
+    load: NonNegative = 13.345,
+    angle: Annotated[float, Field(ge=0.0, le=90.0)] = 45.0,
+) -> Scene:
+    """Load a flat cantilever at its tip, obliquely: it bends both ways and twists, by up to 0.4 of its length.
+
+    segments; load (N) and its angle (deg) from the section's height. With start = "equilibrium" it rests, as in the
+    source; without, it is let go straight.
+    """
+    pitch, area, shear = SPAN / segments, HEIGHT * WIDTH, YOUNG / (2.0 + 2.0 * POISSON)
+    second = [HEIGHT * WIDTH**3 / 12.0, WIDTH * HEIGHT**3 / 12.0]  # m^4, about y and z
+    rigid = (YOUNG * area, shear * area, shear * area, shear * TWIST * HEIGHT * WIDTH**3, *(YOUNG * i for i in second))
+    mass, lean = DENSITY * area * pitch, math.radians(angle)
+    across = [mass * pitch**2 / 12.0 + DENSITY * pitch * i for i in second]
+    inertia: Any = (DENSITY * pitch * sum(second), *across, 0.0, 0.0, 0.0)
+    joined: list[Any] = [tuple(share / pitch * x for x in rigid) for share in (2.0, 1.0)]  # at the clamp, elsewhere
+    names = [f"segment{k}" for k in range(segments)]
+    return Scene(
+        name="princeton_beam", description=f"A flat cantilever of {segments} segments, loaded at its tip.",
+        source="Dowell, Traybar, Princeton AMS reports 1194 and 1257 (1975); Bauchau et al., Multibody System Dynamics "
+        "34 (2015) 373-389; Obrezkov et al., Nonlinear Dynamics 109 (2022) 531-546", duration=0.05,
+        gravity=(0.0, 0.0, 0.0),
+        bodies=tuple(
+            SpatialBody(name=name, mass=mass, inertia=inertia, position=((k + 0.5) * pitch, 0.0, 0.0))
+            for k, name in enumerate(names)
+        ),
+        loads=(
+            Force(name="weight", body=names[-1], point=(SPAN, 0.0, 0.0),
+                  vector=(0.0, -load * math.cos(lean), load * math.sin(lean))),
+            *(
+                Bushing(name=f"joint{k}", body_a=names[k - 1] if k else GROUND, body_b=name,
+                        point=(k * pitch, 0.0, 0.0), stiffness=joined[min(k, 1)])
+                for k, name in enumerate(names)
+            ),
+        ),
     )  # fmt: skip

@@ -133,11 +133,15 @@ def _paper(scene: Scene) -> np.ndarray:
 def _contacts(motion: Motion) -> tuple[list[np.ndarray], list[tuple[np.ndarray, float]]]:
     """Return the surfaces (n_t, 2, 2) of all contacts, and the middles (n_t, 2 or 3) and radii of their circles."""
     surfaces: list[np.ndarray] = []
+    planes: dict[tuple, list[SphereOnPlane]] = {}  # those of a body that are one are drawn once
     for contact in motion.scene.contacts:
         if isinstance(contact, CircleOnLine):
             surfaces.append(_line(motion, contact, motion.point(contact.body_a, contact.center)[0]))
         elif isinstance(contact, SphereOnPlane):
-            surfaces += _sides(motion, contact)
+            normal = unit(contact.normal)
+            key = (contact.body_b, *np.round((*normal, normal @ contact.point), 6) + 0.0)
+            planes.setdefault(key, []).append(contact)
+    surfaces += [side for group in planes.values() for side in _sides(motion, group)]
     for grains in motion.scene.loads if motion.scene.dimension == 2 else ():
         if isinstance(grains, Granules):
             path, beyond = motion.trajectory.position, max(grains.radius)
@@ -199,19 +203,20 @@ def _circles(contact, bodies: Sequence[Body]) -> list[tuple[str, tuple[float, ..
     return []
 
 
-def _sides(motion: Motion, contact: SphereOnPlane) -> list[np.ndarray]:
-    """Return the four sides of a rectangle; of a plane, of the part under the sphere's path."""
-    edge = normals(contact.normal)[0] if contact.edge is None else unit(contact.edge)
-    across = np.cross(unit(contact.normal), edge)
-    middle, half = np.array(contact.point), np.ones(2)
-    if contact.size is not None:
-        half = 0.5 * np.array(contact.size)
-    else:
-        path = motion.point(contact.body_a, contact.center)[0] - middle
-        along = np.stack((path @ edge, path @ across), axis=1)
-        low, high = along.min(axis=0) - 2.0 * contact.radius, along.max(axis=0) + 2.0 * contact.radius
-        middle, half = middle + np.array((edge, across)).T @ (0.5 * (low + high)), 0.5 * (high - low)
-    signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    corners = [tuple(middle + p * half[0] * edge + q * half[1] * across) for p, q in signs]
-    places = [motion.point(contact.body_b, corner)[0] for corner in corners]
+def _sides(motion: Motion, contacts: Sequence[SphereOnPlane]) -> list[np.ndarray]:
+    """Return the four sides of a rectangle around those of contacts in one plane, or around their spheres' paths."""
+    first = contacts[0]
+    edge = normals(first.normal)[0] if first.edge is None else unit(first.edge)
+    across, start = np.cross(unit(first.normal), edge), np.array(first.point)
+    ends = []
+    for contact in contacts:
+        if contact.size is not None:
+            half, seen = 0.5 * np.array(contact.size), np.array([contact.point])
+        else:
+            half, seen = 2.0 * contact.radius, motion.point(contact.body_a, contact.center)[0]
+        along = np.stack(((seen - start) @ edge, (seen - start) @ across), axis=1)
+        ends += [along.min(axis=0) - half, along.max(axis=0) + half]
+    low, high = np.min(ends, axis=0), np.max(ends, axis=0)
+    corners = [(high[0], high[1]), (low[0], high[1]), (low[0], low[1]), (high[0], low[1])]
+    places = [motion.point(first.body_b, tuple(start + x * edge + y * across))[0] for x, y in corners]
     return [np.stack((places[k - 1], places[k]), axis=1) for k in range(4)]

@@ -125,7 +125,7 @@ def _add_torsion(model: Redundant, load: scene.TorsionSpring) -> None:
 
 def _add_bushing(model: Redundant, load: scene.Bushing) -> None:
     """Add a torque against the rotation vector, by Exudyn's intrinsic formulation."""
-    markers = [model.frame(body, load.point, np.eye(3)) for body in (load.body_a, load.body_b)]
+    markers = [model.frame(*end) for end in zip(load.ends, load.marks, load.frames, strict=True)]
     law = {"stiffness": np.diag(load.stiffness), "damping": np.diag(load.damping)}
     model.mbs.AddObject(
         item.ObjectConnectorRigidBodySpringDamper(markerNumbers=markers, useIntrinsicFormulation=True, **law)

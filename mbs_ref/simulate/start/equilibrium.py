@@ -23,6 +23,7 @@ from mbs_ref.cores.system import System
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import (
     GROUND,
+    Bushing,
     Distance,
     PlanarBody,
     PointBushing,
@@ -42,6 +43,7 @@ DIFFERENCE = 1e-7  # m, rad: half a step of the central differences
 LONGEST = 5e-3  # of the scene's length: d at most
 SMALLEST = 1e-9  # of that
 RESIDUAL = 1e-10  # of gravity, or of the largest acceleration at the start: what counts as rest
+HALVED = 0.5  # of the least residual: where an iteration leaves more, rounding is reached
 ROUNDED = 1e3  # times this residual remains after every part is restated at its new place
 MOST = 1000  # iterations: five lengths of way
 OVERSHOT = -0.5  # slope at a step's end over that at its start, below which d is halved
@@ -54,8 +56,8 @@ class NoEquilibrium(ValueError):
 def at_equilibrium(scene: Scene) -> Scene:
     """Return the scene at rest in a stable static equilibrium near its start, under the loads at t = 0.
 
-    Every part moves with its bodies. NoEquilibrium if none is reached, or if a part is unstrained wherever it starts,
-    as a bushing in space is; ValueError for a scene without joints, or with more than 250 bodies.
+    Every part moves with its bodies. NoEquilibrium if none is reached, or if a part is unstrained wherever it starts;
+    ValueError for a scene of free particles, or with more than 250 bodies.
     """
     system = compile_scene(scene)
     if not isinstance(system, JointedSystem) or len(scene.bodies) > LARGEST:
@@ -89,14 +91,17 @@ class _AtRest:
         return float(np.abs(self.acceleration(y)).max())
 
     def solved(self, y: np.ndarray, allowed: float) -> np.ndarray:
-        """Return a state without accelerations above `allowed`; NoEquilibrium if none is reached."""
-        longest, size = LONGEST * self.system.scales.length, np.inf
+        """Return a state with accelerations below `allowed` and near rounding; NoEquilibrium if none is reached."""
+        longest, best, least = LONGEST * self.system.scales.length, y, np.inf
         distance = longest
         for _ in range(MOST):
             a = self.acceleration(y)
             size = float(np.abs(a).max())
-            if size <= allowed:
-                return y
+            halved = size <= HALVED * least
+            if size < least:
+                best, least = y, size
+            if least == 0.0 or (least <= allowed and not halved):
+                return best
             basis = self._allowed(y)
             values, modes = np.linalg.eig(self._stiffness(y, basis))
             inverse = np.linalg.inv(modes) @ basis.T
@@ -105,13 +110,13 @@ class _AtRest:
                 step = downhill / (np.abs(values) + size / distance)
                 trial = self._displaced(y, np.real(basis @ (modes @ step)))
                 self.system.project(0.0, trial)
-                slope = np.vdot(step, inverse @ self.acceleration(trial)).real / np.vdot(step, downhill).real
-                if slope > OVERSHOT or distance < SMALLEST * longest:
+                slope = np.vdot(step, inverse @ self.acceleration(trial)).real
+                if slope >= OVERSHOT * np.vdot(step, downhill).real or distance < SMALLEST * longest:
                     break
                 distance *= 0.5
             y, distance = trial, min(longest, 2.0 * distance)
         name = self.system.scene.name
-        raise NoEquilibrium(f"{name}: no rest after {MOST} iterations; {size:.3g} m/s^2 or rad/s^2 remains")
+        raise NoEquilibrium(f"{name}: no rest after {MOST} iterations; {least:.3g} m/s^2 or rad/s^2 remains")
 
     def _allowed(self, y: np.ndarray) -> np.ndarray:
         """Return an orthonormal basis (n_rates, n_free) of the rates along the constraints."""
@@ -140,7 +145,7 @@ class _AtRest:
 def restated(scene: Scene, path: Trajectory, sign: float = 1.0) -> Scene:
     """Return the scene that starts at the last sample of a motion, its velocities times `sign`.
 
-    Springs keep their laws. A bushing in space is unstrained at the start, contacts have no history, signals begin new.
+    Springs and bushings keep their strains; contacts have no history, and signals begin new.
     """
     motion = Motion(scene, path)
     bodies = tuple(_body(body, path, k, sign) for k, body in enumerate(scene.bodies))
@@ -181,7 +186,8 @@ def _owner(part: Any, name: str) -> str:
         return part.body if turns or name in ("point", "center") else GROUND
     if name.endswith(("_a", "_b")):
         return fields[f"body{name[-2:]}"]
-    first = name == "center" if isinstance(part, ContactPart) else name != "point" or isinstance(part, PointBushing)
+    bushing = isinstance(part, PointBushing | Bushing)
+    first = name == "center" if isinstance(part, ContactPart) else name != "point" or bushing
     return fields["body_a" if first else "body_b"]
 
 
@@ -190,9 +196,10 @@ def _as_strained(part: Any, motion: Motion) -> dict[str, Any]:
     if isinstance(part, SpringDamper | Distance):
         name = "length" if isinstance(part, Distance) else "rest_length"
         return {name: math.dist(part.point_a, part.point_b)} if getattr(part, name) is None else {}
-    if isinstance(part, PointBushing):
-        at = part.marks[1]
-        return {"point_b": tuple(motion.point(part.body_b, at)[0][-1].tolist())}
+    if isinstance(part, PointBushing | Bushing):
+        mark = {"point_b": tuple(motion.point(part.body_b, part.marks[1])[0][-1].tolist())}
+        axes = zip(("x_axis_b", "y_axis_b"), part.frames[1].T, strict=False) if isinstance(part, Bushing) else ()
+        return mark | {name: tuple(motion.direction(part.body_b, axis)[0][-1].tolist()) for name, axis in axes}
     if isinstance(part, PinOnSprocket) and part.axis is None:
         return {"first_seat": part.first_seat + float(motion.angle(part.body_b)[-1])}
     if not isinstance(part, TorsionSpring):

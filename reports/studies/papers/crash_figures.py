@@ -10,7 +10,7 @@ from mbs_ref.crash.results import crash_results
 from mbs_ref.crash.stops import tension
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.distance import Partial, farthest
-from mbs_ref.scene import Scene, SpringDamper
+from mbs_ref.scene import PointBushing, Revolute, Scene, SpringDamper, TorsionSpring
 from mbs_ref.scene.contact import CircleOnLine
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Film, Measured, Row, Value, film
@@ -18,7 +18,7 @@ from reports.studies.crash import FINE, IMPACTS, PAPER, deepest, finished, force
 
 PICTURES = 9  # 0.025 s apart to 0.2 s
 SHOWN = {
-    "simplified": ("head", "thorax", "bottom", "seat_base", "seat_back"),
+    "simplified": ("head", "thorax", "lumbar", "bottom", "seat_base", "seat_back"),
     "vertebral": ("head", "C1", "C2", "C3", "C4", "C5", "C6", "T6", "L3"),
 }
 FIGURES = {  # of Fox 1999: android, kind of force, caption
@@ -45,6 +45,7 @@ def measure_crash() -> Measured:
         for method, more in METHODS[kind]:
             figures |= method_figures(scene, method, more)
     figures |= _touching(built["simplified"], paths["simplified"])
+    figures |= _parts(built["vertebral"]) | _rising(built, paths, results)
     figures["vertebral.rk4.refusal"] = simulate(built["vertebral"], Settings(method="rk4", step=1e-4)).message
     figures |= _constraints(built["simplified"]) | _in_space(built["simplified"])
     films = {
@@ -66,6 +67,37 @@ def _touching(scene: Scene, path: Trajectory) -> dict[str, Value]:
     changes = sum(int(np.count_nonzero(np.diff(force > 0.0))) for force in on_back)
     feet = {f"foot.{point}": float(pushes[f"foot.{point}.floor"].max()) for point in ("heel", "ball")}
     return {"seat_back.parts": len(on_back), "seat_back.changes": changes, **feet}
+
+
+def _parts(scene: Scene) -> dict[str, Value]:
+    """Return how many parts of each kind that the paper names the vertebral android has."""
+    kinds = {"revolutes": Revolute, "restoring": TorsionSpring, "tissue": PointBushing}
+    every = (*scene.joints, *scene.loads)
+    return {f"parts.{name}": sum(isinstance(part, kind) for part in every) for name, kind in kinds.items()}
+
+
+NECK = ("head", "C1", "C2", "C3", "C4", "C5", "C6")
+
+
+def _rising(scenes_: dict[str, Scene], paths: dict[str, Trajectory], results: dict[str, Any]) -> dict[str, Value]:
+    """Return the start, how Q_c rises, how often it is negative along x first, and the belts' largest pull (N)."""
+    scene, path = scenes_["simplified"], paths["simplified"]
+    held = {kind: own.constraint for kind, own in results.items()}
+    sizes = [np.hypot(*held["simplified"][:, scene.body_index(part), :2].T) for part in ("head", "thorax", "lumbar")]
+    neck = [held["vertebral"][:, scenes_["vertebral"].body_index(part), 0] for part in NECK]
+    motion, pulls = Motion(scene, path), []
+    for belt in (load for load in scene.loads if isinstance(load, SpringDamper)):
+        apart = motion.point(belt.body_a, belt.point_a)[0] - motion.point(belt.body_b, belt.point_b)[0]
+        pulls.append((tension(motion, belt) / np.hypot(*apart.T))[:, None] * apart)
+    pull = np.sum(pulls, axis=0)
+    pulled = pull[np.argmax(np.hypot(*pull.T))]
+    return {
+        "start.gap": abs(float(path.contacts["bottom.buttock.seat_base"][0, 0])),
+        "start.speed": float(np.abs(path.velocity[0]).max()), "rising.backward": float(pulled[0]),
+        "rising.downward": float(pulled[1]), "rising.start": max(float(x[0]) for x in sizes),
+        "rising.least": min(float(x.max()) for x in sizes),
+        "rising.neck": float(sum(x.min() < 0.0 < x.max() and x.argmin() < x.argmax() for x in neck)),
+    }  # fmt: skip
 
 
 def _in_space(planar: Scene) -> dict[str, Value]:

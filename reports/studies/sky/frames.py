@@ -29,6 +29,8 @@ NUTATION = (
 )  # fmt: skip
 TRACKS = (("rotation angle alone", 0, False), ("and precession", 1, False), ("and four terms of nutation", 2, False),
           ("and UT1 - UTC", 2, True))  # fmt: skip
+STATION, MASK = (np.radians(11.28), np.radians(48.09)), np.radians(10.0)  # longitude, latitude; least elevation, rad
+EQUATOR, OBLATE = 6_378_137.0, 1.0 / 298.257223563  # m, 1: WGS 84
 PLANETS = ("mercury", "venus", "earth", "mars", "jupiter", "saturn", "uranus", "neptune")
 
 
@@ -64,6 +66,10 @@ def _rows(astropy: Any) -> Iterator[Row]:
         )  # fmt: skip
     yield _row("the same satellite in TEME, SGP4's frame", "m", lambda: turned(places, jds, 2, 0.0),
                lambda: astropy.in_frame("TEME", places, jds))  # fmt: skip
+    ut1 = jds - (tdb_utc - ut1_utc) / DAY
+    yield _row("rise and set of that satellite above 10 degrees at a station", "s",
+               lambda: passes(elevations(turned(places, ut1, 2, 1.0), *STATION), path.times),
+               lambda: passes(astropy.elevations(places, jds, *STATION), path.times))  # fmt: skip
     source = "astropy_de440" if ephemeris.is_complete() else "astropy_builtin"
     for name, steps, moving in (("geometric", 0, False), ("light time", 4, False), ("and aberration", 4, True)):
         yield _row(
@@ -127,6 +133,22 @@ def turned(places: np.ndarray, ut1: np.ndarray, level: int, turn: float) -> np.n
     sidereal = angle + ARC * (SIDEREAL[0] + SIDEREAL[1] * t + SIDEREAL[2] * t * t) * (level > 0)
     place = _about(0, -eps - deps, _about(2, -psi - dpsi, _about(0, phi, _about(2, gamma, places))))
     return _about(2, turn * sidereal + dpsi * np.cos(eps), place)
+
+
+def elevations(places: np.ndarray, longitude: float, latitude: float) -> np.ndarray:
+    """Return the elevations (n,), rad, of places (n, 3), m, in axes of the Earth, from a station on its ellipsoid."""
+    c, s = np.cos(latitude), np.sin(latitude)
+    up = np.array([c * np.cos(longitude), c * np.sin(longitude), s])
+    flat = np.array([1.0, 1.0, (1.0 - OBLATE) ** 2])
+    seen = places - EQUATOR * flat * up / np.sqrt(flat @ up**2)
+    return np.arcsin(seen @ up / np.linalg.norm(seen, axis=1))
+
+
+def passes(elevation: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Return when (n, 1), s, an elevation (n_t,), rad, crosses MASK, by the cubic spline through its samples."""
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(times, elevation - MASK).roots(extrapolate=False)[:, None]
 
 
 def _about(axis: int, angle: np.ndarray, places: np.ndarray) -> np.ndarray:

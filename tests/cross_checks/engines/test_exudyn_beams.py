@@ -12,7 +12,7 @@ from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from tests.cross_checks.engines.engine_runs import engine
-from tests.mbs_ref.scenes.test_beams import modal_lag
+from tests.mbs_ref.scenes.test_beams import bent_rod, modal_lag
 
 END = 1.5  # s
 
@@ -71,3 +71,37 @@ def test_exudyns_beam_elements_lag_as_given_modes():
     t, x, y = mbs.GetSensorStoredData(tip)[:, :3].T
     lag = np.cos(angle(t)) * y - np.sin(angle(t)) * x
     assert lag.min() == pytest.approx(modal_lag(t).min(), rel=(lag.min() / length) ** 2)  # a linear theory's own error
+
+
+@pytest.mark.slow
+def test_exudyns_beam_elements_rest_where_the_princeton_beam_does():
+    """Elements of order 1 with a Lie group node each, beside our segments and the rod that both tend to."""
+    exu = pytest.importorskip("exudyn")
+    from exudyn import itemInterface as item
+
+    scene, rod = scenes.make("princeton_beam"), bent_rod(13.345, 45.0)
+    rigid = next(load.stiffness for load in scene.loads if load.name == "joint1")  # per pitch of 16 segments
+    section, span, errors = exu.BeamSection(), 0.508, []
+    section.stiffnessMatrix = np.diag(rigid) * span / 16
+    section.massPerLength, section.inertia = 0.1, 1e-6 * np.eye(3)
+    for count in (8, 16):
+        mbs = exu.SystemContainer().AddSystem()
+        places = [[span * k / count, 0.0, 0.0, 0.0, 0.0, 0.0] for k in range(count + 1)]
+        nodes = [mbs.AddNode(item.NodeRigidBodyRotVecLG(referenceCoordinates=place)) for place in places]
+        for pair in pairwise(nodes):
+            beam = item.ObjectBeamGeometricallyExact(nodeNumbers=list(pair), length=span / count, sectionData=section)
+            mbs.AddObject(beam)
+        ground = mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(item.NodePointGround()), coordinate=0))
+        for coordinate in range(6):
+            root = mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=coordinate))
+            mbs.AddObject(item.ObjectConnectorCoordinate(markerNumbers=[ground, root]))
+        tip, half = mbs.AddMarker(item.MarkerNodeRigid(nodeNumber=nodes[-1])), 13.345 * np.sqrt(0.5)
+        mbs.AddLoad(item.LoadForceVector(markerNumber=tip, loadVector=[0.0, -half, half]))
+        mbs.Assemble()
+        options = exu.SimulationSettings()
+        options.solution.file.write = False
+        options.staticSolver.numberOfLoadSteps, options.staticSolver.verboseMode = 10, 0
+        mbs.SolveStatic(options)
+        errors.append(np.linalg.norm(mbs.GetNodeOutput(nodes[-1], exu.OutputVariableType.Position) - rod))
+    assert errors[1] < 2e-4  # m; the tip moves by 0.16
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)

@@ -200,7 +200,7 @@ def test_rubber_pins_rest_strained_and_without_hinges():
 def test_a_vehicle_on_rubber_pins_rests_in_its_equilibrium():
     scene = scenes.make("tracked_vehicle", pins="rubber", torque=0.0)
     path = simulate(scene, Settings(estimate="off", reactions=False, t_end=10.0), np.linspace(0.0, 10.0, 6))
-    assert np.abs(path.position - path.position[0]).max() < 5e-9  # m
+    assert np.abs(path.position - path.position[0]).max() < 1e-9  # m
 
 
 def test_rolling_resistance_of_the_wheels_takes_a_lever_of_their_radius():

@@ -90,11 +90,33 @@ def test_a_pendulum_in_space_hangs_below_its_joint():
     require_rest(scene)
 
 
-def test_a_bushing_that_cannot_start_strained_is_refused():
-    part = Bushing(name="rubber", body_a=GROUND, body_b="body", point=(0.0, 0.0, 0.0), stiffness=(STIFFNESS,) * 6)
-    heavy = SpatialBody(name="body", mass=MASS, inertia=(0.1, 0.1, 0.1, 0.0, 0.0, 0.0))
-    with pytest.raises(NoEquilibrium, match="cannot start strained"):
-        at_equilibrium(Scene(name="rubber", gravity=(0.0, 0.0, -G), bodies=(heavy,), loads=(part,)))
+def test_a_body_in_space_hangs_on_a_strained_bushing():
+    """It sinks by m g/k and turns by m g x/k_r where its weight has an arm x; it starts there and stays."""
+    stiff, turns, arm = 1e5, 400.0, 0.1  # N/m, N m/rad, m
+    part = Bushing(name="rubber", body_a=GROUND, body_b="body", point=(0.0, 0.0, 0.0), x_axis=(0.0, 1.0, 0.0),
+                   y_axis=(0.0, 0.0, 1.0), stiffness=(stiff,) * 3 + (turns,) * 3)  # fmt: skip
+    heavy = SpatialBody(name="body", mass=MASS, inertia=(0.1, 0.1, 0.1, 0.0, 0.0, 0.0), position=(arm, 0.0, 0.0))
+    scene = at_equilibrium(Scene(name="rubber", gravity=(0.0, 0.0, -G), bodies=(heavy,), loads=(part,)))
+    angle = brentq(lambda a: turns * a - MASS * G * arm * math.cos(a), 0.0, 1.0, xtol=1e-15)
+    sunk = (arm * math.cos(angle), 0.0, -arm * math.sin(angle) - MASS * G / stiff)
+    assert scene.bodies[0].position == pytest.approx(sunk, abs=still)
+    require_rest(scene)
+    again = at_equilibrium(scene)
+    assert again.bodies[0].position == pytest.approx(sunk, abs=still)
+
+
+def test_a_soft_spring_rests_to_rounding_beside_a_stiff_one_that_starts_strained():
+    """At the start the stiff one accelerates by 5e5 m/s^2, of which 1e-10 would leave the soft one 3e-7 m away."""
+    springs, guides = [], []
+    for k, stiffness in enumerate((1e7, STIFFNESS)):
+        at = {"body_a": GROUND, "body_b": f"body{k}"}
+        guides.append(Prismatic(name=f"guide{k}", point=(k, 0.1), axis=(0.0, 1.0), **at))
+        springs.append(SpringDamper(name=f"spring{k}", point_a=(k, 1.1), point_b=(k, 0.1), stiffness=stiffness,
+                                    rest_length=1.1, **at))  # fmt: skip
+    bodies = (body(0.0, 0.1, name="body0"), body(1.0, 0.1, name="body1"))
+    scene = at_equilibrium(Scene(name="two", gravity=DOWN, bodies=bodies, joints=tuple(guides), loads=tuple(springs)))
+    sunk = [0.0 - MASS * G / stiffness for stiffness in (1e7, STIFFNESS)]
+    assert [b.position[1] for b in scene.bodies] == pytest.approx(sunk, abs=1e-13)
 
 
 def test_what_falls_forever_has_no_equilibrium():
