@@ -2,14 +2,16 @@
 
 A text that begins with "=" is a formula of both (mbs_ref.scene.base.expression), as in mass = "= density * length". A
 table with `choose` stands for the one of its entries that the formula names, or for `otherwise`; "none" leaves it out.
-`[requires]` has a sentence for each formula of parameters that must be positive: why others are refused.
+`[requires]` has a sentence for each formula of parameters that must be positive: why others are refused. Formulas in
+its braces stand for their values.
 """
 
 import inspect
+import re
 from collections.abc import Callable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, TypeAdapter, ValidationError, model_validator
 
 from mbs_ref.scene.base.expression import evaluate
 from mbs_ref.scene.base.part import Part, limited
@@ -30,8 +32,10 @@ class Declared(Part):
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        if self.among and self.default not in self.among:
-            raise ValueError(f"default = {self.default!r} is not among {list(self.among)}")
+        try:
+            TypeAdapter(self.parameter("default").annotation).validate_python(self.default)
+        except (ValidationError, TypeError) as error:  # a text has no bounds
+            raise ValueError(f"default = {self.default!r} is not within what is allowed") from error
         return self
 
     def parameter(self, name: str) -> inspect.Parameter:
@@ -43,6 +47,11 @@ class Declared(Part):
         elif bounds:
             kind = Annotated[kind, Field(**bounds)]
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=self.default, annotation=kind)
+
+
+def _written(value: Any) -> str:
+    """Return a value as the names of choices and sentences have it."""
+    return f"{value:g}" if isinstance(value, float) else str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _left_out(old: Any, value: Any) -> bool:
@@ -71,8 +80,7 @@ def filled(data: dict[str, Any], given: dict[str, Any], refuse: Callable[[str, s
 
     def chosen(here: dict[str, Any], place: str) -> tuple[Any, str]:
         value = fill(here[CHOOSE], f"{place}.{CHOOSE}")
-        key = f"{value:g}" if isinstance(value, float) else str(value).lower() if value in (True, False) else str(value)
-        key = key if key in here else OTHERWISE
+        key = _written(value) if _written(value) in here else OTHERWISE
         if key not in here:
             allowed = ", ".join(key for key in here if key != CHOOSE)
             raise refuse(place, f"{CHOOSE} = {value!r} names none of its entries; there are {allowed}")
@@ -83,12 +91,15 @@ def filled(data: dict[str, Any], given: dict[str, Any], refuse: Callable[[str, s
             raise refuse(name, "must be a table")
         return data.get(name, {})
 
+    def reason(sentence: str) -> str:
+        return re.sub("{(.*?)}", lambda found: _written(fill(FORMULA + found[1], f"requires.{sentence}")), sentence)
+
     known = dict(given)
     for sentence, formula in table("requires").items():
         value = fill(formula, f"requires.{sentence}")
         if not (isinstance(value, int | float) and value > 0.0):
             stated = ", ".join(f"{name} = {value!r}" for name, value in given.items())
-            raise refuse("parameters", f"{sentence}; given: {stated}")
+            raise refuse("parameters", f"{reason(sentence)}; given: {stated}")
     for name, formula in table("values").items():
         known[name] = fill(formula, f"values.{name}")
     scene = {key: value for key, value in data.items() if key not in ("values", "requires")}

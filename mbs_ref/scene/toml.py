@@ -72,27 +72,27 @@ def builder(text: str, file: str = "scene") -> Callable[..., Scene]:
         raise _refusal(file, "is nested too deeply") from error
     except ValueError as error:  # TOMLDecodeError, or a number with more digits than Python converts
         raise _refusal(file, f"is not TOML: {error}") from error
-    declared = [_declared(name, value, file) for name, value in _tables(data).items()]
+    declared = [_declared(name, value, file) for name, value in _declarations(data).items()]
+    signature = Signature(declared)
 
     def build(**given: Any) -> Scene:
-        values = {parameter.name: parameter.default for parameter in declared} | given
+        values = {parameter.name: parameter.default for parameter in declared} | signature.bind(**given).arguments
         try:
             built = filled(data, values, lambda *mistake: _refusal(file, *mistake)) if declared else data
         except RecursionError as error:
             raise _refusal(file, "is nested too deeply") from error
         return _validated(built, file)
 
-    build.__signature__ = Signature(declared)  # type: ignore[attr-defined]
+    build.__signature__ = signature  # type: ignore[attr-defined]
     build.__annotations__ = {one.name: one.annotation for one in declared} | {"return": Scene}
     build.__doc__ = "\n".join(line[2:] for line in takewhile(lambda line: line[:1] == "#", text.splitlines()))
     return build
 
 
-def _tables(data: dict[str, Any]) -> dict[str, Any]:
-    """Return the parameters that are declared; a plain value is what a scene was built with."""
-    parameters = data.get("parameters")
-    pairs = parameters.items() if isinstance(parameters, dict) else ()
-    return {name: value for name, value in pairs if isinstance(value, dict)}
+def _declarations(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the parameters that are declared; plain values alone are those that a scene was built with."""
+    found = data.get("parameters")
+    return found if isinstance(found, dict) and any(isinstance(value, dict) for value in found.values()) else {}
 
 
 def _declared(name: str, value: dict[str, Any], file: str) -> Parameter:

@@ -148,11 +148,18 @@ def simulate(
     y = own.initial_state() if start is None else own.states_of(start)[0]
     path = simulated(system, plan, y, build_s)
     if not (system.event_sources or system.calls_users or touching(scene)):
+        _reset(system)
         _idle[scene.dimension] = scene, settings.coordinates, system
     return path
 
 
-_idle: dict[int, tuple[Scene, str, System]] = {}  # dimension -> the last scene, compiled, if its runs leave it as it is
+def _reset(system: System) -> None:
+    """Undo what a run without events sets."""
+    system.set_mode_time(0.0)
+    system.set_baumgarte(0.0)
+
+
+_idle: dict[int, tuple[Scene, str, System]] = {}  # dimension -> the last scene, compiled, if its runs change no more
 
 
 def _compiled_once(scene: Scene, coordinates: Coordinates) -> System:
@@ -172,8 +179,7 @@ def compiled(scene: Scene, settings: Settings, times: np.ndarray | None) -> tupl
 def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0) -> Trajectory:
     """Return the run from a state y of `system.redundant`, as `simulate` does."""
     began, scene = time.perf_counter(), system.scene
-    system.set_mode_time(0.0)
-    system.set_baumgarte(0.0)
+    _reset(system)
     repairs = consistent_start(system.redundant, y, plan.settings)
     y = system.reduced(y)
     rank = rank_at_start(system, y)
