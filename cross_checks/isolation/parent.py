@@ -54,7 +54,7 @@ class Isolated:
     use `threads`. `python` is the interpreter; another than ours takes `variables` (name, value) in place of our search
     path. `apart` makes a call in a copy of the child: what the child has loaded survives a call that does not. A child
     that has threads cannot be copied, and makes the call itself. A call that runs out of memory is repeated in a new
-    child where this one has made others, so that it depends on none of them. Use as a context manager.
+    child where this one has executed others, so that it depends on none of them. Use as a context manager.
     """
 
     timeout: float = TIMEOUT

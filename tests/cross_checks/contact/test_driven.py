@@ -128,8 +128,9 @@ def test_a_driver_that_hangs_is_a_failure_and_a_rebound_of_0_is_sent(engine, mon
     engine.script.write_text("import time\ntime.sleep(60)\n")
     monkeypatch.setattr(driven, "LONG", 0.1)
     scene = scenes.make("sliding_block", height=0.0)
-    status, why = checked_run(engine, scene, Settings(step=1e-3), np.array((0.0, 0.1)))
-    assert (status, "more than 0.1 s" in why) == ("engine-error", True)
+    outcome = checked_run(engine, scene, Settings(step=1e-3), np.array((0.0, 0.1)))
+    assert not isinstance(outcome, Trajectory)
+    assert (outcome[0], "more than 0.1 s" in outcome[1]) == ("engine-error", True)
     plastic = _pair(SphereOnSphere, **ROUND | {"law": RigidLaw(restitution=0.0)})
     assert driven._contact(driven.linkage_of(plastic), plastic.contacts[0], 1e-4)["rebound"] == 0.0
 
