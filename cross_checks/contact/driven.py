@@ -6,6 +6,7 @@ velocity at its end: c = damping + k h. Siconos has impacts by Newton's law and 
 
 import json
 import subprocess
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
@@ -21,7 +22,7 @@ from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import Scene, Status
 from mbs_ref.scene import GROUND
-from mbs_ref.scene.contact import PinOnSprocket, RoundPair, StickSlip
+from mbs_ref.scene.contact import PinOnSprocket, RoundPair, SpringDamperLaw, StickSlip
 from mbs_ref.scene.euler_parameters import product
 from mbs_ref.scene.traits import part_types
 
@@ -32,6 +33,7 @@ METHODS = {  # engine -> its one method
     "siconos": fixed("moreau", 1, "Moreau and Jean's time stepping", requires=frozenset({"contact"})),
 }
 LONG = 600.0  # s, of a run
+PRODUCTS = 1e-9  # of the largest moment of inertia: smaller products are roundoff
 
 
 class Driven(Engine):
@@ -51,17 +53,25 @@ class Driven(Engine):
 
     def _call(self, *arguments: str, given: str = "") -> Any:
         command = [str(self.python), str(self.script), *arguments]
-        return subprocess.run(command, input=given, capture_output=True, text=True, check=False, timeout=LONG)
+        try:
+            return subprocess.run(command, input=given, capture_output=True, text=True, check=False, timeout=LONG)
+        except subprocess.TimeoutExpired as late:
+            raise TimeoutError(f"its driver took more than {LONG:g} s and was stopped") from late
 
     def refusals(self, scene: Scene) -> list[Refusal]:
         parts = sorted(part_types(scene.model_copy(update={"contacts": ()})) - self.part_types)
         reasons = [f"the driver of {self.name} has no part type {kind!r}" for kind in parts]
         for contact in scene.contacts:
             reasons += friction_refusals(self.name, contact)
+            where = f"contact {contact.name!r}: the driver of {self.name} has"
             if isinstance(contact, PinOnSprocket):
-                reasons.append(f"contact {contact.name!r}: the driver of {self.name} has no sprocket")
+                reasons.append(f"{where} no sprocket")
+            elif contact.body_a == GROUND:
+                reasons.append(f"{where} ground as body_b alone")
             elif self.name == "bullet" and not isinstance(contact, RoundPair) and not is_half_space(contact):
-                reasons.append(f"contact {contact.name!r}: the driver of bullet has endless planes on ground alone")
+                reasons.append(f"{where} endless planes on ground alone")
+        if self.name == "bullet" and not reasons:
+            reasons += _limits_of_bullet(scene)
         return [Refusal(reason, permanent=False) for reason in dict.fromkeys(reasons)]
 
     def build(self, scene: Scene, plan: Plan) -> Linkage:
@@ -87,6 +97,18 @@ class Driven(Engine):
         return position[..., :2], angle, velocity[..., :2], spin[..., 2]
 
 
+def _limits_of_bullet(scene: Scene) -> Iterator[str]:
+    """Yield what the driver of Bullet cannot give a body: products of inertia, and several laws of contact."""
+    for body, link in zip(scene.bodies, linkage_of(scene).of_body, strict=True):
+        where, diagonal = f"body {body.name!r}: the driver of bullet has", np.diag(link.inertia)
+        if np.abs(link.inertia - np.diag(diagonal)).max() > PRODUCTS * diagonal.max():
+            yield f"{where} principal axes along those of the world at t = 0 alone"
+        own = [contact for contact in scene.contacts if body.name in contact.ends]
+        masses = [0.0 if isinstance(c.law, SpringDamperLaw) else pair_mass(scene, c) for c in own]
+        if len({(repr(c.law), repr(c.friction), mass) for c, mass in zip(own, masses, strict=True)}) > 1:
+            yield f"{where} one law and one friction for all contacts of a body"
+
+
 def _body(model: Linkage, k: int) -> dict[str, Any]:
     """Return a body in the axes of the world at t = 0; in the plane it has the same moment of inertia about all."""
     body: Any = model.scene.bodies[k]
@@ -101,18 +123,18 @@ def _body(model: Linkage, k: int) -> dict[str, Any]:
 def _contact(model: Linkage, contact: Any, step: float) -> dict[str, Any]:
     scene = model.scene
     mass, spheres = pair_mass(scene, contact), spheres_of(contact)
+    rebound = getattr(contact.law, "restitution", None)
     law = damped_by_step(own_law(contact.law, mass, step, "force"), step)
 
     def local(name: str, point: Any) -> list[float]:
-        return (
-            lifted(point) - (0.0 if name == GROUND else lifted(scene.bodies[scene.body_index(name)].position))
-        ).tolist()
+        origin = 0.0 if name == GROUND else lifted(scene.bodies[scene.body_index(name)].position)
+        return (lifted(point) - origin).tolist()
 
     found = {
         "a": scene.body_index(contact.body_a), "b": scene.body_index(contact.body_b),
         "center": local(*spheres[0][:2]), "radius": spheres[0][2], "stiffness": law.stiffness,
         "damping": law.damping - law.stiffness * step, "friction": getattr(contact.friction, "coefficient", 0.0),
-        "rebound": getattr(contact.law, "restitution", None) or impact(law, mass, wanted.NOMINAL_SPEED).restitution,
+        "rebound": impact(law, mass, wanted.NOMINAL_SPEED).restitution if rebound is None else rebound,
     }  # fmt: skip
     if isinstance(contact, RoundPair):
         return found | {"origin": local(*spheres[1][:2]), "other": spheres[1][2]}

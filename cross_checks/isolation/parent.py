@@ -53,7 +53,8 @@ class Isolated:
     `timeout` in s that the call computes or sleeps, without what Numba compiles, and `memory` in bytes. Libraries may
     use `threads`. `python` is the interpreter; another than ours takes `variables` (name, value) in place of our search
     path. `apart` makes a call in a copy of the child: what the child has loaded survives a call that does not. A child
-    that has threads cannot be copied, and makes the call itself. Use as a context manager.
+    that has threads cannot be copied, and makes the call itself. A call that runs out of memory is repeated in a new
+    child where this one has executed others, so that it depends on none of them. Use as a context manager.
     """
 
     timeout: float = TIMEOUT
@@ -93,20 +94,30 @@ class Isolated:
     def _call(
         self, function: Callable[..., Any], arguments: tuple[Any, ...], apart: bool, timeout: float | None = None
     ) -> Any:
+        has_served = not self.fresh
+        worked, answer = self._attempt(function, arguments, apart, timeout or self.timeout)
+        if _ran_out_of_memory(answer):
+            self.close()  # what it holds would be missing in later calls
+            if has_served:  # earlier calls may hold the memory that this one lacked
+                return self._call(function, arguments, apart, timeout)
+        if not worked:
+            raise answer
+        return answer
+
+    def _attempt(
+        self, function: Callable[..., Any], arguments: tuple[Any, ...], apart: bool, timeout: float
+    ) -> tuple[bool, Any]:
         if self.fresh:
             self._start()
         assert self._pipe is not None
         try:
             send(self._pipe, (function, arguments, apart))
             with Relay() as relay:
-                worked, answer = self._answer(apart, timeout or self.timeout, relay)
+                return self._answer(apart, timeout, relay)
         except (Lost, OSError) as error:
             if self.is_cancelled:
                 raise Cancelled("the call was given up") from error
-            raise
-        if not worked:
-            raise answer
-        return answer
+            return False, error
 
     @property
     def fresh(self) -> bool:
@@ -210,6 +221,12 @@ class Isolated:
             with suppress(ProcessLookupError):
                 os.kill(self._copy, signal.SIGKILL)
         self._copy = None
+
+
+def _ran_out_of_memory(answer: Any) -> bool:
+    """Whether a call was lost for want of memory, raised so, or returned a record that says so."""
+    status = getattr(getattr(answer, "record", answer), "status", "")
+    return isinstance(answer, MemoryError) or status == "out-of-memory"
 
 
 def resident(pid: int) -> int:

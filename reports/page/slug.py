@@ -20,8 +20,8 @@ LONGEST = 80
 def slug(text: str) -> str:
     """Return a file name without markup; two texts that differ in what was dropped differ by a digest."""
     plain = re.sub(r"[^\w.+=-]+", "-", text).strip("-")[:LONGEST]
-    stored = plain.replace("-", " ") == text
-    return plain if stored else f"{plain}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
+    same = plain.replace("-", " ") == text
+    return plain if same else f"{plain}-{hashlib.sha256(text.encode()).hexdigest()[:8]}"
 
 
 def scene_file(label: str) -> str:
@@ -42,16 +42,16 @@ def _of_file(file: str, record: Record) -> dict[str, Any]:
     return {key: value for key, value in given.items() if value != declared[key].default}
 
 
-def command(record: Record, scene: str = "", stored: Sequence[str] = ()) -> str:
+def command(record: Record, scene: str = "", fixed: Sequence[str] = ()) -> str:
     """Return the mbs-ref command that runs what the record holds, of a `scene` that was named so: perhaps by a file.
 
-    `stored` are the initial velocities that it fixes.
+    `fixed` are the initial velocities that it fixes (--keep).
     """
     words = ["mbs-ref", "simulate", scene or record.scene, "--engine", engines.called(record.engine)]
     parameters = _of_file(scene, record) if scene.endswith(".toml") else scenes.chosen(record.scene, record.parameters)
     for name, value in parameters.items():
         words += ["-p", f"{name}={value}"]
-    for rate in stored:
+    for rate in fixed:
         words += ["--keep", rate]
     options = {"method": record.method or None, **{key: record.settings.get(key) for key in ("step", "rtol", "atol")}}
     for name, value in options.items():

@@ -13,11 +13,12 @@ from cross_checks.contact.by_figure import measured
 from cross_checks.contact.drivers import contacts
 from cross_checks.contact.request import Request
 from cross_checks.isolation import environments
+from cross_checks.judge.one_run import checked_run
 from mbs_ref import Settings, Status, scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import relative_motion
 from mbs_ref.scene import Scene, SpatialBody
-from mbs_ref.scene.contact import RollingFriction, SphereOnPlane, SphereOnSphere, SpringDamperLaw
+from mbs_ref.scene.contact import RigidLaw, RollingFriction, SphereOnPlane, SphereOnSphere, SpringDamperLaw
 from mbs_ref.scene.euler_parameters import product
 from mbs_ref.trajectory import Trajectory
 
@@ -106,6 +107,32 @@ def test_what_a_driver_lacks_is_named(engine):
     assert "no part type 'distance'" in engine.refusal(scenes.make("pendulum"), engine.method(None))
     engine.name = "bullet"
     assert "endless planes on ground alone" in engine.refusal(_pair(SphereOnPlane, **FLAT), engine.method("impulses"))
+
+
+def test_bodies_that_bullet_would_run_otherwise_are_refused(engine):
+    """Its driver gives a body a diagonal inertia, and one stiffness, damping and friction for all contacts."""
+    engine.name, tilted = "bullet", _pair(SphereOnSphere, **ROUND)
+    method = engine.method("impulses")
+    assert "principal axes" in engine.refusal(tilted, method)
+    bodies = tuple(body.model_copy(update={"orientation": TURNS[0]}) for body in tilted.bodies)  # a third of a turn
+    straight = tilted.model_copy(update={"bodies": bodies})
+    assert not engine.refusal(straight, method)
+    (first,) = straight.contacts
+    soft = first.model_copy(update={"name": "soft", "law": LAW.model_copy(update={"stiffness": 1e4})})
+    assert "one law" in engine.refusal(straight.model_copy(update={"contacts": (first, soft)}), method)
+    swapped = first.model_copy(update={"body_a": "ground"})
+    assert "ground as body_b" in engine.refusal(straight.model_copy(update={"contacts": (swapped,)}), method)
+
+
+def test_a_driver_that_hangs_is_a_failure_and_a_rebound_of_0_is_sent(engine, monkeypatch):
+    engine.script.write_text("import time\ntime.sleep(60)\n")
+    monkeypatch.setattr(driven, "LONG", 0.1)
+    scene = scenes.make("sliding_block", height=0.0)
+    outcome = checked_run(engine, scene, Settings(step=1e-3), np.array((0.0, 0.1)))
+    assert not isinstance(outcome, Trajectory)
+    assert (outcome[0], "more than 0.1 s" in outcome[1]) == ("engine-error", True)
+    plastic = _pair(SphereOnSphere, **ROUND | {"law": RigidLaw(restitution=0.0)})
+    assert driven._contact(driven.linkage_of(plastic), plastic.contacts[0], 1e-4)["rebound"] == 0.0
 
 
 def test_an_engine_without_an_environment_is_absent(tmp_path, monkeypatch):

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import threading
 import time
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import numba
 import pytest
@@ -136,6 +138,28 @@ def test_a_closed_child_takes_its_copy_along():
     while _alive(copy[0]):
         assert time.monotonic() < end
         time.sleep(0.01)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_memory_that_an_earlier_call_holds_fails_no_later_one(apart):
+    """After one hungry call every later one of the same child raised MemoryError."""
+    with Isolated(timeout=troubles.PATIENCE, memory=300 * 2**20) as isolated:
+        call = isolated.apart if apart else isolated
+        for reserve in (partial(troubles.reserve, keep=False), troubles.reserve_for_record):
+            isolated(troubles.reserve, 5 * 2**29, True)
+            holding = isolated(os.getpid)
+            answer = call(reserve, 2**31)
+            assert getattr(answer, "record", SimpleNamespace(steps=answer)).steps == 2**31
+            assert isolated(os.getpid) != holding
+
+
+def test_a_call_without_memory_ends_its_child_and_is_not_repeated_in_a_new_one():
+    with Isolated(timeout=troubles.PATIENCE, memory=300 * 2**20) as isolated:
+        assert isolated(troubles.reserve_for_record, 2**33).record.status == "out-of-memory"
+        assert isolated.fresh
+        with pytest.raises(MemoryError):
+            isolated(troubles.reserve, 2**33, False)
+        assert isolated.fresh
 
 
 def _alive(pid: int) -> bool:

@@ -8,7 +8,9 @@ import signal
 import threading
 import time
 from contextlib import suppress
+from types import SimpleNamespace
 
+import numpy as np
 from numba.core.event import trigger_event
 
 from cross_checks.isolation.parent import Isolated, Lost
@@ -16,6 +18,7 @@ from cross_checks.isolation.parent import Isolated, Lost
 PATIENCE = 60.0  # s, with what comes back at once but for a busy machine
 BRIEF = 2.0  # s, with what never comes back
 _held: list[float] = []
+_blocks: list[np.ndarray] = []
 _inner: list[Isolated] = []
 _lock = threading.Lock()
 
@@ -116,3 +119,19 @@ def eat_memory() -> None:
     while True:
         held.append(bytearray(os.urandom(1) * 2**24))  # 16 MiB, touched
         time.sleep(1e-3)
+
+
+def reserve(size: int, keep: bool) -> int:
+    """Reserve bytes of address space, untouched; forget them unless they are to be kept."""
+    block = np.empty(size, np.uint8)
+    if keep:
+        _blocks.append(block)
+    return len(block)
+
+
+def reserve_for_record(size: int) -> SimpleNamespace:
+    """Reserve bytes; a failure is a record's status, as of a run."""
+    try:
+        return SimpleNamespace(record=SimpleNamespace(status="success", steps=reserve(size, keep=False)))
+    except MemoryError:
+        return SimpleNamespace(record=SimpleNamespace(status="out-of-memory", steps=0))
