@@ -222,7 +222,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         end = outputs.times[-1 if options.dense else run.next_output]
         attempt = stepping.next_attempt(options.step, run, end, adaptive and natural == 0.0, search)
         if stepping.stands_still(attempt):
-            return leg.STEP_TOO_SMALL
+            return leg.SINGULAR if projects and pivot < SINGULAR_PIVOT / rtol else leg.STEP_TOO_SMALL
         restore = projects and ((rejected and pivot < NEAR_SINGULAR) or regularity(work) < NEAR_SINGULAR)
         run.near_singular += 1 if restore else 0
         pivot = fill_stages(model, work, tableau, attempt.t, attempt.h, y, stages, restore, tolerance)
@@ -241,6 +241,8 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             if rejected:
                 run.rejected += 1
                 if attempt.t + run.h == attempt.t or run.h < stepping.SHORTEST * span:
+                    if restore and pivot < SINGULAR_PIVOT / rtol:
+                        return leg.SINGULAR
                     return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE
                 continue
         ends.known[0], ends.known[1] = 1, adaptive and not projects and not attempt.searching

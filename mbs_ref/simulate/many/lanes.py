@@ -80,7 +80,7 @@ class Bunch(NamedTuple):
 def why_not_in_lanes(scene: Scene, settings: Settings) -> str:
     """Return why runs cannot use lanes, or nothing.
 
-    Lanes support bodies, joints and closed loops under gravity and springs that push and pull, by DOP853 with
+    Lanes support trees, and closed loops in the plane, under gravity and springs that push and pull, by DOP853 with
     tolerances; nothing that depends on the time, and no events.
     """
     return "; ".join(_reasons(scene, settings))
@@ -101,6 +101,8 @@ def _reasons(scene: Scene, settings: Settings) -> Iterator[str]:
         yield "outputs = 'dense': lanes end steps at outputs"
     if settings.stabilization == "baumgarte":
         yield "stabilization = 'baumgarte': lanes project"
+    if scene.dimension == 3 and [*no_tree(scene)]:
+        yield f"scene {scene.name!r} has closed loops in space, or joints that relative coordinates lack"
     if core_name(scene) == "particles":
         yield "particles have a core of their own"
 

@@ -19,7 +19,7 @@ from mbs_ref.observables.distance import distances
 from mbs_ref.scene.celestial import AU_M
 from mbs_ref.scenes.solar_system import julian_date
 from reports.facts.curves import Curves, Measured, Row, Value, plain
-from reports.studies.sky.frames import by_sgp4, frames
+from reports.studies.sky.frames import by_sgp4, comparisons
 
 LEVELS = {
     "lumped": "Newton, Earth and Moon as one", "newton": "Newton", "gr_sun": "+ relativity of the Sun alone",
@@ -54,7 +54,7 @@ def measure() -> Measured:
     measured.tables["figures: Other ephemerides at the same time"] = tuple(
         {"name": EPHEMERIDES[name]} | figures for name, figures in spread().items()
     )
-    measured.tables["frames"], measured.tables["sgp4"] = frames(), by_sgp4()
+    measured.tables["frames"], measured.tables["sgp4"] = comparisons(), by_sgp4()
     for race in races():
         add_race(measured, *race)
     add_splitting(measured)

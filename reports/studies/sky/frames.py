@@ -34,7 +34,7 @@ EQUATOR, OBLATE = 6_378_137.0, 1.0 / 298.257223563  # m, 1: WGS 84
 PLANETS = ("mercury", "venus", "earth", "mars", "jupiter", "saturn", "uranus", "neptune")
 
 
-def frames() -> tuple[Row, ...]:
+def comparisons() -> tuple[Row, ...]:
     """Return a row for each comparison: largest distance, significant figures, both times (s); none without Astropy."""
     try:
         return tuple(_rows(import_module("cross_checks.ephemerides.astropy_")))

@@ -90,8 +90,6 @@ def test_forces_are_those_of_a_part_for_every_pair(space, friction):
         y[n:] += 0.5 * random.standard_normal(len(y) - n)
         expected = pairs.derivative(0.0, y)
         found = group.derivative(0.0, y)
-        if not friction:
-            assert np.array_equal(found, expected)
         assert np.abs(found - expected).max() <= ROUNDOFF * np.abs(expected).max()
     assert np.abs(expected).max() > 1e3  # they do touch
 
