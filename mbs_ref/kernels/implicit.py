@@ -8,6 +8,7 @@ joint tree in O(N); the full one forms the tangent by differences, and is dense.
 import numpy as np
 
 from mbs_ref.kernels.algebra.dense import lu_factor, lu_solve
+from mbs_ref.kernels.algebra.lanes import larger
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rows import largest_entry
@@ -20,8 +21,7 @@ DIFFERENCE = 1e-7  # of an acceleration, for the tangent's columns
 def _largest(values):
     largest = 0.0
     for k in range(values.shape[0]):
-        if not abs(values[k]) <= largest:  # a NaN must win
-            largest = abs(values[k])
+        largest = larger(largest, abs(values[k]))
     return largest
 
 

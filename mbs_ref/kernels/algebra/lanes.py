@@ -183,11 +183,17 @@ def _negated(builder: Any, value: Any, number: Any) -> Any:
     return builder.bitcast(builder.xor(builder.bitcast(value, _WORDS), sign), _DOUBLES)
 
 
-def _selected(name: str, order: str, of: Callable[..., tuple[Any, Any]]) -> Any:
-    """Return the intrinsic of two numbers a and b that is `of` both, the first in lanes where a stands so to b."""
+def _selected(name: str, order: str, of: Callable[..., tuple[Any, Any]], keeps_nan: bool = False) -> Any:
+    """Return the intrinsic of two numbers a and b that is `of` both, the first in lanes where a stands so to b.
+
+    With `keeps_nan` it is the first where a is not a number, too.
+    """
 
     def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.select(builder.fcmp_ordered(order, *args), *of(*args))
+        chosen = builder.fcmp_ordered(order, *args)
+        if keeps_nan:
+            chosen = builder.or_(chosen, builder.fcmp_unordered("!=", args[0], args[0]))
+        return builder.select(chosen, *of(*args))
 
     def select(context, a, b):
         return LANES(LANES, LANES), lowered
@@ -197,7 +203,7 @@ def _selected(name: str, order: str, of: Callable[..., tuple[Any, Any]]) -> Any:
 
 
 _ONE, _ZERO = (ir.Constant(_DOUBLES, [value] * WIDTH) for value in (1.0, 0.0))
-_larger = _selected("_larger", ">", lambda a, b: (a, b))
+_larger = _selected("_larger", ">", lambda a, b: (a, b), keeps_nan=True)
 _smaller = _selected("_smaller", "<", lambda a, b: (a, b))
 _exceeds = _selected("_exceeds", ">", lambda a, b: (_ONE, _ZERO))
 
@@ -234,7 +240,7 @@ def lane_by_lane(call: str, function: Any) -> Any:
     return either(call, function, intrinsic_of(call, of_lanes))
 
 
-larger = either("larger(a, b)", bare(lambda a, b: a if a > b else b), _larger)  # b where one is not a number
+larger = either("larger(a, b)", bare(lambda a, b: a if a > b or a != a else b), _larger)  # a NaN where one is
 smaller = either("smaller(a, b)", bare(lambda a, b: a if a < b else b), _smaller)  # b where one is not a number
 # Return 1 where a > b, else 0.
 exceeds = either("exceeds(a, b)", bare(lambda a, b: 1.0 if a > b else 0.0), _exceeds)

@@ -22,6 +22,7 @@ from mbs_ref.kernels.algebra.lanes import (
 )
 from mbs_ref.kernels.border.questions import derivative
 from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.rows import largest_entry
 from tests.mbs_ref.cores.test_relative import planar_tree
 
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
@@ -88,10 +89,19 @@ def decimal_cos_sin(angle):
 def test_arithmetic_is_that_of_floats():
     a, b, out = random_lanes(5, scale=9.0), random_lanes(5), room_for_lanes(5, 7)
     b[2, 1], b[3] = 0.0, 0.0
+    a[4, 2], b[4, 3] = np.nan, np.nan
     with np.errstate(divide="ignore"):
         _arithmetic(a, b, out)
         wanted = a + b - 2.0, 3 * a, 1.0 / b, -a, np.maximum(a, np.abs(b)), np.rint(a), np.where(b, a, 7.0) + 1.0
-    assert np.array_equal(out, np.stack(wanted, axis=1))
+    assert np.array_equal(out, np.stack(wanted, axis=1), equal_nan=True)
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_the_largest_entry_is_none_where_one_is_no_number(place):
+    values = np.array([[1.0, -3.0, 2.0]])
+    assert largest_entry(values) == 3.0
+    values[0, place] = np.nan
+    assert np.isnan(largest_entry(values))
 
 
 def test_cosine_and_sine_are_right_to_the_last_digit():
