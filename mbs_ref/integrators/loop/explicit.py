@@ -158,12 +158,12 @@ def _interpolate(share, h, y, stages, last, bumps, out):
 # Roundoff in an acceleration grows as eps / sigma^3 near a singular pose, with the relative closure pivot
 # sigma^2. A step that ends where this harms the accuracy is shortened once, so that the next one
 # passes over the pose; where that does not help it may end there, unless even positions would suffer. Where no shorter
-# step avoids that either, the step that accuracy allows ends there, unless rounding would determine the branch:
-# branches are sigma apart, and rounding moves the pose by eps / sigma.
+# step avoids that either, the step that accuracy allows ends there if SHARPEST can be met: no tighter tolerance can be,
+# next to such a pose.
 NOISY_PIVOT = 2e-17  # over rtol, to the power 2/3
 NOISY_STAGE = 1e-19  # likewise for a stage inside a step, whose weight is smaller
 SINGULAR_PIVOT = 1e-17  # over rtol
-AMBIGUOUS_PIVOT = 1e-11  # rounding of 1e-14 of the mechanism, a thousand times
+SHARPEST = 1e-11  # rtol
 TIGHTEST = 1e-13  # rtol that double precision can meet
 PATIENT_AVOIDED, MOST_AVOIDED = 6, 60  # attempts in a row to end a step away from a singular pose
 NEAR_SINGULAR = 0.1  # relative closure pivot below which stages are projected
@@ -187,8 +187,8 @@ def is_noisy(pivot, limit, rtol):
 def is_too_near(pivot, stage_pivot, rtol, avoided, adaptive):
     """Return whether a step is not to end at this pivot, with its worst stage's; `avoided` attempts have not either."""
     noisy = is_noisy(pivot, NOISY_PIVOT, rtol) or is_noisy(stage_pivot, NOISY_STAGE, rtol)
-    harmed = adaptive and pivot < SINGULAR_PIVOT / rtol and (avoided < MOST_AVOIDED or pivot < AMBIGUOUS_PIVOT)
-    return (noisy and avoided < PATIENT_AVOIDED) or harmed
+    needed = rtol if avoided < MOST_AVOIDED else max(rtol, SHARPEST)
+    return (noisy and avoided < PATIENT_AVOIDED) or (adaptive and pivot < SINGULAR_PIVOT / needed)
 
 
 @jit
@@ -222,7 +222,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         end = outputs.times[-1 if options.dense else run.next_output]
         attempt = stepping.next_attempt(options.step, run, end, adaptive and natural == 0.0, search)
         if stepping.stands_still(attempt):
-            return leg.SINGULAR if projects and pivot < SINGULAR_PIVOT / rtol else leg.STEP_TOO_SMALL
+            return leg.STEP_TOO_SMALL
         restore = projects and ((rejected and pivot < NEAR_SINGULAR) or regularity(work) < NEAR_SINGULAR)
         run.near_singular += 1 if restore else 0
         pivot = fill_stages(model, work, tableau, attempt.t, attempt.h, y, stages, restore, tolerance)
@@ -241,8 +241,6 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             if rejected:
                 run.rejected += 1
                 if attempt.t + run.h == attempt.t or run.h < stepping.SHORTEST * span:
-                    if restore and pivot < SINGULAR_PIVOT / rtol:
-                        return leg.SINGULAR
                     return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE
                 continue
         ends.known[0], ends.known[1] = 1, adaptive and not projects and not attempt.searching
