@@ -129,10 +129,10 @@ def close_step(model, work, t, y, step, restore, tolerance, stop, worst):
         return leg.NON_FINITE, worst
     if restore:
         left = project(model, work, t, y, tolerance, PROJECTION_ITERATIONS)
-        if not left <= PROJECTION_FAILURE * tolerance:
-            return leg.PROJECTION, worst
-        if not all_finite(y):  # velocities are projected last
+        if not (np.isfinite(left) and all_finite(y)):  # velocities are projected last
             return leg.NON_FINITE, worst
+        if left > PROJECTION_FAILURE * tolerance:
+            return leg.PROJECTION, worst
     else:
         left, _ = compliance(model, work, t, y)
     worst = max(worst, left)

@@ -12,7 +12,7 @@ from reports.facts.curves import Measured
 from reports.facts.report_data import ReportData
 from reports.page.render import render
 from reports.studies import sky
-from reports.studies.sky.frames import frames
+from reports.studies.sky.frames import comparisons
 
 BODIES = ("sun", "mercury", "earth", "moon", "jupiter")
 
@@ -89,7 +89,7 @@ def test_a_lost_moon_is_stated_and_the_page_does_without_rebound(facts):
 def test_each_part_of_the_earths_rotation_brings_the_track_closer_to_astropys():
     """Precession, nutation and UT1 in turn; metres remain, as polar motion is left out. Aberration is 20 arcseconds."""
     pytest.importorskip("astropy")
-    rows = {str(row["name"]): row for row in frames()}
+    rows = {str(row["name"]): row for row in comparisons()}
     tracks = [float(row["apart"] or 0.0) for name, row in rows.items() if "ITRS" in name]
     assert sorted(tracks, reverse=True) == tracks
     assert tracks[-1] < 15.0  # m: polar motion of half an arcsecond
