@@ -160,7 +160,7 @@ def princeton_beam(
     """Load a flat cantilever at its tip, obliquely: it bends both ways and twists, by up to 0.4 of its length.
 
     segments; load (N) and its angle (deg) from the section's height. With start = "equilibrium" it rests, as in the
-    source; without, it is let go straight.
+    source; without, it is released straight.
     """
     pitch, area, shear = SPAN / segments, HEIGHT * WIDTH, YOUNG / (2.0 + 2.0 * POISSON)
     second = [HEIGHT * WIDTH**3 / 12.0, WIDTH * HEIGHT**3 / 12.0]  # m^4, about y and z

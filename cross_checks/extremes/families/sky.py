@@ -23,7 +23,7 @@ YEAR = 365.25 * DAY_S  # s
 RTOL = 1e-10
 MEETING = 3e6  # s, of the visitor's fall past Jupiter
 KNOWN = 3e9  # m aside, down to which a truth converges in a second; it then passes 1.4e8 m from Jupiter's centre
-FAR, SLOW = 1e10, 2e3  # m and m/s: where it is let go from, and how fast
+FAR, SLOW = 1e10, 2e3  # m and m/s: where it is released, and how fast
 
 
 def _eccentric(gap: float) -> Case:
@@ -68,7 +68,7 @@ def _of_library(name: str, times: np.ndarray, step: float, rtol: float | None = 
 
 
 def _visited(aside: float) -> Case:
-    """Pluto is let go beside Jupiter, past which it falls at a distance that shrinks with `aside` (m)."""
+    """Pluto is released beside Jupiter, past which it falls at a distance that shrinks with `aside` (m)."""
     scene = scenes.make("outer_solar_system")
     jupiter = next(body for body in scene.bodies if body.name == "jupiter")
     assert isinstance(jupiter, PointMass)

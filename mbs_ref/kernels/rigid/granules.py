@@ -7,7 +7,7 @@ is counted twice (inclusion and exclusion):
     corners of a on core b + corners of b on core a - corners of a on corners of b + edges on edges - ends of these
 
 so that one point of contact has the law's force once, a flat face has one at each of its corners, and a force that
-follows from a potential remains one: the sum is continuous where one pair of features takes over from another.
+follows from a potential remains one: the sum is continuous where the nearest features change.
 """
 
 import math
@@ -71,8 +71,9 @@ def _from_core(work, grains, j, x):
 def _press(work, grains, i, x, b, n, gap, sign):
     """Add `sign` times the force of grain i, by the point x (m) of its core, on body b; n points from b to it."""
     a = grains.body[i]
-    arm_a = core.minus(work, core.minus(work, x, core.centre(work, a)), core.times(work, grains.radius[i], n))
-    arm_b = core.minus(work, core.plus(work, core.centre(work, a), arm_a), core.centre(work, b))
+    inward = core.times(work, -grains.radius[i], n)
+    arm_a = core.plus(work, core.minus(work, x, core.centre(work, a)), inward)
+    arm_b = core.minus(work, core.plus(work, x, inward), core.centre(work, b))
     u = rate_between(work, b, a, arm_b, arm_a)
     closing = core.dot(work, n, u)
     normal = law.normal_force(grains, grains, 0, -gap, -closing)
@@ -162,13 +163,16 @@ def _press_edges(work, grains, i, j):
 @bare
 def _touch(work, grains, i, j):
     """Add the forces of two grains that may overlap."""
-    x = core.minus(work, core.centre(work, grains.body[i]), core.centre(work, grains.body[j]))
-    reach = grains.reach[i] + grains.reach[j]
+    place, other = core.centre(work, grains.body[i]), core.centre(work, grains.body[j])
+    x, reach = core.minus(work, place, other), grains.reach[i] + grains.reach[j]
+    is_point, is_other = grains.reach[i] == grains.radius[i], grains.reach[j] == grains.radius[j]
     if core.dot(work, x, x) >= reach * reach:
         return
-    if grains.reach[i] == grains.radius[i]:
+    if is_point and is_other:
+        _press_points(work, grains, i, place, j, other, 1.0)
+    elif is_point:
         _press_corners(work, grains, i, j, True)
-    elif grains.reach[j] == grains.radius[j]:
+    elif is_other:
         _press_corners(work, grains, j, i, True)
     else:
         _press_corners(work, grains, i, j, True)

@@ -139,7 +139,7 @@ def test_a_closed_loop_in_space_runs_alone_and_says_so():
     lean = Settings(t_end=0.1, samples=2, rtol=1e-6, estimate="off", reactions=False)
     alone = simulate(scene, lean)
     path = simulate_starts(scene, some(poses(alone), slice(0, 1)), lean, lanes=True)[0]
-    assert path.notes[0].startswith("not in lanes: ")
+    assert path.notes[0].startswith("not in lanes: scene 'spatial_n_four_bar' has closed loops in space")
     assert np.array_equal(path.position, alone.position)
 
 
