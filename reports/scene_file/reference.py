@@ -17,7 +17,7 @@ from pydantic_core import PydanticOmit
 
 from mbs_ref import Scene
 from mbs_ref.scene.base.part import Role, fields_of
-from mbs_ref.scene.parameters import CHOOSE, FORMULA, Declared
+from mbs_ref.scene.parameters import CHOOSE, FORMULA, REPEAT, Declared
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 COMMENTED = re.compile(r"^    (\w+): .*?  # (.+)$", re.MULTILINE)
@@ -31,8 +31,14 @@ PLURAL = re.compile(r"^(number|list)\b")
 BOUNDS = {"exclusiveMinimum": "> {:g}", "minimum": "≥ {:g}", "exclusiveMaximum": "< {:g}", "maximum": "≤ {:g}"}
 
 
-FORMULA_TEXT = {"type": "string", "pattern": f"^{FORMULA}"}
+FORMULA_TEXT = {"type": "string", "pattern": f"^{FORMULA}|{{.*}}"}
 CHOICE = {"type": "object", "properties": {CHOOSE: FORMULA_TEXT}, "required": [CHOOSE], "additionalProperties": True}
+REPEATED = {
+    "type": "object",
+    "properties": {REPEAT: {"type": "object"}},
+    "required": [REPEAT],
+    "additionalProperties": True,
+}
 
 
 class _Schema(GenerateJsonSchema):
@@ -69,7 +75,7 @@ def plain() -> dict[str, Any]:
 
 @cache
 def schema() -> dict[str, Any]:
-    """Return the JSON Schema of a scene file: a formula or a choice may stand for a number, a word or a typed table."""
+    """Return the JSON Schema of a scene file: formulas, choices and repetitions stand for numbers, words and tables."""
     result = _with_formulas(plain())
     parameter = Declared.model_json_schema(schema_generator=_Schema)
     result["properties"]["parameters"]["additionalProperties"]["anyOf"].append(parameter)
@@ -84,9 +90,9 @@ def _with_formulas(rule: Any) -> Any:
         return [_with_formulas(one) for one in rule]
     if not isinstance(rule, dict):
         return rule
-    if rule.get("type") in ("number", "integer") or "enum" in rule or "oneOf" in rule:
+    if rule.get("type") in ("number", "integer") or not rule.keys().isdisjoint(("enum", "pattern", "oneOf")):
         known = {key: rule[key] for key in ("description", "default") if key in rule}
-        return {"anyOf": [rule, FORMULA_TEXT, CHOICE]} | known
+        return {"anyOf": [rule, FORMULA_TEXT, CHOICE, REPEATED]} | known
     return {key: _with_formulas(value) for key, value in rule.items()}
 
 

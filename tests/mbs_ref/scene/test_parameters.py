@@ -137,6 +137,59 @@ def test_a_choice_stands_for_the_entry_that_is_named():
         scenes.build(builder(BALL), "ball", law="none")
 
 
+ROW = """
+name = "row"
+description = "{rods} rods, {mass} kg each."
+[parameters]
+rods = { default = 2, ge = 1 }
+[values]
+mass = 0.25
+total = "= rods * mass"
+[requires]
+"{total} kg are too heavy" = "= 2 - total"
+[[bodies]]
+repeat = { k = "= rods", side = 2 }
+values.x = "= k + 0.5 * side"
+values.y = "= -x"
+type = "planar"
+name = "rod{k + 1}.{side}"
+mass = "= mass"
+inertia = 1.0
+position = ["= x", "= y"]
+[[joints]]
+repeat = { k = "= rods" }
+choose = "= k"
+0 = "none"
+otherwise = { type = "weld", name = "weld{k}", body_a = "rod{k}.0", body_b = "rod{k + 1}.1", point = [0.0, 0.0] }
+"""
+
+
+def test_a_repeated_item_stands_for_one_of_each_index():
+    scene = scenes.build(builder(ROW), "row", rods=3)
+    assert scene.description == "3 rods, 0.25 kg each."
+    assert [body.name for body in scene.bodies] == ["rod1.0", "rod1.1", "rod2.0", "rod2.1", "rod3.0", "rod3.1"]
+    assert [body.position[0] for body in scene.bodies] == [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]
+    assert scene.bodies[-1].position[1] == -2.5
+    assert [joint.ends for joint in scene.joints] == [("rod1.0", "rod2.1"), ("rod2.0", "rod3.1")]
+    with pytest.raises(SceneFileError, match=r"parameters: 2\.5 kg are too heavy; given: rods = 10"):
+        scenes.build(builder(ROW), "row", rods=10)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [('side = 2', 'side = "= 0.5"', r"bodies\[0\]\.repeat: side = 0\.5 is no index; allowed"),
+     ('side = 2', 'side = -1', r"side = -1 is no index"), ('side = 2', 'rods = 2', r"rods = 2 is no index"),
+     ('side = 2', 'side = 1e9', r"side = 1000000000\.0 is no index"), ('side = 2', 'side = "two"', r"no index"),
+     ('= { k = "= rods" }', '= 3', r"joints\[0\]\.repeat: must be a table"),
+     ('values.x = "= k', 'values.x = "= j', r"bodies\[0\]\.values\.x: 'j' is not allowed.*rods, mass, total, k, side"),
+     ("rod{k + 1}.{side}", "rod{j}", r"bodies\[0\]\.name: 'j' is not allowed")],
+)  # fmt: skip
+def test_a_mistake_in_a_repeated_item_is_named_with_its_place(old, new, words):
+    assert old in ROW
+    with pytest.raises(SceneFileError, match=words):
+        loads(ROW.replace(old, new, 1))
+
+
 def test_parameters_that_break_a_requirement_are_refused_with_its_sentence():
     text = HANGING.replace(
         "[values]", '[requires]\n"the cord must be longer than {0.4 / 2} m" = "= length - 0.2"\n\n[values]'

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 import pytest
@@ -165,12 +164,12 @@ def test_a_fast_ball_does_not_pass_a_thin_plate():
 
 @pytest.mark.parametrize(
     ("name", "chosen", "words"),
-    [("box_stack", {"boxes": 200, "ratio": 3.0}, "box_stack: the lowest body would sink by 1.3e+90 m"),
-     ("block_stack", {"blocks": 1, "mass": 1e6, "stiffness": 1e7, "gravity": 10.0}, "sink by 0.5 m, its height is 0.2"),
-     ("block_stack", {"blocks": 50, "ratio": 0.333}, "block_stack: the lightest body weighs 3.9e-23 N, which")],
+    [("box_stack", {"boxes": 200, "ratio": 3.0}, r"box_stack.*lowest body would sink by 1\.3\d*e\+90 m"),
+     ("block_stack", {"blocks": 1, "mass": 1e6, "stiffness": 1e7, "gravity": 10.0}, r"0\.5 m, its height is 0\.2 m"),
+     ("block_stack", {"blocks": 50, "ratio": 0.333}, r"block_stack.*highest body weighs 3\.9\d*e-23 N, which")],
 )  # fmt: skip
 def test_a_stack_that_double_precision_or_its_own_weight_forbids_is_refused(name, chosen, words):
-    with pytest.raises(ValueError, match=re.escape(words)):
+    with pytest.raises(ValueError, match=words):
         scenes.make(name, **chosen)
 
 

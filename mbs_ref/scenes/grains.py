@@ -1,4 +1,4 @@
-"""Bodies in contact under gravity: stacks in the plane and in space, and grains that fall into a box."""
+"""Grains that fall into a box, in the plane and in space."""
 
 import itertools
 from collections.abc import Iterator
@@ -7,118 +7,10 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from mbs_ref.scene import GROUND, PlanarBody, Scene, SpatialBody, contact
+from mbs_ref.scene import PlanarBody, Scene, SpatialBody, contact
 from mbs_ref.scene.base.part import NonNegative, Positive
 from mbs_ref.scene.bodies import block_inertia, sphere_inertia
 from mbs_ref.scene.euler_parameters import from_axis_angle
-
-BOX_WIDTH, BOX_HEIGHT = 0.4, 0.2  # m
-
-
-def box_stack(
-    *,
-    boxes: Annotated[int, Field(ge=1, le=200)] = 3,
-    mass: Positive = 1.0,
-    ratio: Positive = 1.0,
-    stiffness: Positive = 1e6,
-    damping: NonNegative = 1000.0,
-    gravity: Positive = 9.81,
-) -> Scene:
-    """Stack boxes, each `ratio` times as heavy as the one below; they sink by their weight over the stiffness.
-
-    boxes, mass of the lowest (kg), ratio (1e4 with 2 boxes is heavy on light), contact stiffness (N/m) and
-    damping (N s/m) of each of the two corners, gravity (m/s^2). They start just touching.
-    """
-    law = contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
-    masses = [mass * ratio**k for k in range(boxes)]
-    _refuse_stack("box_stack", masses, BOX_HEIGHT, 2.0 * stiffness, gravity)
-    return Scene(
-        name="box_stack",
-        description=f"{boxes} boxes stacked without friction, each {ratio:g} times as heavy as the one below.",
-        source="Textbook statics",
-        duration=1.0,
-        gravity=(0.0, -gravity),
-        bodies=tuple(
-            PlanarBody(
-                name=f"box{k}", mass=m, inertia=m * (BOX_WIDTH**2 + BOX_HEIGHT**2) / 12.0,
-                position=(0.0, (k + 0.5) * BOX_HEIGHT)
-            )
-            for k, m in enumerate(masses)
-        ),
-        contacts=tuple(_box_corner(k, side, law) for k in range(boxes) for side in (0, 1)),
-    )  # fmt: skip
-
-
-def _refuse_stack(name: str, masses: list[float], height: float, stiffness: float, gravity: float) -> None:
-    """Refuse a weight that the lowest body cannot carry, and a body whose weight is lost in rounding of positions."""
-    sinks = 2.0 * sum(masses) * gravity / stiffness  # m, without damping twice as far as at rest
-    if sinks >= height:
-        raise ValueError(
-            f"{name}: the lowest body would sink by {sinks:.3g} m, its height is {height:g} m: reduce the weight"
-        )
-    rounding = stiffness * np.finfo(float).eps * height * len(masses)  # N
-    if min(masses) * gravity <= rounding:
-        raise ValueError(
-            f"{name}: the lightest body weighs {min(masses) * gravity:.3g} N, which rounding of contact forces "
-            f"({rounding:.3g} N) exceeds: it must be heavier, or the contacts softer"
-        )
-
-
-def _box_corner(k: int, side: int, law: contact.SpringDamperLaw) -> contact.CircleOnLine:
-    return contact.CircleOnLine(
-        name=f"corner{k}.{side}", body_a=f"box{k}", center=((side - 0.5) * BOX_WIDTH, k * BOX_HEIGHT), radius=0.0,
-        body_b=GROUND if k == 0 else f"box{k - 1}",
-        point_1=(-BOX_WIDTH, k * BOX_HEIGHT), point_2=(BOX_WIDTH, k * BOX_HEIGHT),
-        extent="line" if k == 0 else "segment", law=law,
-    )  # fmt: skip
-
-
-LENGTH, WIDTH, HEIGHT = 0.4, 0.3, 0.2  # m
-
-
-def block_stack(
-    *,
-    blocks: Annotated[int, Field(ge=1, le=50)] = 3,
-    mass: Positive = 1.0,
-    ratio: Positive = 1.0,
-    stiffness: Positive = 1e6,
-    damping: NonNegative = 1000.0,
-    gravity: Positive = 9.81,
-) -> Scene:
-    """Stack blocks, each `ratio` times as heavy as the one below; they sink by their weight over the stiffness.
-
-    blocks, mass of the lowest (kg), ratio (1e4 with 2 blocks is heavy on light), contact stiffness (N/m) and
-    damping (N s/m) of each of the four corners, gravity (m/s^2). They start just touching.
-    """
-    law = contact.SpringDamperLaw(stiffness=stiffness, damping=damping, release="force")
-    masses = [mass * ratio**k for k in range(blocks)]
-    _refuse_stack("block_stack", masses, HEIGHT, 4.0 * stiffness, gravity)
-    return Scene(
-        name="block_stack",
-        description=f"{blocks} blocks stacked without friction, each {ratio:g} times as heavy as the one below.",
-        source="Textbook statics",
-        duration=1.0,
-        gravity=(0.0, 0.0, -gravity),
-        bodies=tuple(_block(k, m) for k, m in enumerate(masses)),
-        contacts=tuple(
-            _block_corner(k, x, y, law) for k in range(blocks) for x, y in itertools.product((-1, 1), (-1, 1))
-        ),
-    )  # fmt: skip
-
-
-def _block(k: int, mass: float) -> SpatialBody:
-    inertia = block_inertia(mass, LENGTH, WIDTH, HEIGHT)
-    return SpatialBody(name=f"block{k}", mass=mass, inertia=inertia, position=(0.0, 0.0, (k + 0.5) * HEIGHT))
-
-
-def _block_corner(k: int, x: int, y: int, law: contact.SpringDamperLaw) -> contact.SphereOnPlane:
-    on_block = {"extent": "rectangle", "size": (2 * LENGTH, 2 * WIDTH), "edge": (1.0, 0.0, 0.0), "thickness": HEIGHT}
-    return contact.SphereOnPlane(
-        name=f"corner{k}.{(x + 1) // 2}{(y + 1) // 2}", body_a=f"block{k}", radius=0.0,
-        center=(0.5 * x * LENGTH, 0.5 * y * WIDTH, k * HEIGHT), body_b=GROUND if k == 0 else f"block{k - 1}",
-        point=(0.0, 0.0, k * HEIGHT), normal=(0.0, 0.0, 1.0), law=law, **({} if k == 0 else on_block),
-    )  # fmt: skip
-
 
 MOST_PAIRED = 300  # grains whose pairs may be parts of the scene: 45 000
 GRAIN_RADIUS = 0.05  # m
