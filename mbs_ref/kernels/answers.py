@@ -4,12 +4,15 @@ Answers come in groups, and a system is prepared for a group when it is needed, 
 answer is named after its question and those whose answer it is: `spatial_tangent`, or `rigid_project` of both cores.
 """
 
+import pkgutil
 from collections.abc import Callable, Iterable
 from functools import cache
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from mbs_ref.kernels import rigid
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.calls import addresses, unanswered
 from mbs_ref.kernels.border.handles import QUESTIONS
@@ -21,18 +24,6 @@ from mbs_ref.kernels.relative import events as relative
 from mbs_ref.kernels.relative import planar as relative_planar
 from mbs_ref.kernels.relative import spatial as relative_spatial
 from mbs_ref.kernels.relative.model import TreeModel, TreeModelInLanes, TreeWork, TreeWorkInLanes
-from mbs_ref.kernels.rigid import (
-    contact_events,
-    contact_forces,
-    descriptor,
-    dynamics,
-    events,
-    granules,
-    grips,
-    joints,
-    loads,
-    model,
-)
 from mbs_ref.kernels.spatial import contacts as spatial_contacts
 from mbs_ref.kernels.spatial import dynamics as spatial
 
@@ -71,7 +62,7 @@ HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a m
     "relative_planar in lanes": (TreeModelInLanes, TreeWorkInLanes),
     "relative_spatial in lanes": (TreeModelInLanes, TreeWorkInLanes),
 }
-_RIGID = (contact_events, contact_forces, descriptor, dynamics, events, granules, grips, joints, loads, model)
+_RIGID = [import_module(f"{rigid.__name__}.{module.name}") for module in pkgutil.iter_modules(rigid.__path__)]
 _OWN = {  # core -> the first words of its answers' names, and their modules
     "planar": (("planar", "rigid"), (planar, *_RIGID)),
     "spatial": (("spatial", "rigid"), (spatial, spatial_contacts, *_RIGID)),

@@ -8,7 +8,6 @@ joint tree in O(N); the full one forms the tangent by differences, and is dense.
 import numpy as np
 
 from mbs_ref.kernels.algebra.dense import lu_factor, lu_solve
-from mbs_ref.kernels.algebra.lanes import larger
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rows import largest_entry
@@ -18,22 +17,14 @@ DIFFERENCE = 1e-7  # of an acceleration, for the tangent's columns
 
 
 @jit
-def _largest(values):
-    largest = 0.0
-    for k in range(values.shape[0]):
-        largest = larger(largest, abs(values[k]))
-    return largest
-
-
-@jit
-def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
+def tree_correction(model, work, t, y, qdd, lam, weight):
     """Correct qdd and lam (n_slots, rows a slot) with the mass matrix alone; return |d_qdd| and max defect."""
     balance, inert, found = np.empty_like(qdd), np.empty_like(qdd), np.empty_like(lam)
     ask.force_balance(model, work, t, y, lam, balance)
     ask.times_mass(model, qdd, inert)
     for k in range(qdd.shape[0]):
         balance[k] -= inert[k]
-    defect = ask.defect_of(work, velocity_level)
+    defect = ask.defect_of(work, False)
     size = largest_entry(defect)
     gamma = ask.gamma_of(work)
     for slot in range(lam.shape[0]):
@@ -46,7 +37,7 @@ def tree_correction(model, work, t, y, qdd, lam, weight, velocity_level):
     for slot in range(lam.shape[0]):
         for row in range(lam.shape[1]):
             lam[slot, row] += found[slot, row]
-    return _largest(inert), size
+    return largest_entry(inert.reshape(1, -1)), size
 
 
 @jit
@@ -84,7 +75,7 @@ def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, r
 
 
 @jit
-def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_slot, row_row, lu, pivots):
+def dense_correction(model, work, t, y, qdd, lam, weight, row_slot, row_row, lu, pivots):
     """Correct qdd and lam with the factored full Newton matrix; return |d_qdd| and max defect."""
     n = qdd.shape[0]
     rhs, inert = np.empty(n + row_slot.shape[0]), np.empty(n)
@@ -92,7 +83,7 @@ def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_sl
     ask.times_mass(model, qdd, inert)
     for k in range(n):
         rhs[k] -= inert[k]
-    defect = ask.defect_of(work, velocity_level)
+    defect = ask.defect_of(work, False)
     size = largest_entry(defect)
     for r in range(row_slot.shape[0]):
         rhs[n + r] = -defect[row_slot[r], row_row[r]] / weight
@@ -101,4 +92,4 @@ def dense_correction(model, work, t, y, qdd, lam, weight, velocity_level, row_sl
         qdd[k] += rhs[k]
     for r in range(row_slot.shape[0]):
         lam[row_slot[r], row_row[r]] += rhs[n + r]
-    return _largest(rhs[:n]), size
+    return largest_entry(rhs[:n].reshape(1, -1)), size

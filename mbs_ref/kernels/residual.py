@@ -106,7 +106,7 @@ def largest_balance(model, work, t, y, lam, balance):
 @jit
 def _numbers(dae, vector, size):
     """Return the numbers of a solver's vector."""
-    return carray(call_for_numbers(dae.numbers_of[0], vector), size)  # pyright: ignore[reportCallIssue]
+    return carray(call_for_numbers(dae.numbers_of[0], vector), size)
 
 
 def _residual_for_c(t, x, xp, out, data):

@@ -31,9 +31,7 @@ def evaluate(signals, k, t, t_mode):
     while segment < last and signals.start[segment + 1] <= t_mode:
         segment += 1
     tau = t - signals.start[segment]
-    value = 0.0
-    rate = 0.0
-    curvature = 0.0
+    value = rate = curvature = 0.0
     for power in range(signals.coefficients.shape[1] - 1, -1, -1):
         curvature = curvature * tau + 2.0 * rate
         rate = rate * tau + value

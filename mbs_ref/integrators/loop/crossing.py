@@ -4,23 +4,14 @@ On the constraints the accelerations stay smooth there, but roundoff in them gro
 a method whose stages are not projected, or whose steps cannot choose their places, grinds to a halt.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop.explicit import explicit
-from mbs_ref.integrators.loop.leg import (
-    DONE,
-    NEAR_SINGULAR,
-    RUNNING,
-    STEP_TOO_SMALL,
-    Leg,
-    Options,
-    Outputs,
-    Progress,
-    progress,
-)
 from mbs_ref.integrators.stages.tableau import DOP853
 from mbs_ref.trajectory import Status
 
@@ -39,7 +30,7 @@ class Landing:
     t: float  # s
     y: np.ndarray
     reached: int  # outputs filled
-    failed: Leg | None = None
+    failed: leg.Leg | None = None
 
 
 def is_near_singular(system: "System", t: float, y: np.ndarray) -> bool:
@@ -49,19 +40,19 @@ def is_near_singular(system: "System", t: float, y: np.ndarray) -> bool:
 
 
 def leap(
-    system: "System", options: Options, run: Progress, t: float, y: np.ndarray,
+    system: "System", options: leg.Options, run: leg.Progress, t: float, y: np.ndarray,
     times: np.ndarray, reached: int, states: np.ndarray,
 ) -> Landing:  # fmt: skip
     """Integrate from (t, y) until the pose is regular again, filling the outputs on the way."""
-    now, own = y.copy(), progress(t)
+    now, own = y.copy(), leg.progress(t)
     system.project(t, now, options.projection_tolerance)
     for _ in range(MOST_STEPS):
         one_more = options._replace(max_steps=int(own.steps) + 1)
-        leg = _dop853(system, one_more, own, now, np.array([float(own.t), *times[reached:]]))
-        for state in leg.states[1 : leg.reached]:
+        went = _dop853(system, one_more, own, now, np.array([float(own.t), *times[reached:]]))
+        for state in went.states[1 : went.reached]:
             states[reached] = state
             reached += 1
-        failed = leg.status not in (Status.SUCCESS, Status.TOO_MANY_STEPS)
+        failed = went.status not in (Status.SUCCESS, Status.TOO_MANY_STEPS)
         if failed or reached == len(times) or not is_near_singular(system, float(own.t), now):
             break
     run.carried += own.t - t
@@ -69,30 +60,30 @@ def leap(
     run.steps += own.steps
     run.rejected += own.rejected
     run.rhs_calls += own.rhs_calls
-    return Landing(float(own.t), now, reached, leg if failed else None)
+    return Landing(float(own.t), now, reached, went if failed else None)
 
 
-class Crossing:
-    """Carries a compiled adaptive method on where it has come near a singular pose."""
+def carried_past(
+    chunk: Callable[[leg.Outputs], int], system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray,
+    times: np.ndarray,
+) -> leg.Leg:  # fmt: skip
+    """Call a compiled loop as `leg.run_chunks` does; where it ends with NEAR_SINGULAR, leap and go on.
 
-    def __init__(self, system: "System", options: Options, run: Progress, y: np.ndarray) -> None:
-        self.system, self.options, self.run, self.y = system, options, run, y
-        self.failed: Leg | None = None  # of DOP853
+    Where DOP853 fails in that, the leg has its status and message.
+    """
+    failed: leg.Leg | None = None
 
-    def past(self, code: int, outputs: Outputs) -> int:
-        """Return how a leg goes on after a chunk that ended with `code`; y, clock and outputs move on with it."""
-        if code != NEAR_SINGULAR:
+    def carried(outputs: leg.Outputs) -> int:
+        nonlocal failed
+        code, reached = chunk(outputs), int(run.next_output)
+        if code != leg.NEAR_SINGULAR:
             return code
-        run, y = self.run, self.y
-        reached = int(run.next_output)
-        landing = leap(self.system, self.options, run, float(run.t), y, outputs.times, reached, outputs.states)
+        landing = leap(system, options, run, float(run.t), y, outputs.times, reached, outputs.states)
         y[:] = landing.y
-        run.t, run.next_output, run.h = landing.t, landing.reached, 0.0
-        self.failed = landing.failed
-        if landing.failed is not None:
-            return STEP_TOO_SMALL
-        return DONE if landing.reached == len(outputs.times) else RUNNING
+        run.t, run.next_output, run.h, failed = landing.t, landing.reached, 0.0, landing.failed
+        if failed is not None:
+            return leg.STEP_TOO_SMALL
+        return leg.DONE if landing.reached == len(outputs.times) else leg.RUNNING
 
-    def finish(self, leg: Leg) -> Leg:
-        """Return the leg; where DOP853 failed in it, with its status and message."""
-        return replace(leg, status=self.failed.status, message=self.failed.message) if self.failed else leg
+    ended = leg.run_chunks(carried, options, run, y, times)
+    return replace(ended, status=failed.status, message=failed.message) if failed else ended

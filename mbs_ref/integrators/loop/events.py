@@ -47,10 +47,8 @@ def event_tables(model):
     return np.zeros(8), Tables(np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n)))
 
 
-@jit
-def has_events(table):
-    """Return whether any function is watched."""
-    return table.low.shape[1] > 0
+# Return whether any function is watched.
+has_events = jit(lambda table: table.low.shape[1] > 0)
 
 
 @jit
@@ -107,11 +105,8 @@ def _propose(search, table):
 def _open_bracket(search, table, h):
     """Start a search in (0, h]; the table holds the roots at both ends."""
     search[ACTIVE] = BRACKETED
-    search[TRIES] = 0.0
-    search[SIDE] = 0.0
-    search[WEIGHT_LOW] = 1.0
-    search[WEIGHT_HIGH] = 1.0
-    search[H_LOW] = 0.0
+    search[TRIES] = search[SIDE] = search[H_LOW] = 0.0
+    search[WEIGHT_LOW] = search[WEIGHT_HIGH] = 1.0
     search[H_HIGH] = h
     table.high[:] = table.new
 

@@ -54,10 +54,8 @@ class Path(NamedTuple):
     bend: Any  # (n,) coefficients of s^2 (1 - s)^2
 
 
-@jit
-def step_ends(y, dy, y_new, dy_new):
-    """Return the ends of a step whose slopes are unknown."""
-    return Ends(y, dy, y_new, dy_new, np.zeros(2, dtype=np.int64))
+# Return the ends of a step whose slopes are unknown.
+step_ends = jit(lambda y, dy, y_new, dy_new: Ends(y, dy, y_new, dy_new, np.zeros(2, dtype=np.int64)))
 
 
 @jit

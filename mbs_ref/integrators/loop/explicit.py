@@ -1,5 +1,6 @@
 """Explicit Runge-Kutta methods, fixed-step or adaptive: their stages, one step with its error and outputs, the loop."""
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -116,9 +117,7 @@ def fill_between(model, work, tableau, options, run, attempt, y, stages, ends, r
         if options.project:
             tolerance = options.projection_tolerance
             project(model, work, outputs.times[place], outputs.states[place], tolerance, STAGE_ITERATIONS)
-        outputs.compliance[place] = run.compliance
-        run.compliance = 0.0
-        run.next_output = place + 1
+        stepping.record(run, outputs.states[place], outputs)
 
 
 @jit
@@ -177,10 +176,8 @@ def accuracy(step, time, rtol, order):
     return rtol if step == 0.0 else max(TIGHTEST, min(1.0, step / time) ** order)
 
 
-@jit
-def is_noisy(pivot, limit, rtol):
-    """Return whether roundoff at a relative closure pivot harms the accuracy rtol."""
-    return pivot < (limit / rtol) ** (2.0 / 3.0)
+# Return whether roundoff at a relative closure pivot harms the accuracy rtol.
+is_noisy = jit(lambda pivot, limit, rtol: pivot < (limit / rtol) ** (2.0 / 3.0))
 
 
 @jit
@@ -191,10 +188,8 @@ def is_too_near(pivot, stage_pivot, rtol, avoided, adaptive):
     return (noisy and avoided < PATIENT_AVOIDED) or (adaptive and pivot < SINGULAR_PIVOT / needed)
 
 
-@jit
-def resumed(h, natural):
-    """Return the step (s) that accuracy allows, where no singular pose is near: `natural`, if one was stored."""
-    return natural if natural > 0.0 else h
+# Return the step (s) that accuracy allows, where no singular pose is near: `natural`, if one was stored.
+resumed = jit(lambda h, natural: natural if natural > 0.0 else h)
 
 
 @loop_jit
@@ -236,7 +231,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             error = error_norm(model, work, tableau, attempt.h, y, stages, restore, options.rtol, options.atol)
             accepted, run.h = stepping.resized(
                 error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, rejected
-            )  # fmt: skip
+            )
             rejected = not accepted
             if rejected:
                 run.rejected += 1
@@ -284,9 +279,7 @@ def explicit(tableau: "Tableau") -> leg.Advance:
     """Return the leg-by-leg driver of a tableau."""
 
     def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
-        def chunk(outputs: leg.Outputs) -> int:
-            return advance_explicit(system.model, system.work, tableau, options, run, y, outputs)
-
+        chunk = partial(advance_explicit, system.model, system.work, tableau, options, run, y)
         return leg.run_chunks(chunk, options, run, y, times)
 
     return advance

@@ -16,18 +16,23 @@ if TYPE_CHECKING:
 RUNNING, DONE, NON_FINITE, STEP_TOO_SMALL, TOO_MANY_STEPS = range(5)
 COMPLIANCE, PROJECTION, NOT_CONVERGED, SINGULAR, STALLED, ENDLESS_EVENTS, STOP_EVENT = range(5, 12)
 NEAR_SINGULAR = 12  # nothing ends: DOP853 carries the method on (loop/crossing.py)
-STATUS = {
-    DONE: Status.SUCCESS,
-    NON_FINITE: Status.NON_FINITE,
-    STEP_TOO_SMALL: Status.STEP_TOO_SMALL,
-    TOO_MANY_STEPS: Status.TOO_MANY_STEPS,
-    COMPLIANCE: Status.COMPLIANCE,
-    PROJECTION: Status.PROJECTION,
-    NOT_CONVERGED: Status.NOT_CONVERGED,
-    SINGULAR: Status.SINGULAR,
-    STALLED: Status.STEP_TOO_SMALL,
-    ENDLESS_EVENTS: Status.ENDLESS_EVENTS,
-    STOP_EVENT: Status.STOP_EVENT,
+COLLISION = 13  # two free bodies came closer than the sum of their radii
+ENDS: dict[int, tuple[Status, str]] = {  # the status of a leg that ends so, and its sentence
+    DONE: (Status.SUCCESS, ""),
+    NON_FINITE: (Status.NON_FINITE, "a state or acceleration became infinite or NaN"),
+    STEP_TOO_SMALL: (Status.STEP_TOO_SMALL, "the step needed for the asked accuracy fell below the resolution of time"),
+    TOO_MANY_STEPS: (Status.TOO_MANY_STEPS, "the limit on steps was reached"),
+    COMPLIANCE: (Status.COMPLIANCE, "the constraint-compliance test |C| < h failed"),
+    PROJECTION: (Status.PROJECTION, "the constraints could not be restored by projection"),
+    NOT_CONVERGED: (Status.NOT_CONVERGED, "the iteration of an implicit step did not converge"),
+    SINGULAR: (Status.SINGULAR, "the constraint Jacobian is rank-deficient and the motion's branch is ambiguous"),
+    STALLED: (Status.STEP_TOO_SMALL, "steps have become so short that the rest of the run is out of reach"),
+    ENDLESS_EVENTS: (
+        Status.ENDLESS_EVENTS,
+        "contact events follow each other without end (endless bouncing, or more than max_events)",
+    ),
+    STOP_EVENT: (Status.STOP_EVENT, "a declared event asked the run to stop"),
+    COLLISION: (Status.COLLISION, "two bodies collided"),
 }
 
 FEWEST = 4  # steps in a leg between declared breakpoints, however short: a pulse is not one step's business
@@ -151,25 +156,10 @@ class Integrator:
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 
-MESSAGES = {
-    NON_FINITE: "a state or acceleration became infinite or NaN",
-    STEP_TOO_SMALL: "the step needed for the asked accuracy fell below the resolution of time",
-    TOO_MANY_STEPS: "the limit on steps was reached",
-    COMPLIANCE: "the constraint-compliance test |C| < h failed",
-    PROJECTION: "the constraints could not be restored by projection",
-    STALLED: "steps have become so short that the rest of the run is out of reach",
-    SINGULAR: "the constraint Jacobian is rank-deficient and the motion's branch is ambiguous",
-    STOP_EVENT: "a declared event asked the run to stop",
-    ENDLESS_EVENTS: "contact events follow each other without end (endless bouncing, or more than max_events)",
-    NOT_CONVERGED: "the iteration of an implicit step did not converge",
-}
-
-
 def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progress) -> Leg:
     """Turn a compiled loop's code into a leg with a sentence."""
-    status = STATUS[code]
-    message = "" if code == DONE else f"at t = {run.t:.9g} s {MESSAGES[code]}"
-    return Leg(states, compliance, int(run.next_output), status, message)
+    status, words = ENDS[code]
+    return Leg(states, compliance, int(run.next_output), status, words and f"at t = {run.t:.9g} s {words}")
 
 
 def run_chunks(

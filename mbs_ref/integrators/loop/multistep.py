@@ -111,9 +111,9 @@ class MultistepLeg:
         """Return whether the end is within reach of the steps that are left."""
         steps = int(self.run.steps)
         if self.pace.is_hopeless(self.t, steps):
-            self.stop(Status.STEP_TOO_SMALL, leg.MESSAGES[leg.STALLED])
+            self.stop(*leg.ENDS[leg.STALLED])
         elif steps >= self.options.max_steps:
-            self.stop(Status.TOO_MANY_STEPS, "the limit on steps was reached")
+            self.stop(*leg.ENDS[leg.TOO_MANY_STEPS])
         return self.ending is None
 
     def record(self, state: np.ndarray) -> None:
@@ -142,7 +142,7 @@ class MultistepLeg:
         """Change modes, and the state at impacts, until all hold."""
         code = self.events.settle(self.t, self.now)
         if code != leg.RUNNING:
-            self.stop(leg.STATUS[code], leg.MESSAGES[code])
+            self.stop(*leg.ENDS[code])
 
     def _leap(self) -> None:
         """Pass a singular pose."""
@@ -158,10 +158,9 @@ class MultistepLeg:
         is as near as sigma = sqrt |C|, and the relative closure pivot is sigma^2.
         """
         if self.system.regularity() < max(self.drift, float(np.finfo(float).eps)):
+            status, words = leg.ENDS[leg.SINGULAR]
             drift = f"|C| has drifted to {self.drift:.2g} of the scene's length"
-            self.stop(
-                Status.SINGULAR, f"{leg.MESSAGES[leg.SINGULAR]}: {drift}; stabilization = 'projection' carries it past"
-            )
+            self.stop(status, f"{words}: {drift}; stabilization = 'projection' carries it past")
 
     def finish(self) -> leg.Leg:
         """Leave clock and state where the leg ended, and return it."""

@@ -104,22 +104,16 @@ def next_attempt(step, run, end, evenly, search):
     return Attempt(t, end if lands else t + h, h, proposed, lands, searching)
 
 
-@jit
-def stands_still(attempt):
-    """Return whether time does not move; a search for an event may propose that."""
-    return attempt.t_new == attempt.t and not attempt.searching
+# Return whether time does not move; a search for an event may propose that.
+stands_still = jit(lambda attempt: attempt.t_new == attempt.t and not attempt.searching)
 
 
-@jit
-def is_slope_known(ends, verdict):
-    """Return whether dy/dt has been evaluated where the step ends, and nothing has moved the state since."""
-    return ends.known[1] == 1 and verdict != EVENT
+# Return whether dy/dt has been evaluated where the step ends, and nothing has moved the state since.
+is_slope_known = jit(lambda ends, verdict: ends.known[1] == 1 and verdict != EVENT)
 
 
-@jit
-def is_cut(proposed, h):
-    """Return whether a step that ends at an output would have gone beyond it."""
-    return proposed * (1.0 - SLIVER) > h
+# Return whether a step that ends at an output would have gone beyond it.
+is_cut = jit(lambda proposed, h: proposed * (1.0 - SLIVER) > h)
 
 
 @jit

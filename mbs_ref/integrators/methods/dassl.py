@@ -7,14 +7,17 @@ int64_t, sunbooleantype int). The Python package's extension holds the library a
 Source: L. R. Petzold, A description of DASSL, 1982; A. C. Hindmarsh et al., ACM TOMS 31 (2005) 363-396.
 """
 
+import re
 from collections.abc import Callable
 from ctypes import CDLL, POINTER, byref, c_double, c_int, c_int64, c_long, c_void_p, cast
 from functools import cache, partial
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
+from mbs_ref.integrators import methods
 from mbs_ref.integrators.loop.leg import Advance, Integrator, Leg, Options, Progress
 from mbs_ref.integrators.loop.multistep import MultistepLeg
 from mbs_ref.kernels.answers import FORM
@@ -26,34 +29,10 @@ from mbs_ref.trajectory import Status
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
 
-_OBJECT, _OBJECT_PLACE = c_void_p, POINTER(c_void_p)
-_PROTOTYPES: dict[str, tuple[Any, ...]] = {  # what is returned, then what is taken
-    "SUNContext_Create": (c_int, c_int, _OBJECT_PLACE),
-    "SUNContext_ClearErrHandlers": (c_int, _OBJECT),
-    "SUNContext_Free": (c_int, _OBJECT_PLACE),
-    "N_VMake_Serial": (_OBJECT, c_int64, c_void_p, _OBJECT),
-    "N_VDestroy": (None, _OBJECT),
-    "SUNDenseMatrix": (_OBJECT, c_int64, c_int64, _OBJECT),
-    "SUNMatDestroy": (None, _OBJECT),
-    "SUNLinSol_Dense": (_OBJECT, _OBJECT, _OBJECT, _OBJECT),
-    "SUNLinSolFree": (c_int, _OBJECT),
-    "IDACreate": (_OBJECT, _OBJECT),
-    "IDAFree": (None, _OBJECT_PLACE),
-    "IDAInit": (c_int, _OBJECT, c_void_p, c_double, _OBJECT, _OBJECT),
-    "IDASetUserData": (c_int, _OBJECT, c_void_p),
-    "IDASVtolerances": (c_int, _OBJECT, c_double, _OBJECT),
-    "IDASetId": (c_int, _OBJECT, _OBJECT),
-    "IDASetSuppressAlg": (c_int, _OBJECT, c_int),
-    "IDASetMaxNumSteps": (c_int, _OBJECT, c_long),
-    "IDASetMaxStep": (c_int, _OBJECT, c_double),
-    "IDASetNonlinConvCoef": (c_int, _OBJECT, c_double),
-    "IDASetLinearSolver": (c_int, _OBJECT, _OBJECT, _OBJECT),
-    "IDASetDeltaCjLSetup": (c_int, _OBJECT, c_double),
-    "IDAGetDky": (c_int, _OBJECT, c_double, c_int, _OBJECT),
-    "IDASetStopTime": (c_int, _OBJECT, c_double),
-    "IDASolve": (c_int, _OBJECT, c_double, POINTER(c_double), _OBJECT, _OBJECT, c_int),
-    "IDAGetNumErrTestFails": (c_int, _OBJECT, POINTER(c_long)),
-}
+# what the prototypes in sundials.txt are written with
+_TYPES: dict[str, Any] = {"int": c_int, "int64_t": c_int64, "long": c_long, "double": c_double, "void*": c_void_p}
+_TYPES |= {"void": None} | {f"{name}*": POINTER(_TYPES[name]) for name in ("long", "double", "void*")}
+_PROTOTYPE = re.compile(r"(\S+) (\w+)\((.*)\)")
 ONE_STEP = 2  # IDA_ONE_STEP of IDASolve
 
 
@@ -61,25 +40,12 @@ ONE_STEP = 2  # IDA_ONE_STEP of IDASolve
 def sundials(file: str) -> Any:
     """Return the library in a file, its functions typed; AttributeError names the first that it lacks."""
     library = CDLL(file)
-    for name, (returns, *takes) in _PROTOTYPES.items():
+    for returns, name, takes in _PROTOTYPE.findall((files(methods) / "sundials.txt").read_text(encoding="utf-8")):
         function = getattr(library, name)
-        function.restype, function.argtypes = returns, takes
+        function.restype, function.argtypes = _TYPES[returns], [_TYPES[kind] for kind in takes.split(", ")]
     return library
 
 
-def address_of(library: Any, name: str) -> int:
-    """Return where a function of the library begins."""
-    return cast(getattr(library, name), c_void_p).value or 0
-
-
-def count_of(function: Any, memory: c_void_p) -> int:
-    """Return what one of IDA's counters says."""
-    count = c_long()
-    function(memory, byref(count))
-    return count.value
-
-
-PACKAGE = "sundials4py"
 NO_MPI = 0  # SUN_COMM_NULL
 PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass, remaining in its own row
 MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
@@ -155,7 +121,7 @@ class _Ida:
         self.x, self.rate, self.differential, self.atol, self.between = (np.zeros(size) for _ in range(5))
         self.objects = _Objects(size, (self.x, self.rate, self.differential, self.atol, self.between))
         self.library, self.memory = self.objects.library, self.objects.memory
-        self.dae.numbers_of[0] = address_of(self.library, "N_VGetArrayPointer")
+        self.dae.numbers_of[0] = cast(self.library.N_VGetArrayPointer, c_void_p).value or 0
         self.handle = make_handle(DaeGroups(self.dae))
         self._start(y, t0, rows)
         self._set_up(leg, y, t0)
@@ -235,7 +201,9 @@ class _Ida:
         return between
 
     def failed_error_tests(self) -> int:
-        return count_of(self.library.IDAGetNumErrTestFails, self.memory)
+        count = c_long()
+        self.library.IDAGetNumErrTestFails(self.memory, byref(count))
+        return count.value
 
     def count(self, run: Progress) -> None:
         """Add what this memory spent."""
@@ -294,34 +262,32 @@ _integrator = partial(
     varies_order=True,
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
     source="Petzold 1982; Hindmarsh et al. 2005; Gear, Gupta, Leimkuhler 1985",
-    package=PACKAGE,
+    package="sundials4py",
     holds_deflections=False,
     cores=("planar", "spatial"),
     stabilizations=("none", "projection"),
 )
-INTEGRATORS = (
-    _integrator(
-        name="dassl",
-        description="DASSL (SUNDIALS IDA) on the stabilised index-2 (GGL) form",
-        advance=ida(GGL),
-        needs_positions=True,
-    ),
-    _integrator(
-        name="dassl_index1", description="DASSL (SUNDIALS IDA) on the index-1 form: drifts", advance=ida(INDEX_1)
-    ),
-    _integrator(
-        name="dassl_index2",
-        description="DASSL (SUNDIALS IDA) on the index-2 form, C_dot = 0: positions drift",
-        advance=ida(INDEX_2),
-        source="Petzold 1982; Hindmarsh et al. 2005; Brenan, Campbell, Petzold 1996, sec. 6.2",
-    ),
-    _integrator(
-        name="dassl_index3",
-        description="DASSL (SUNDIALS IDA) on the raw index-3 form: fails or is poor, and shows why indices are reduced",
-        advance=ida(INDEX_3),
-        stabilization="none",
-        stabilizations=("none",),
-        weakness="the error test and Newton's iteration of raw index 3 do not improve with the step",
-        needs_positions=True,
-    ),
+dassl = _integrator(
+    name="dassl",
+    description="DASSL (SUNDIALS IDA) on the stabilised index-2 (GGL) form",
+    advance=ida(GGL),
+    needs_positions=True,
+)
+dassl_index1 = _integrator(
+    name="dassl_index1", description="DASSL (SUNDIALS IDA) on the index-1 form: drifts", advance=ida(INDEX_1)
+)
+dassl_index2 = _integrator(
+    name="dassl_index2",
+    description="DASSL (SUNDIALS IDA) on the index-2 form, C_dot = 0: positions drift",
+    advance=ida(INDEX_2),
+    source="Petzold 1982; Hindmarsh et al. 2005; Brenan, Campbell, Petzold 1996, sec. 6.2",
+)
+dassl_index3 = _integrator(
+    name="dassl_index3",
+    description="DASSL (SUNDIALS IDA) on the raw index-3 form: fails or is poor, and shows why indices are reduced",
+    advance=ida(INDEX_3),
+    stabilization="none",
+    stabilizations=("none",),
+    weakness="the error test and Newton's iteration of raw index 3 do not improve with the step",
+    needs_positions=True,
 )

@@ -9,7 +9,7 @@ rho^-2s. With s = 8 stages and e the relative size of coefficient 7, the error i
 chosen for e = rtol^(7/16).
 """
 
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -29,7 +29,6 @@ from mbs_ref.trajectory import Status
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
 
-COLLISION = 100  # code of this loop alone: two bodies came closer than the sum of their radii
 TINY_RTOL = 1e-18  # a hundredth of roundoff a step: over 1e4 steps its steady growth stays below the random walk
 MOST_ITERATIONS = 30
 LOOSE = 1e-3  # of the tolerance: where the iteration of a step may end
@@ -311,9 +310,7 @@ def _lengthen(run, h, factor):
     run.h = max(grown, run.h) if factor * SAFETY >= 1.0 else grown
 
 
-@jit
-def _broken(f):
-    return leg.NOT_CONVERGED if all_finite(f.ravel()) else leg.NON_FINITE
+_broken = jit(lambda f: leg.NOT_CONVERGED if all_finite(f.ravel()) else leg.NON_FINITE)
 
 
 @jit
@@ -341,13 +338,13 @@ def _one_step(model, work, g, options, run, y, low, target, goal, enough):
     _copy(work.lanes.old, f)
     if adaptive:
         _lengthen(run, h, factor)
-    return COLLISION if touching(model.particles.radius, y, f.shape[0]) else leg.RUNNING, lands
+    return leg.COLLISION if touching(model.particles.radius, y, f.shape[0]) else leg.RUNNING, lands
 
 
 @loop_jit
-def advance_gauss(model, work, method, options, run, y, low, times, states):
+def advance_gauss(model, work, method, options, run, y, low, outputs):
     """Advance y through times[1:], in place; return a status code (RUNNING when the chunk is used up)."""
-    g = method.gauss
+    g, times = method.gauss, outputs.times
     goal, enough = _targets(model, options)
     budget = run.steps + options.chunk
     if options.step == 0.0 and run.h == 0.0:
@@ -359,7 +356,7 @@ def advance_gauss(model, work, method, options, run, y, low, times, states):
             return code
         if lands:
             for k in range(y.shape[0]):
-                states[run.next_output, k] = y[k]
+                outputs.states[run.next_output, k] = y[k]
             run.next_output += 1
         if run.next_output == times.shape[0]:
             return leg.DONE
@@ -383,37 +380,25 @@ def _closest(system: "System", y: np.ndarray) -> str:
 
 def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Advance a system of particles over one leg."""
-    states = np.empty((len(times), len(y)))
-    states[0] = y
-    run.next_output = 1
     run.h_before = 0.0
     method, *_ = _coefficients()
-    low = np.zeros_like(y)
-    code = leg.RUNNING
-    while code == leg.RUNNING:
-        code = advance_gauss(*system.own_handles, method, options, run, y, low, times, states)
-    worst = np.zeros(len(times))
-    if code == COLLISION:
-        message = f"at t = {run.t:.9g} s two bodies collided: {_closest(system, y)}"
-        return leg.Leg(states, worst, int(run.next_output), Status.COLLISION, message)
-    if code == leg.STEP_TOO_SMALL:
-        message = f"at t = {run.t:.9g} s {leg.MESSAGES[code]}: {_closest(system, y)}"
-        return leg.Leg(states, worst, int(run.next_output), Status.STEP_TOO_SMALL, message)
-    return leg.finish_leg(code, states, worst, run)
+    chunk = partial(advance_gauss, *system.own_handles, method, options, run, y, np.zeros_like(y))
+    ended = leg.run_chunks(chunk, options, run, y, times)
+    if ended.status in (Status.COLLISION, Status.STEP_TOO_SMALL):
+        ended.message += f": {_closest(system, y)}"
+    return ended
 
 
-INTEGRATORS = (
-    leg.Integrator(
-        name="gauss",
-        kind="both",
-        order=16,
-        description="Gauss-Legendre of order 16 for free particles, adaptive, with compensated sums",
-        advance=advance,
-        stabilization="none",
-        stabilizations=("none",),
-        ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 1e-18),
-        source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, sec. VIII.6",
-        cores=("particles",),
-        slack=ACCEPT ** (2 * STAGES),
-    ),
+METHOD = leg.Integrator(
+    name="gauss",
+    kind="both",
+    order=16,
+    description="Gauss-Legendre of order 16 for free particles, adaptive, with compensated sums",
+    advance=advance,
+    stabilization="none",
+    stabilizations=("none",),
+    ladder=(1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 1e-18),
+    source="Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed., Springer 2006, sec. VIII.6",
+    cores=("particles",),
+    slack=ACCEPT ** (2 * STAGES),
 )

@@ -6,6 +6,7 @@ G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375. In space on the group of rotati
 Nonlinear Dyn. 5 (2010) 031002.
 """
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -95,10 +96,10 @@ def _correction(model, work, run, t, by_position, motion, iterate, tangent, dens
     run.rhs_calls += 1
     if dense:
         return dense_correction(
-            model, work, t, iterate.y, iterate.qdd, motion.lam, by_position, False,
+            model, work, t, iterate.y, iterate.qdd, motion.lam, by_position,
             tangent.row_slot, tangent.row_row, tangent.lu, tangent.pivots,
         )  # fmt: skip
-    return tree_correction(model, work, t, iterate.y, iterate.qdd, motion.lam, by_position, False)
+    return tree_correction(model, work, t, iterate.y, iterate.qdd, motion.lam, by_position)
 
 
 @inlined
@@ -231,17 +232,14 @@ DENSE_LIMIT = 900  # unknowns; a dense tangent beyond costs seconds a factorizat
 
 def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Integrate one leg."""
-    assert isinstance(system, JointedSystem)  # `cores` of the INTEGRATOR sees to it
+    assert isinstance(system, JointedSystem)  # `cores` of the METHOD sees to it
     system.prepare(FORM)
     n = len(y) - system.n_positions
     motion = Motion(np.empty(n), np.empty(n), np.zeros_like(system.scratch.rows.multiplier))
     _start(system.model, system.work, float(times[0]), y, motion)
     run.rhs_calls += 1
-    tangent = _tangent(system, n)
-
-    def chunk(outputs: leg.Outputs) -> int:
-        return advance_generalized_alpha(system.model, system.work, options, run, y, motion, tangent, outputs)
-
+    own = options, run, y, motion, _tangent(system, n)
+    chunk = partial(advance_generalized_alpha, system.model, system.work, *own)
     return leg.run_chunks(chunk, options, run, y, times)
 
 
@@ -254,20 +252,18 @@ def _tangent(system: JointedSystem, n: int) -> Tangent:
     return Tangent(row_slot, row_row, lu, pivots, np.zeros(1))
 
 
-INTEGRATORS = (
-    leg.Integrator(
-        name="generalized_alpha",
-        kind="fixed",
-        order=2,
-        description="generalized-alpha on the index-3 equations, spectral radius 0.9",
-        advance=advance,
-        stabilization="none",
-        stabilizations=("none", "projection"),
-        ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
-        source="Arnold and Bruls 2007; Chung and Hulbert 1993",
-        keeps_constraints=True,
-        holds_deflections=False,
-        needs_positions=True,
-        cores=("planar", "spatial"),
-    ),
+METHOD = leg.Integrator(
+    name="generalized_alpha",
+    kind="fixed",
+    order=2,
+    description="generalized-alpha on the index-3 equations, spectral radius 0.9",
+    advance=advance,
+    stabilization="none",
+    stabilizations=("none", "projection"),
+    ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+    source="Arnold and Bruls 2007; Chung and Hulbert 1993",
+    keeps_constraints=True,
+    holds_deflections=False,
+    needs_positions=True,
+    cores=("planar", "spatial"),
 )

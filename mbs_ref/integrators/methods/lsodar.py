@@ -119,18 +119,14 @@ def _failure(solver: LSODA, words: str | None) -> Ending:
     return Ending(Status.STEP_TOO_SMALL, f"at t = {solver.t:.9g} s LSODA gave up: {words or 'no reason given'}")
 
 
-INTEGRATORS = (
-    Integrator(
-        name="lsodar",
-        kind="adaptive",
-        order=12,
-        varies_order=True,
-        description="Adams (order up to 12) and BDF (up to 5) with automatic switching: "
-        "the papers' LSODAR, through SciPy",
-        advance=advance,
-        stabilizations=("none", "baumgarte", "projection"),
-        switches="Adams and BDF",
-        ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
-        source="Petzold 1983; Hindmarsh 1983",
-    ),
+METHOD = Integrator(
+    name="lsodar",
+    kind="adaptive",
+    order=12,
+    varies_order=True,
+    description="Adams (order up to 12) and BDF (up to 5) with automatic switching: the papers' LSODAR, through SciPy",
+    advance=advance,
+    switches="Adams and BDF",
+    ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
+    source="Petzold 1983; Hindmarsh 1983",
 )

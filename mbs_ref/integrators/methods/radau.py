@@ -5,13 +5,14 @@ sec. IV.5 and IV.8 (coefficients, simplified Newton with one real and one comple
 estimate, Gustafsson's predictive step control).
 """
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
-from mbs_ref.integrators.loop.crossing import NEAR, Crossing
+from mbs_ref.integrators.loop.crossing import NEAR, carried_past
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, give_up
 from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.integrators.stages import radau_newton as iteration
@@ -221,24 +222,18 @@ def advance_radau(model, work, options, run, y, outputs):
 
 def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Integrate one leg; DOP853 carries it past singular poses."""
-    crossing = Crossing(system, options, run, y)
-
-    def chunk(outputs: leg.Outputs) -> int:
-        return crossing.past(advance_radau(system.model, system.work, options, run, y, outputs), outputs)
-
-    return crossing.finish(leg.run_chunks(chunk, options, run, y, times))
+    chunk = partial(advance_radau, system.model, system.work, options, run, y)
+    return carried_past(chunk, system, options, run, y, times)
 
 
-INTEGRATORS = (
-    leg.Integrator(
-        name="radau",
-        kind="both",
-        order=5,
-        embedded=3,
-        description="Radau IIA, three stages: the stiff method",
-        advance=advance,
-        ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
-        source="Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.8",
-        cores=("planar", "spatial"),
-    ),
+METHOD = leg.Integrator(
+    name="radau",
+    kind="both",
+    order=5,
+    embedded=3,
+    description="Radau IIA, three stages: the stiff method",
+    advance=advance,
+    ladder=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+    source="Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.8",
+    cores=("planar", "spatial"),
 )

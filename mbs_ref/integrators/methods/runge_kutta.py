@@ -6,33 +6,25 @@ from mbs_ref.integrators.stages.tableau import DOP853, EULER, RK4, Tableau, stab
 
 
 def _integrator(tableau: Tableau, **facts) -> Integrator:
-    return Integrator(
-        order=tableau.order, advance=explicit(tableau), stability=stability_polynomial(tableau), **facts
-    )  # fmt: skip
+    return Integrator(order=tableau.order, advance=explicit(tableau), stability=stability_polynomial(tableau), **facts)
 
 
-INTEGRATORS = (
-    _integrator(
-        DOP853,
-        name="dop853",
-        kind="both",
-        embedded=7,  # its two estimates, combined, follow the eighth power of a step (Hairer, sec. II.10)
-        description="Dormand-Prince of order 8, adaptive; fixed step when a step is given",
-        interpolates=True,
-        ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
-    ),
-    _integrator(
-        EULER,
-        name="euler",
-        kind="fixed",
-        description="explicit Euler",
-        ladder=(4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4),
-    ),
-    _integrator(
-        RK4,
-        name="rk4",
-        kind="fixed",
-        description="classical Runge-Kutta, fixed step",
-        ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
-    ),
+dop853 = _integrator(
+    DOP853,
+    name="dop853",
+    kind="both",
+    embedded=7,  # its two estimates, combined, follow the eighth power of a step (Hairer, sec. II.10)
+    description="Dormand-Prince of order 8, adaptive; fixed step when a step is given",
+    interpolates=True,
+    ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
+)
+euler = _integrator(
+    EULER, name="euler", kind="fixed", description="explicit Euler", ladder=(4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4)
+)
+rk4 = _integrator(
+    RK4,
+    name="rk4",
+    kind="fixed",
+    description="classical Runge-Kutta, fixed step",
+    ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
 )

@@ -6,7 +6,7 @@ cheaper. No step is rejected. Outputs and events are values of the step's polyno
 nor costs an expansion. The state is that of relative coordinates, in which joints are always closed.
 """
 
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,10 +74,7 @@ def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.nda
     own, order = expansion_of(system), order_of(options.rtol)
     tree, is_full = own.tree, own.tree is not system
     state = tree.reduced(y) if is_full else y
-
-    def chunk(outputs: leg.Outputs) -> int:
-        return advance_taylor(tree.model, tree.work, own.handle, options, order, run, state, outputs)
-
+    chunk = partial(advance_taylor, tree.model, tree.work, own.handle, options, order, run, state)
     ended = leg.run_chunks(chunk, options, run, state, times)
     if is_full:
         states = np.empty((len(times), len(y)))
@@ -86,19 +83,17 @@ def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.nda
     return ended
 
 
-INTEGRATORS = (
-    leg.Integrator(
-        name="taylor",
-        kind="adaptive",
-        order=MAX_ORDER,
-        varies_order=True,
-        description="Taylor series of the order that suits the tolerance, adaptive, for small planar trees",
-        advance=advance,
-        stabilization="none",
-        stabilizations=("none",),
-        interpolates=True,
-        refusals=no_series,
-        ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13),
-        source="Jorba, Zou, Experimental Mathematics 14 (2005) 99",
-    ),
+METHOD = leg.Integrator(
+    name="taylor",
+    kind="adaptive",
+    order=MAX_ORDER,
+    varies_order=True,
+    description="Taylor series of the order that suits the tolerance, adaptive, for small planar trees",
+    advance=advance,
+    stabilization="none",
+    stabilizations=("none",),
+    interpolates=True,
+    refusals=no_series,
+    ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13),
+    source="Jorba, Zou, Experimental Mathematics 14 (2005) 99",
 )

@@ -1,5 +1,6 @@
 """Gauss-Legendre collocation with eight stages, order 16, computed to fifty digits and split in two doubles."""
 
+import math
 from decimal import Decimal, localcontext
 from functools import cache
 from typing import Annotated, NamedTuple
@@ -82,15 +83,8 @@ def gauss() -> Gauss:
         abar = [[sum(a[i][m] * a[m][j] for m in range(STAGES)) for j in range(STAGES)] for i in range(STAGES)]
         bbar = [w * (1 - x) for w, x in zip(b, c, strict=True)]
         high = [[(2 * k + 1) * b[j] * _legendre(k, 2 * c[j] - 1)[0] for j in range(STAGES)] for k in (6, 7)]
-        weights = [1 / _product(x - y for y in c if y != x) for x in c]
+        weights = [1 / math.prod((x - y for y in c if y != x), start=Decimal(1)) for x in c]
         (ch, cl), (ah, al), (abh, abl), (bh, bl), (bbh, bbl) = (_split(v) for v in (c, a, abar, b, bbar))
     return Gauss(
         ch, ah, abh, al, abl, bh, bbh, bl, bbl, np.array(high, dtype=float), np.array(weights, dtype=float), cl
     )
-
-
-def _product(factors) -> Decimal:
-    result = Decimal(1)
-    for factor in factors:
-        result *= factor
-    return result

@@ -43,9 +43,7 @@ def lu_factor(a, pivots):
             return False
         if best != k:
             for j in range(n):
-                swap = a[k, j]
-                a[k, j] = a[best, j]
-                a[best, j] = swap
+                a[k, j], a[best, j] = a[best, j], a[k, j]
         inverse = 1.0 / a[k, k]
         for i in range(k + 1, n):
             factor = a[i, k] * inverse
@@ -62,10 +60,7 @@ def lu_solve(a, pivots, b):
     n = a.shape[0]
     for k in range(n):
         best = pivots[k]
-        if best != k:
-            swap = b[k]
-            b[k] = b[best]
-            b[best] = swap
+        b[k], b[best] = b[best], b[k]
     for i in range(1, n):
         total = b[i]
         for j in range(i):

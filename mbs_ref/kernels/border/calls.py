@@ -18,7 +18,6 @@ from numba import types
 from numba.core import cgutils
 from numba.core.typeconv.castgraph import Conversion
 from numba.core.typing.templates import signature
-from numba.extending import intrinsic
 
 from mbs_ref.kernels.algebra.lanes import LANES, holds_lanes
 from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, is_handle
@@ -131,30 +130,22 @@ def addresses(answers: Mapping[str, Any], model: type, work: type) -> tuple[np.n
     return places, where
 
 
-@intrinsic
-def call_user(typingctx: Any, address: Any, t: Any, data: Any) -> Any:
-    """Call void (double t, double *data) at `address` with the time and the address of data, or 0."""
-    signature = types.void(types.int64, types.float64, types.uintp)
+def _call_of_c(call: str, returns: Any, *takes: Any) -> Any:
+    """Return a function of this name whose first argument is where C code begins; it calls that with the others."""
 
-    def codegen(context, builder, signature, args):
-        word = ir.IntType(64)
-        function_type = ir.FunctionType(ir.VoidType(), [ir.DoubleType(), word])
-        pointer = builder.inttoptr(args[0], function_type.as_pointer())
-        builder.call(pointer, [args[1], args[2]])
-        return context.get_dummy_value()
+    def typed(typingctx, *given):
+        def codegen(context, builder, kind, args):
+            back = ir.VoidType() if returns == NOTHING else context.get_value_type(returns)
+            function = ir.FunctionType(back, [context.get_value_type(taken) for taken in takes])
+            answer = builder.call(builder.inttoptr(args[0], function.as_pointer()), args[1:])
+            return context.get_dummy_value() if returns == NOTHING else answer
 
-    return signature, codegen
+        return returns(types.int64, *takes), codegen
+
+    return intrinsic_of(call, typed)
 
 
-@intrinsic
-def call_for_numbers(typingctx: Any, address: Any, thing: Any) -> Any:
-    """Call double *(void *thing) at `address` and return the pointer to its numbers."""
-    numbers = types.CPointer(types.float64)
-    signature = numbers(types.int64, types.intp)
-
-    def codegen(context, builder, signature, args):
-        word = ir.IntType(64)
-        function_type = ir.FunctionType(context.get_value_type(numbers), [word])
-        return builder.call(builder.inttoptr(args[0], function_type.as_pointer()), [args[1]])
-
-    return signature, codegen
+# Call void (double t, double *data) with the time and the address of data, or 0.
+call_user = _call_of_c("call_user(address, t, data)", NOTHING, NUMBER, types.uintp)
+# Call double *(void *thing) and return the pointer to its numbers.
+call_for_numbers = _call_of_c("call_for_numbers(address, thing)", types.CPointer(NUMBER), types.intp)

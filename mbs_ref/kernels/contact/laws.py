@@ -103,7 +103,5 @@ def share(speed, creep):
     return 1.0 / creep if ratio < 1e-8 else math.tanh(ratio) / speed
 
 
-@bare
-def drag(laws, k, normal, speed):
-    """Return what the slip velocity times gives smooth friction at a slip `speed`, -mu N tanh(v / v_s) / v (N s/m)."""
-    return share(speed, laws.creep[k]) * (-laws.coefficient[k] * normal)
+# Return what the slip velocity times gives smooth friction at a slip `speed`, -mu N tanh(v / v_s) / v (N s/m).
+drag = bare(lambda laws, k, normal, speed: share(speed, laws.creep[k]) * (-laws.coefficient[k] * normal))

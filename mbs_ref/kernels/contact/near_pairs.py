@@ -88,14 +88,7 @@ def _sort(near):
 @jit
 def _flag_key(near, wanted):
     """Flag the pairs of two balls, by bisection."""
-    first = 0
-    last = near.key.shape[0]
-    while first < last:
-        middle = (first + last) // 2
-        if near.key[middle] < wanted:
-            first = middle + 1
-        else:
-            last = middle
+    first = np.searchsorted(near.key, wanted)
     while first < near.key.shape[0] and near.key[first] == wanted:
         near.flag[near.keyed[first]] = 1
         first += 1

@@ -69,7 +69,3 @@ def particle_derivative(model, work, t, y, dy):
     for i in range(n):
         for c in range(3):
             dy[3 * (n + i) + c] = lanes.acceleration[i, c, 0]
-
-
-# There are no multipliers.
-particle_multipliers = jit(lambda work, lam: None)

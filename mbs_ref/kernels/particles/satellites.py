@@ -22,11 +22,7 @@ GAS = 8314.32 / 28.9644  # J/(kg K): R* / M_0
 WEIGHT = 9.80665 / GAS  # K/m': g_0' M_0 / R*
 
 
-def _base_temperatures() -> np.ndarray:
-    return GROUND_TEMPERATURE + np.concatenate(([0.0], np.cumsum(GRADIENT[:-1] * np.diff(BASE))))
-
-
-TEMPERATURE = _base_temperatures()  # K, at the bases
+TEMPERATURE = GROUND_TEMPERATURE + np.concatenate(([0.0], np.cumsum(GRADIENT[:-1] * np.diff(BASE))))  # K, at the bases
 
 
 def _base_pressures() -> np.ndarray:
@@ -69,12 +65,8 @@ SUN_RADIUS = 6.957e8  # m, IAU 2015 Resolution B3
 @jit
 def add_points(model, work):
     """Add the attraction of the fixed points of a ring."""
-    points, base, delta, out = (
-        model.points,
-        work.lanes.base,
-        in_lanes(work.lanes.delta),
-        in_lanes(work.lanes.acceleration),
-    )
+    points, base = model.points, work.lanes.base
+    delta, out = in_lanes(work.lanes.delta), in_lanes(work.lanes.acceleration)
     for i in range(base.shape[0]):
         for p in range(points.gm.shape[0]):
             way = minus(minus(points.place[p], base[i]), of_body(delta, i))

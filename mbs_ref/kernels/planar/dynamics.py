@@ -141,17 +141,12 @@ def _add_correction(model, work, y, offset):
         add_rates(model, work, i, 1.0, tree.acceleration[i], y, offset + bodies.q[i])
 
 
-@jit
-def correct_places(model, work, y):
-    _add_correction(model, work, y, 0)
+correct_places = jit(lambda model, work, y: _add_correction(model, work, y, 0))
 
 
 @jit
 def planar_tangent(model, work, x):
-    """Remove from both halves of x, in the mass norm, what points off the constraints.
-
-    Uses the factorization in `work`, of the last acceleration or projection.
-    """
+    """Remove from both halves of x, in the mass norm, what points off the constraints."""
     bodies, slots, rows, tree = model.bodies, model.slots, work.rows, work.tree
     n = bodies.mass.shape[0]
     for offset in (0, 3 * n):
@@ -166,7 +161,6 @@ def planar_tangent(model, work, x):
 
 @jit
 def planar_times_mass(model, rate, out):
-    """Write M rate (3 n,)."""
     bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
         k = 3 * bodies.scene_index[i]
@@ -177,14 +171,12 @@ def planar_times_mass(model, rate, out):
 
 @jit
 def planar_displace(model, y, move, out):
-    """Write y's positions moved by `move` (3 n,) to out."""
     for k in range(move.shape[0]):
         out[k] = y[k] + move[k]
 
 
 @jit
 def planar_position_rate(model, y, rate, out):
-    """Write the rates of the positions at rates (3 n,)."""
     for k in range(rate.shape[0]):
         out[k] = rate[k]
 

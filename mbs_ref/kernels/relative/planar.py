@@ -11,13 +11,7 @@ from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
 from mbs_ref.kernels.algebra.lanes import cos_sin, either
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
-from mbs_ref.kernels.planar.dynamics import (
-    PlanarModel,
-    PlanarModelInLanes,
-    PlanarWork,
-    PlanarWorkInLanes,
-    planar_position_rate,
-)
+from mbs_ref.kernels.planar import dynamics
 from mbs_ref.kernels.planar.marks import minus, pair, perpendicular, plus, rotated, times
 from mbs_ref.kernels.relative.model import FREE, HELD, PRISMATIC, REVOLUTE
 
@@ -25,12 +19,12 @@ ORIGIN = (0.0, 0.0)
 
 
 _redundant_model = either(
-    "_redundant_model(model)", jit(lambda model: PlanarModel(model.redundant.address[0])),
-    jit(lambda model: PlanarModelInLanes(model.redundant.address[0])),
+    "_redundant_model(model)", jit(lambda model: dynamics.PlanarModel(model.redundant.address[0])),
+    jit(lambda model: dynamics.PlanarModelInLanes(model.redundant.address[0])),
 )  # fmt: skip
 _redundant_work = either(
-    "_redundant_work(model)", jit(lambda model: PlanarWork(model.redundant.address[1])),
-    jit(lambda model: PlanarWorkInLanes(model.redundant.address[1])),
+    "_redundant_work(model)", jit(lambda model: dynamics.PlanarWork(model.redundant.address[1])),
+    jit(lambda model: dynamics.PlanarWorkInLanes(model.redundant.address[1])),
 )  # fmt: skip
 
 
@@ -95,7 +89,6 @@ def _put_joined(joints, links, kin, y, i):
 
 @jit
 def relative_planar_expand(model, work, y):
-    """Place the tree at y and write the redundant system's state to `full`."""
     place_planar(model, work, y)
     full, bodies, kin = work.full, _redundant_model(model).bodies, _redundant_work(model).kinematics
     n = bodies.mass.shape[0]
@@ -190,12 +183,11 @@ def relative_planar_derivative(model, work, t, y, dy):
 
 
 # Write the rates of lengths and angles at `rate`.
-relative_planar_position_rate = relative_planar_rate_from = planar_position_rate
+relative_planar_position_rate = relative_planar_rate_from = dynamics.planar_position_rate
 
 
 @jit
 def relative_planar_take_velocities(model, work, y):
-    """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
     joints, links, full, bodies = model.joints, work.links, work.full, _redundant_model(model).bodies
     n = bodies.mass.shape[0]
     for i in range(n):

@@ -122,7 +122,6 @@ def _put_joined(joints, links, kin, y, i):
 
 @jit
 def relative_spatial_expand(model, work, y):
-    """Place the tree at y and write the redundant system's state to `full`."""
     place_spatial(model, work, y)
     full, bodies, kin = work.full, _redundant_model(model).bodies, _redundant_work(model).kinematics
     for i in range(bodies.mass.shape[0]):
@@ -371,7 +370,6 @@ def relative_spatial_project(model, work, t, y, tolerance, most):
 
 @jit
 def relative_spatial_take_velocities(model, work, y):
-    """Write to y the rates that the velocities in `full` mean, at the places that were last written."""
     joints, links, full, bodies = model.joints, work.links, work.full, _redundant_model(model).bodies
     kin = _redundant_work(model).kinematics
     for i in range(bodies.mass.shape[0]):

@@ -179,7 +179,6 @@ def _impact(model, work, t, y, k):
 
 @jit
 def rigid_contact_forces(model, work, t, y, out):
-    """Fill out (n_contacts, 1 + 2 dimension): depth d (m), force on body a (N), its point (m), in the present modes."""
     pairs, laws, modes = model.contact_pairs, model.contact_laws, model.contact_modes
     if _some_constrained(laws, modes):
         ask.accelerate(model, work, t, y)

@@ -14,11 +14,8 @@ from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import exchange, inward, magnitude, place_of_mark, separation
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
-
-@bare
-def is_behind(pairs, k, gap):
-    """Return whether a depth is more than the surface is thick."""
-    return pairs.kind[k] == law.PAIR_FLAT and -gap > pairs.thickness[k]
+# Return whether a depth is more than the surface is thick.
+is_behind = bare(lambda pairs, k, gap: pairs.kind[k] == law.PAIR_FLAT and -gap > pairs.thickness[k])
 
 
 @bare
@@ -75,7 +72,6 @@ def norm(row):
 
 @bare
 def rigid_apply_contacts(model, work):
-    """Add the forces of every contact that is closed."""
     pairs = model.contact_pairs
     if pairs.kind.shape[0] == 0:
         return
@@ -99,7 +95,6 @@ def rigid_apply_contacts(model, work):
 
 @jit
 def rigid_fill_contact_rows(model, work):
-    """Evaluate the row of every contact as a constraint; an open one's is empty."""
     laws, modes = model.contact_laws, model.contact_modes
     for k in range(laws.slot.shape[0]):
         if laws.slot[k] >= 0:
@@ -120,9 +115,7 @@ def _clear(model, rows, slot):
     for side in range(2):
         for c in range(len(core.block(model))):
             rows.jacobian[slot, side, 0, c] = 0.0
-    rows.residual[slot, 0] = 0.0
-    rows.rate[slot, 0] = 0.0
-    rows.gamma[slot, 0] = 0.0
+    rows.residual[slot, 0] = rows.rate[slot, 0] = rows.gamma[slot, 0] = 0.0
 
 
 @jit

@@ -3,14 +3,14 @@
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.model import position_count
+from mbs_ref.kernels.rigid.model import rigid_position_count
 from mbs_ref.kernels.rows import take_reactions
 
 
 @jit
 def _as_rates(model, work, rates, out):
     """Write rates (n + 1, rates) of bodies in elimination order as the state has rates."""
-    bodies, start = model.bodies, position_count(model)
+    bodies, start = model.bodies, rigid_position_count(model)
     out[:] = 0.0
     for i in range(bodies.mass.shape[0]):
         core.add_rates(model, work, i, 1.0, rates[i], out, bodies.v[i] - start)
@@ -18,7 +18,6 @@ def _as_rates(model, work, rates, out):
 
 @jit
 def rigid_force_balance(model, work, t, y, lam, out):
-    """Write f - C_q^T lambda as the state has rates, and leave C, C_dot and C_q in `work`."""
     slots, rows, kin = model.slots, work.rows, work.kinematics
     core.load_state(model, work, y)
     apply_loads(model, work, t)
@@ -30,8 +29,7 @@ def rigid_force_balance(model, work, t, y, lam, out):
 
 @jit
 def rigid_answer(model, work, balance, out):
-    """Solve the augmented system for a balance and the gamma in `work`; write the accelerations to out."""
-    bodies, tree, start = model.bodies, work.tree, position_count(model)
+    bodies, tree, start = model.bodies, work.tree, rigid_position_count(model)
     factor(model, work)
     for i in range(bodies.mass.shape[0]):
         rates = core.world_rates(model, work, i, balance, bodies.v[i] - start)
@@ -43,8 +41,7 @@ def rigid_answer(model, work, balance, out):
 
 @jit
 def rigid_row_times(model, work, slot, row, rate):
-    """Return one constraint row applied to rates."""
-    bodies, slots, rows, start = model.bodies, model.slots, work.rows, position_count(model)
+    bodies, slots, rows, start = model.bodies, model.slots, work.rows, rigid_position_count(model)
     total = 0.0
     for side in range(2):
         i = slots.body[slot, side]
@@ -56,8 +53,7 @@ def rigid_row_times(model, work, slot, row, rate):
 
 @jit
 def rigid_add_row(model, work, slot, row, factor, out):
-    """Add factor times one constraint row to out."""
-    bodies, slots, rows, start = model.bodies, model.slots, work.rows, position_count(model)
+    bodies, slots, rows, start = model.bodies, model.slots, work.rows, rigid_position_count(model)
     for side in range(2):
         i = slots.body[slot, side]
         if i < bodies.mass.shape[0]:
@@ -66,7 +62,6 @@ def rigid_add_row(model, work, slot, row, factor, out):
 
 @jit
 def rigid_defect_of(work, velocity_level):
-    """Return C or C_dot (n_slots, rates)."""
     rows = work.rows
     return rows.rate if velocity_level else rows.residual
 

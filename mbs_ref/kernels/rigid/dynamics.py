@@ -95,7 +95,6 @@ rigid_factor_open = jit(lambda model, work: factor_tree(model, work, None))
 
 @jit
 def rigid_solve(model, work, gamma):
-    """Solve the augmented system for the tree's load and `gamma` into its acceleration and the multipliers."""
     work.solved.time[0] = np.nan
     solve_tree(model, work, model.loops, gamma, work.tree.acceleration, work.rows.multiplier)
 
@@ -205,10 +204,7 @@ def rigid_compliance(model, work, t, y):
 rigid_regularity = jit(lambda work: work.closures.regularity[0])
 
 
-@jit
-def rigid_multipliers(work, lam):
-    """Copy the multipliers of the last solution into lam (n_slots, rates)."""
-    copy_rows(work.rows.multiplier, lam)
+rigid_multipliers = jit(lambda work, lam: copy_rows(work.rows.multiplier, lam))
 
 
 @jit

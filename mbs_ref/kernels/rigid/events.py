@@ -77,15 +77,11 @@ def start_watches(model, work):
         modes.mode[first + k] = 1 if above > 0.0 or (above == 0.0 and speed < 0.0) else -1
 
 
-@jit
-def rigid_root_count(model):
-    """Return the number of event functions; 0 in the plain mode."""
-    return model.contact_modes.roots[0]
+rigid_root_count = jit(lambda model: model.contact_modes.roots[0])
 
 
 @jit
 def rigid_roots(model, work, t, y, duration, table):
-    """Fill the table of event functions; return whether other pairs than before are near in the last `duration` (s)."""
     table[:] = 0.0
     table[VALUE] = 1.0
     is_new = contact_roots(model, work, t, y, duration, table)

@@ -197,7 +197,6 @@ def _touch_walls(work, grains, i, ground):
 
 @jit
 def rigid_apply_granules(model, work):
-    """Add the forces of every grain that touches another one or a wall."""
     grains, ground = model.granules, model.bodies.mass.shape[0]
     for i in range(grains.body.shape[0]):
         place = core.centre(work, grains.body[i])

@@ -79,7 +79,6 @@ def is_still(slip):
 
 @jit
 def rigid_slip_velocities(model, work, y, out):
-    """Fill out (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts under probe."""
     modes = model.contact_modes
     core.load_state(model, work, y)
     for k in range(out.shape[0]):

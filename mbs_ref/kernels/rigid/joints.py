@@ -102,9 +102,8 @@ def _fill_drives(model, work, t):
         arm = core.turned(work, i, drive.point[k])
         swing = core.swing(work, i, arm)
         _put_along(work, slot, side, row, core.times(work, 1.0, e), arm)
-        rows.residual[slot, row] = (
-            core.dot(work, e, core.plus(work, core.centre(work, i), arm)) - drive.start[k] - value
-        )
+        place = core.plus(work, core.centre(work, i), arm)
+        rows.residual[slot, row] = core.dot(work, e, place) - drive.start[k] - value
         rows.rate[slot, row] = core.dot(work, e, core.plus(work, core.speed(work, i), swing)) - rate
         rows.gamma[slot, row] = curvature - core.dot(work, e, core.swing(work, i, swing))
 
@@ -120,12 +119,11 @@ def lanes_fill_rows(model, work, t):
 
 @jit
 def rigid_fill_rows(model, work, t):
-    """Evaluate every constraint row at the pose and motion in `work`."""
     lanes_fill_rows(model, work, t)
     _fill_drives(model, work, t)
     core.fill_own_drives(model, work, t)
     if model.world.user_rows[0] != 0:
-        call_user(model.world.user_rows[0], t, 0)  # pyright: ignore[reportCallIssue]
+        call_user(model.world.user_rows[0], t, 0)
     fill_contact_rows(model, work)
 
 

@@ -16,7 +16,7 @@ from mbs_ref.kernels.contact.laws import MODE_CLOSED, MODE_OPEN, ROOTS_EACH
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import gap_gamma, gap_response
-from mbs_ref.kernels.rigid.model import position_count
+from mbs_ref.kernels.rigid.model import rigid_position_count
 from mbs_ref.kernels.rigid.shapes import contact_geometry
 
 ITERATIONS = 8  # of the projection of the positions
@@ -28,10 +28,8 @@ AIMS = 2  # at the rates of a rebound, the second where accelerations depend on 
 PATIENT, MOST = 2, 20  # pivots a touching contact: of the worst, and in all
 
 
-@jit
-def contact_push(work, laws, k):
-    """Return the force (N), or impulse (N s) after a projection, with which a closed contact pushes."""
-    return -work.rows.multiplier[laws.slot[k], 0]
+# Return the force (N), or impulse (N s) after a projection, with which a closed contact pushes.
+contact_push = jit(lambda work, laws, k: -work.rows.multiplier[laws.slot[k], 0])
 
 
 @jit
@@ -57,7 +55,7 @@ def settle_held(model, work, t, y, g):
 
     The function in g of each that changes turns negative, as of all that change.
     """
-    modes, first = model.contact_modes, position_count(model)
+    modes, first = model.contact_modes, rigid_position_count(model)
     touching = _touching(model, work, y)
     before, rates, landings = modes.mode[touching], y[first:].copy(), np.zeros((touching.shape[0], 2))
     for turn in range(AIMS):
@@ -146,7 +144,7 @@ def _move(model, work, t, y):
 @jit
 def _close_gaps(model, work, t, y):
     """Project the positions alone."""
-    first = position_count(model)
+    first = rigid_position_count(model)
     before = y[first:].copy()
     _move(model, work, t, y)
     _put_back(y, first, before)
@@ -161,7 +159,7 @@ def _put_back(y, first, before):
 @jit
 def _pivot(model, work, t, y, touching, level):
     """Open and close contacts until the complementarity of impulses or of forces holds."""
-    modes, first = model.contact_modes, position_count(model)
+    modes, first = model.contact_modes, rigid_position_count(model)
     before = y[first:].copy()
     for turn in range(MOST * touching.shape[0]):
         if level == IMPULSES:

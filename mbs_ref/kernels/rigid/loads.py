@@ -39,7 +39,7 @@ def _apply_user_force(model, work, t):
         core.put_state(work, i, bodies.scene_index[i])
         for c in range(kin.user.shape[2]):
             kin.user[2, i, c] = 0.0
-    call_user(model.world.user_force[0], t, kin.user.ctypes.data)  # pyright: ignore[reportCallIssue]
+    call_user(model.world.user_force[0], t, kin.user.ctypes.data)
     for i in range(n):
         for c in range(len(core.block(model))):
             kin.force[i, c] += kin.user[2, bodies.scene_index[i], c]
@@ -47,7 +47,6 @@ def _apply_user_force(model, work, t):
 
 @jit
 def rigid_apply_loads(model, work, t):
-    """Evaluate every applied force at the pose and motion in `work`."""
     core.apply_gravity(model, work)
     _apply_forces(model, work, t)
     _apply_springs(model, work)

@@ -213,7 +213,7 @@ class World(NamedTuple):
     gravity: Annotated[Floats, "dimension"]  # m/s^2
     user_force: Annotated[Ints, 1]  # address of a C callback, or 0
     user_rows: Annotated[Ints, 1]  # the same, for constraints of the user's own
-    control: Annotated[Floats, 3]  # see kernels/controls.py
+    control: Annotated[Floats, 3]  # CONTROL_*
 
 
 class Rows(NamedTuple):
@@ -260,8 +260,4 @@ def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loop
     return scratch(closures=closure_scratch(loops, lengths["rates"]), **groups)
 
 
-# Return how many entries of the state are positions and orientations; rates follow.
-position_count = jit(lambda model: model.bodies.start[0])
-
-
-rigid_position_count = position_count
+rigid_position_count = jit(lambda model: model.bodies.start[0])

@@ -119,10 +119,7 @@ def _removed(model, work, of_places):
 
 @jit
 def spatial_tangent(model, work, x):
-    """Remove from both halves of x, in the mass norm, what points off the constraints and the norms.
-
-    Uses the factorization in `work`, of the last acceleration or projection.
-    """
+    """Remove from both halves of x, in the mass norm, what points off the constraints and the norms."""
     bodies, kin, acceleration = model.bodies, work.kinematics, work.tree.acceleration
     n = bodies.mass.shape[0]
     for i in range(n):
@@ -164,7 +161,6 @@ def normalize(model, y):
 
 @jit
 def spatial_times_mass(model, rate, out):
-    """Write M rate."""
     bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
         k = bodies.v[i] - bodies.start[0]
@@ -186,11 +182,8 @@ def spatial_displace(model, y, move, out):
             turning = triple(move, k + 3)
             half = 0.5 * np.sqrt(dot(turning, turning))
             s = 0.5 if half < 1e-8 else 0.5 * np.sin(half) / half
-            put_parameters(
-                out,
-                q + 3,
-                composed(parameters(y, q + 3), (np.cos(half), s * turning[0], s * turning[1], s * turning[2])),
-            )
+            turned = (np.cos(half), s * turning[0], s * turning[1], s * turning[2])
+            put_parameters(out, q + 3, composed(parameters(y, q + 3), turned))
 
 
 @jit

@@ -49,7 +49,7 @@ def fill_products(model, work):
         e, f = turn(kin.turned[a], joint.along_a[k]), turn(kin.turned[b], joint.along_b[k])
         product = _product(kin, a, b, e, f)
         _turn_rows(rows, slot, side, row, product.normal)
-        rows.residual[slot, row] = dot(e, f) - joint.value[k]
+        rows.residual[slot, row] = dot(e, f)
         rows.rate[slot, row] = product.rate
         rows.gamma[slot, row] = product.gamma
 

@@ -86,10 +86,8 @@ def push(work, i, arm, force):
     twist(work, i, cross(arm, force))
 
 
-@bare
-def twist(work, i, torque):
-    """Add a torque (N m)."""
-    add(work.kinematics.force[i], 3, torque)
+# Add a torque (N m).
+twist = bare(lambda work, i, torque: add(work.kinematics.force[i], 3, torque))
 
 
 pull = bare(lambda tension, gap, length: times(tension / length, gap))

@@ -21,7 +21,6 @@ class Products(NamedTuple):
     side_a: Annotated[Ints, "k"]
     along_a: Annotated[Floats, "k", 3]  # unit vector, in body a
     along_b: Annotated[Floats, "k", 3]  # unit vector, in body b
-    value: Annotated[Floats, "k"]  # the product to keep
 
 
 class Turns(NamedTuple):

@@ -31,12 +31,8 @@ def start_blocks(model, work):
                 art[r, c] = 0.0
         for r in range(3):
             art[r, r] = bodies.mass[i]
-        art[3, 3] = j[0]
-        art[4, 4] = j[1]
-        art[5, 5] = j[2]
-        art[4, 3] = j[3]
-        art[5, 3] = j[4]
-        art[5, 4] = j[5]
+        art[3, 3], art[4, 4], art[5, 5] = j[0], j[1], j[2]
+        art[4, 3], art[5, 3], art[5, 4] = j[3], j[4], j[5]
 
 
 @jit

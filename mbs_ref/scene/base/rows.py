@@ -91,7 +91,7 @@ class Product(Row):
     TURNS: ClassVar[bool] = True
 
     def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return axes.direction(a, self.along_a), axes.direction(b, self.along_b), 0.0
+        return axes.direction(a, self.along_a), axes.direction(b, self.along_b)
 
 
 @dataclass(frozen=True)
