@@ -14,9 +14,10 @@ from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import declared, empty, floats, ints
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import GROUND, Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
+from mbs_ref.scene import GROUND, Force, PointMass, Scene, SpatialBody, Torque, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.contact import Contact
+from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
 
@@ -41,12 +42,14 @@ class PlacedRow(NamedTuple):
 
 
 class Builder(ABC):
-    """Slots of a scene's joints; `signal` collects the functions of time."""
+    """Bodies' places and axes at t = 0, and slots of a scene's joints; `signal` collects the functions of time."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.joint_rows, self.layout = graph_of(scene)
         self.n = len(scene.bodies)
+        self.axes = {body.name: _axes(body) for body in scene.bodies}
+        self.centre = {body.name: np.array(body.position) for body in scene.bodies}
         self.scene_index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
         self.number = {body: k for k, body in enumerate(self.layout.order)} | {-1: self.n}
         self.segments: list[list[Segment]] = []
@@ -94,21 +97,21 @@ class Builder(ABC):
         """Return a body's elimination number; that of ground is the number of bodies."""
         return self.number[self.scene_index[name]]
 
-    @abstractmethod
     def point(self, name: str, world: Any) -> np.ndarray:
-        """Return a world point at t = 0 in the axes of a body of this name."""
+        """Return a world point at t = 0 in the axes of a body of this name, or of ground."""
+        return np.array(world, float) if name == GROUND else self.direction(name, np.array(world) - self.centre[name])
 
-    @abstractmethod
     def direction(self, name: str, world: Any) -> np.ndarray:
-        """Return a world direction at t = 0 in the axes of a body of this name."""
+        """Return a world direction at t = 0 in the axes of a body of this name, or of ground."""
+        return np.array(world, dtype=float) if name == GROUND else self.axes[name].T @ world
 
     @abstractmethod
     def groups(self) -> Any:
         """Return the arrays of the scene."""
 
     def angle(self, name: str) -> float:
-        """Return a planar body's angle at t = 0, rad."""
-        return 0.0
+        """Return a planar body's angle at t = 0, rad; 0 of what has none."""
+        return 0.0 if name == GROUND else getattr(self.scene.bodies[self.scene_index[name]], "angle", 0.0)
 
     def signal(self, segments: list[Segment]) -> int:
         self.segments.append(segments)
@@ -117,6 +120,15 @@ class Builder(ABC):
     def motion(self, drive: Drive) -> int:
         """Return the signal of what a drive prescribes."""
         return self.signal(motion_segments(drive.motion, drive.level))
+
+
+def _axes(body: Any) -> np.ndarray:
+    """Return a body's axes (dimension, dimension) as columns, world, at t = 0."""
+    if isinstance(body, SpatialBody):
+        return rotation_matrices(body.orientation)
+    angle = getattr(body, "angle", 0.0)
+    c, s = math.cos(angle), math.sin(angle)
+    return np.eye(3) if len(body.position) == 3 else np.array([[c, -s], [s, c]])
 
 
 def ends(build: Builder, loads: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:

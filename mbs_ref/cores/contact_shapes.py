@@ -11,18 +11,9 @@ from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact import neighbours
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.model import ContactPairs
-from mbs_ref.scene import Scene
+from mbs_ref.scene import Scene, contact
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.base.rows import Axes
-from mbs_ref.scene.contact import (
-    CircleOnCircle,
-    CircleOnLine,
-    FrictionNumbers,
-    Granules,
-    PinOnSprocket,
-    SphereOnPlane,
-    SphereOnSphere,
-)
 from mbs_ref.scene.traits import deflecting
 
 GRAIN_SKIN = 0.4  # of the mean radius
@@ -49,7 +40,7 @@ class _Shape(NamedTuple):
     flank: tuple[float, float] = (1.0, 0.0)
 
 
-def _line(part: CircleOnLine) -> _Shape:
+def _line(part: contact.CircleOnLine) -> _Shape:
     first, second = np.array(part.point_1), np.array(part.point_2)
     length = float(np.linalg.norm(second - first))
     along = (second - first) / length
@@ -57,24 +48,24 @@ def _line(part: CircleOnLine) -> _Shape:
     return _flat(part, 0.5 * (first + second), axes, (0.5 * length, 0.0))
 
 
-def _plane(part: SphereOnPlane) -> _Shape:
+def _plane(part: contact.SphereOnPlane) -> _Shape:
     normal = unit(part.normal)
     edge = normals(part.normal)[0] if part.edge is None else unit(part.edge)
     half = (math.inf, math.inf) if part.size is None else (0.5 * part.size[0], 0.5 * part.size[1])
     return _flat(part, part.point, (edge, np.cross(normal, edge), normal), half)
 
 
-def _flat(part: CircleOnLine | SphereOnPlane, origin: Any, axes: Any, half: tuple[float, float]) -> _Shape:
+def _flat(part: Any, origin: Any, axes: Any, half: tuple[float, float]) -> _Shape:
     thickness = math.inf if part.thickness is None else part.thickness
     return _Shape(shared.PAIR_FLAT, part.center, part.radius, origin, axes, half, _ENDS[part.extent], thickness)
 
 
-def _round(part: CircleOnCircle | SphereOnSphere) -> _Shape:
+def _round(part: contact.CircleOnCircle | contact.SphereOnSphere) -> _Shape:
     axes, half = np.eye(len(part.center_a)), (part.radius_b, part.radius_b)
     return _Shape(shared.PAIR_ROUND, part.center_a, part.radius_a, part.center_b, axes, half)
 
 
-def _sprocket(part: PinOnSprocket) -> _Shape:
+def _sprocket(part: contact.PinOnSprocket) -> _Shape:
     c, s = math.cos(part.first_seat), math.sin(part.first_seat)
     rows = np.eye(2) if part.axis is None else np.array([unit(part.seat), np.cross(unit(part.axis), unit(part.seat))])
     axes = [c * rows[0] + s * rows[1], c * rows[1] - s * rows[0], *([] if part.axis is None else [unit(part.axis)])]
@@ -85,7 +76,8 @@ def _sprocket(part: PinOnSprocket) -> _Shape:
 
 
 _SHAPES: dict[type, Any] = {
-    CircleOnLine: _line, CircleOnCircle: _round, PinOnSprocket: _sprocket, SphereOnPlane: _plane, SphereOnSphere: _round
+    contact.CircleOnLine: _line, contact.CircleOnCircle: _round, contact.PinOnSprocket: _sprocket,
+    contact.SphereOnPlane: _plane, contact.SphereOnSphere: _round,
 }  # fmt: skip
 
 
@@ -164,7 +156,7 @@ def _other_ball(pairs: ContactPairs, k: int) -> Ball | None:
 
 def granules(scene: Scene, places: Axes) -> neighbours.Granules:
     """Return the arrays of the granules: their shapes, walls and law, and room for the list of near pairs."""
-    parts = [load for load in scene.loads if isinstance(load, Granules)]
+    parts = [load for load in scene.loads if isinstance(load, contact.Granules)]
     if not parts:
         return empty(neighbours.Granules, dimension=scene.dimension, **{"n + 1": 1})
     (part,) = parts
@@ -173,7 +165,7 @@ def granules(scene: Scene, places: Axes) -> neighbours.Granules:
     radius, half = radius[chosen], half[chosen]
     reach = radius + np.linalg.norm(half, axis=1)
     slender = np.mean(reach**scene.dimension) / np.mean(np.prod(radius[:, None] + half, axis=1))  # 1 of spheres
-    law, friction = part.law.numbers(), part.friction.numbers() if part.friction else FrictionNumbers()
+    law, friction = part.law.numbers(), part.friction.numbers() if part.friction else contact.FrictionNumbers()
     d, n, outward = scene.dimension, len(chosen), [unit(wall.normal) for wall in part.walls]
     numbers: dict[str, Any] = {
         "stiffness": law.stiffness, "dashpot": law.damping, "exponent": law.exponent,

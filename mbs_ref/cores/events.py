@@ -13,6 +13,7 @@ from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.rigid.model import WATCH_COORDINATE, WATCH_DISTANCE, WATCH_RATE, Springs, Watches
 from mbs_ref.scene import GROUND, PointBushing, Scene, SpringDamper
+from mbs_ref.scene.base.attached import COORDINATES
 from mbs_ref.scene.base.rows import Axes
 from mbs_ref.scene.contact import FrictionNumbers
 from mbs_ref.scene.events import CoordinateEvent, DistanceEvent
@@ -22,16 +23,12 @@ NOISE = 1e-13  # of the largest coordinate or the scene's length: above what rou
 SLOW = 1e-8  # of the scene's speed, about eps^(1/2)
 MOST_LOGGED = 100_000  # events of one run whose modes are stored for output
 
-
-_COMPONENTS = {"x": 0, "y": 1, "angle": 2, "z": 2}
 _CROSSINGS = {"either": 0, "rising": 1, "falling": -1}
 RELEASES = {
     "gap": shared.RELEASE_GAP, "force": shared.RELEASE_FORCE, "rigid": shared.RELEASE_RIGID,
     "constraint": shared.RELEASE_CONSTRAINT,
 }  # fmt: skip
-_FRICTIONS = {
-    "none": shared.FRICTION_NONE, "smooth": shared.FRICTION_SMOOTH, "stick_slip": shared.FRICTION_STICK_SLIP
-}  # fmt: skip
+_FRICTIONS = {"none": shared.FRICTION_NONE, "smooth": shared.FRICTION_SMOOTH, "stick_slip": shared.FRICTION_STICK_SLIP}
 
 
 def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
@@ -79,11 +76,9 @@ def springs(scene: Scene, places: Axes) -> Springs:
     """Return the springs between points, and in the plane the bushings."""
     loads = [x for x in scene.loads if isinstance(x, SpringDamper | PointBushing)]
     modes = {x.name: len(scene.contacts) + k for k, x in enumerate(_tension_only(scene))}
-    marks = [x.marks if isinstance(x, PointBushing) else (x.point_a, x.point_b) for x in loads]
-    ends = [[places.point(body, mark) for body, mark in zip(x.ends, pair, strict=True)]
-            for x, pair in zip(loads, marks, strict=True)]  # fmt: skip
+    ends = [[places.point(*end) for end in zip(x.ends, x.marks, strict=True)] for x in loads]
     given = [getattr(x, "rest_length", 0.0) for x in loads]  # a bushing is unstrained where its marks coincide
-    rest = [math.dist(*pair) if length is None else length for length, pair in zip(given, marks, strict=True)]
+    rest = [math.dist(*x.marks) if length is None else length for length, x in zip(given, loads, strict=True)]
     points = floats(ends, 2, scene.dimension)
     return Springs(
         a=ints([places.body(x.body_a) for x in loads]), b=ints([places.body(x.body_b) for x in loads]),
@@ -97,17 +92,15 @@ def springs(scene: Scene, places: Axes) -> Springs:
 
 def watches(scene: Scene, places: Axes) -> Watches:
     """Return the declared events."""
-    noise = contact_noise(scene) if scene.events else np.zeros(3)
-    ends = [(event.body_a, event.body_b) if isinstance(event, DistanceEvent) else (event.body, GROUND)
-            for event in scene.events]  # fmt: skip
-    marks = [[places.point(body, mark) for body, mark in zip(pair, (e.point_a, e.point_b), strict=True)]
-             if isinstance(e, DistanceEvent) else np.zeros((2, scene.dimension))
-             for e, pair in zip(scene.events, ends, strict=True)]  # fmt: skip
+    noise, names = contact_noise(scene) if scene.events else np.zeros(3), COORDINATES[scene.dimension]
+    ends = [e.ends if isinstance(e, DistanceEvent) else (e.body, GROUND) for e in scene.events]
+    marks = [[places.point(*end) for end in zip(e.ends, e.marks, strict=True)] if isinstance(e, DistanceEvent)
+             else np.zeros((2, scene.dimension)) for e in scene.events]  # fmt: skip
     points = floats(marks, 2, scene.dimension)
     return Watches(
         a=ints([places.body(a) for a, _ in ends]), b=ints([places.body(b) for _, b in ends]), point_a=points[:, 0],
         point_b=points[:, 1], quantity=ints([_quantity(event) for event in scene.events]),
-        component=ints([_COMPONENTS[getattr(event, "coordinate", "x")] for event in scene.events]),
+        component=ints([names.index(getattr(event, "coordinate", "x")) for event in scene.events]),
         value=floats(event.value for event in scene.events),
         noise=floats(_watch_noise(event, noise) for event in scene.events),
         direction=ints([_CROSSINGS[event.crossing] for event in scene.events]),
@@ -151,10 +144,7 @@ class ContactSystem(System):
         return tuple(event_sources(self.scene))
 
     def contact_events(self) -> np.ndarray:
-        """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far.
-
-        A contact that comes to rest does so where its bounces end, a little after its last located impact.
-        """
+        # a contact that comes to rest does so where its bounces end, a little after its last located impact
         modes = self.groups.contact_modes
         log = modes.log[: modes.logged[0]]
         log = log[np.isfinite(log[:, -1])]
@@ -173,7 +163,6 @@ class ContactSystem(System):
 
     @contextmanager
     def taut_strings(self) -> Iterator[bool]:
-        """Let every tension-only spring pull and push meanwhile; return whether there is any."""
         mode, first = self.groups.contact_modes.mode, len(self.scene.contacts)
         strings = mode[first : first + len(_tension_only(self.scene))]
         before = strings.copy()
@@ -182,7 +171,7 @@ class ContactSystem(System):
         strings[:] = before
 
     def recall_modes(self, t: float) -> None:
-        """Set every contact's mode to the one that held at t (s) in the last run; quickest in the order of time."""
+        # quickest in the order of time
         modes = self.groups.contact_modes
         if not modes.roots[0]:
             return
@@ -202,10 +191,7 @@ class ContactSystem(System):
         self.groups.near_pairs.stale[0] = 1
 
     def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
-        """Return for each contact depth (m), force on body_a (N) and its point (m), world axes: (n_t, 5 or 7).
-
-        The modes of each time are replayed from the log of events, so the states must be the last run's.
-        """
+        # the modes of each time are replayed from the log of events, so the states must be the last run's
         self.prepare(core.REPORT)
         forces = np.zeros((len(times), len(self.scene.contacts), 1 + 2 * self.scene.dimension))
         for place, (t, y) in enumerate(zip(times, states, strict=True)):

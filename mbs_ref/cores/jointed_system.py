@@ -13,6 +13,7 @@ from mbs_ref.cores.builder import Builder, Place
 from mbs_ref.cores.events import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
+from mbs_ref.kernels.border.groups import floats
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_over
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
@@ -125,7 +126,7 @@ class JointedSystem(ContactSystem):
 
     @abstractmethod
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> Sequence[Taylor]:
-        """Return a body's place (mbs_ref.scene.joints.COORDINATES) at the state in the scratch; see `UserRow`."""
+        """Return a body's place (mbs_ref.scene.joints.PLACES) at the state in the scratch; see `UserRow`."""
 
     def set_mode_time(self, t: float) -> None:
         self.groups.world.control[CONTROL_MODE_TIME] = t
@@ -198,7 +199,6 @@ class JointedSystem(ContactSystem):
         return len(self.rows())
 
     def rank(self, t: float, y: np.ndarray) -> int:
-        """Return the rank of C_q, mass-scaled so that metres and radians compare."""
         if self.has_sure_rank(t, y):
             return len(self.rows())
         scaled = self.scaled_jacobian(t, y)
@@ -261,7 +261,7 @@ class JointedSystem(ContactSystem):
             block = slice(start, start + each)
             fill(times[block], states[block], forces[block])
             turns = self.poses(states[block]).orientation[:, of.body]
-            forces[block] = self._about(self._world_arms(turns, of.arm), of.sign * forces[block])
+            forces[block] = self._about(self.turned(turns, of.arm), of.sign * forces[block])
         return {name: forces[:, k].copy() for k, name in enumerate(of.names)}
 
     def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
@@ -307,13 +307,13 @@ class JointedSystem(ContactSystem):
             rows=JointRows(slot, np.where(mirrored, side, 1 - side), first, count),
             sign=np.where(mirrored, 1.0, -1.0)[:, None],
             body=np.array(bodies, dtype=int),
-            arm=np.array([self.arm_of(part, name) for part, name in zip(parts, fields, strict=True)]),
+            arm=floats(map(self.arm_of, parts, fields), self.scene.dimension),
         )
 
     @staticmethod
     @abstractmethod
-    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
-        """Turn arms (n_joints, dimension) by orientations (n_t, n_joints, ...) into world axes."""
+    def turned(turns: np.ndarray, arms: np.ndarray) -> np.ndarray:
+        """Return arms (..., dimension) that turn with bodies along world axes, at orientations of the bodies."""
 
     @staticmethod
     @abstractmethod

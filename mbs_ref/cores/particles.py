@@ -10,6 +10,7 @@ from mbs_ref.kernels.border.groups import declared, floats, ints
 from mbs_ref.kernels.particles import model as arrays
 from mbs_ref.kernels.particles.model import particle_scratch
 from mbs_ref.scene import Scene, celestial
+from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.scales import Scales, free_fall_time
 
 _FORMS = {"central": 1, "eih": 2}
@@ -78,11 +79,9 @@ def _particles(scene: Scene, by_kind: dict[type, list[Any]]) -> arrays.Particles
 
 
 def _circle(part: celestial.Ring) -> np.ndarray:
-    normal = np.array(part.normal) / np.linalg.norm(part.normal)
-    first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
-    first /= np.linalg.norm(first)
+    first, second = normals(part.normal)
     angle = 2.0 * np.pi * np.arange(part.count) / part.count
-    return part.radius * (np.outer(np.cos(angle), first) + np.outer(np.sin(angle), np.cross(normal, first)))
+    return -part.radius * (np.outer(np.cos(angle), first) + np.outer(np.sin(angle), second))
 
 
 class ParticleSystem(System):
@@ -129,7 +128,6 @@ class ParticleSystem(System):
         return np.repeat([scales.length, scales.length / time], 3 * len(scene.bodies))
 
     def poses(self, states: np.ndarray) -> Poses:
-        """Turn states (n_t, n_state) into world poses and velocities; particles do not turn."""
         n = self.n_bodies
         q, v = np.moveaxis(states.reshape(len(states), 2, n, 3), 1, 0)
         turn = np.zeros((len(states), n, 4))
@@ -139,12 +137,3 @@ class ParticleSystem(System):
     def states_of(self, poses: Poses) -> np.ndarray:
         count = len(poses.position)
         return np.concatenate((poses.position.reshape(count, -1), poses.velocity.reshape(count, -1)), axis=1)
-
-    def set_mode_time(self, t: float) -> None:
-        """No field has signals."""
-
-    def set_baumgarte(self, gain: float) -> None:
-        """There is nothing to stabilize."""
-
-    def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        return {}

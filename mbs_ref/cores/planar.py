@@ -1,6 +1,5 @@
 """A planar scene compiled: three coordinates a body, joint rows, reactions; callable from Python."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -20,28 +19,8 @@ from mbs_ref.scene.scales import Scales
 _HELD_INERTIA = 1.0  # kg m^2 in the idle third slot of a point mass: nothing ever turns it
 
 
-def _rotation(angle: float) -> np.ndarray:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s], [s, c]])
-
-
 class _Builder(Builder):
-    """Planar bodies' places and angles."""
-
-    def point(self, name: str, world: Any) -> np.ndarray:
-        index = self.scene_index[name]
-        if index < 0:
-            return np.array(world, dtype=float)
-        body: Any = self.scene.bodies[index]
-        offset = np.array(world) - np.array(body.position)
-        return offset if isinstance(body, PointMass) else _rotation(body.angle).T @ offset
-
-    def direction(self, name: str, world: Any) -> np.ndarray:
-        return _rotation(self.angle(name)).T @ world
-
-    def angle(self, name: str) -> float:
-        body: Any = self.scene.bodies[self.scene_index[name]] if name != "ground" else None
-        return body.angle if isinstance(body, PlanarBody) else 0.0
+    """Planar bodies, joints and loads."""
 
     def groups(self) -> Any:
         inertia = [[_HELD_INERTIA if isinstance(b, PointMass) else b.inertia] for b in self.scene.bodies]
@@ -78,7 +57,6 @@ class PlanarSystem(JointedSystem):
 
     @staticmethod
     def state_units(scene: Scene, scales: Scales) -> np.ndarray:
-        """Return L, L, 1 rad of each body, then the same over T (6 n_bodies,)."""
         q = np.tile([scales.length, scales.length, 1.0], len(scene.bodies))
         return np.concatenate((q, q / scales.time))
 
@@ -111,9 +89,9 @@ class PlanarSystem(JointedSystem):
         return PlanarPlace(x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1], angle)
 
     @staticmethod
-    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    def turned(turns: np.ndarray, arms: np.ndarray) -> np.ndarray:
         c, s = np.cos(turns), np.sin(turns)
-        along, across = arm.reshape(-1, 2).T
+        along, across = arms[..., 0], arms[..., 1]
         return np.stack((c * along - s * across, s * along + c * across), axis=-1)
 
     @staticmethod

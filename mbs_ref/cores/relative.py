@@ -14,16 +14,14 @@ from mbs_ref.cores.system import Poses, System
 from mbs_ref.kernels.border.groups import empty, floats, ints
 from mbs_ref.kernels.relative import model as arrays
 from mbs_ref.kernels.relative.events import expand_over, take_velocities_over
-from mbs_ref.scene import PlanarBody, PointMass, Prismatic, Revolute, Scene, Spherical, Weld
+from mbs_ref.scene import PointMass, Prismatic, Revolute, Scene, Spherical, Weld
 from mbs_ref.scene.base.part import dot, unit
 from mbs_ref.scene.euler_parameters import conjugate, product
 from mbs_ref.scene.scales import Scales
 from mbs_ref.scene.scene import of_last_scene
 from mbs_ref.scene.traits import deflecting, joined
 
-KINDS = {
-    Revolute: arrays.REVOLUTE, Prismatic: arrays.PRISMATIC, Weld: arrays.WELD, Spherical: arrays.SPHERICAL,
-}  # fmt: skip
+KINDS = {Revolute: arrays.REVOLUTE, Prismatic: arrays.PRISMATIC, Weld: arrays.WELD, Spherical: arrays.SPHERICAL}
 FREEDOMS = {arrays.REVOLUTE: 1, arrays.PRISMATIC: 1, arrays.WELD: 0, arrays.SPHERICAL: 3, arrays.HELD: 0}
 PARAMETERS = 4  # of an orientation in space, in place of three angles
 
@@ -122,13 +120,8 @@ UNTURNED = (arrays.FREE, arrays.SPHERICAL, arrays.HELD)  # bodies that their par
 
 
 def _at_full(name: str) -> Any:
-    """Return the method of a relative system that calls the redundant one's of this name at its own state."""
+    """Return the method of a relative system that calls the redundant one's of this name at its own state or states."""
     return lambda self, t, y, *given: getattr(self.redundant, name)(t, self.full(y), *given)
-
-
-def _over_full(name: str) -> Any:
-    """Return the same of a method of many times and states."""
-    return lambda self, times, states: getattr(self.redundant, name)(times, self.all_full(states))
 
 
 def _of_redundant(name: str) -> Any:
@@ -144,6 +137,7 @@ class RelativeSystem(System):
     """
 
     REDUNDANT: ClassVar[type[PlanarSystem] | type[SpatialSystem]]
+    GROUND: ClassVar[Any]  # its orientation
 
     def __init__(self, scene: Scene, redundant: JointedSystem | None = None) -> None:
         self.scene = scene
@@ -175,21 +169,52 @@ class RelativeSystem(System):
         other._allocate(self.groups.joints)
         return other
 
+    @staticmethod
     @abstractmethod
+    def _from(first: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Return orientations as seen from others."""
+
+    @abstractmethod
+    def _angle(self, i: int, turn: np.ndarray) -> np.ndarray:
+        """Return the angle (m,) of a revolute joint at its body's orientations (m, ...) as seen from its parent."""
+
+    def _places(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return places and orientations (n + 1, m, ...) at redundant states (m, n_full), in elimination order."""
+        poses, order, m = self.redundant.poses(full), self.layout.order, len(full)
+        place = np.concatenate((poses.position[:, order], np.zeros((m, 1, self.scene.dimension))), axis=1)
+        ground = np.broadcast_to(self.GROUND, (m, 1, *np.shape(self.GROUND)))
+        turn = np.concatenate((poses.orientation[:, order], ground), axis=1)
+        return place.swapaxes(0, 1), turn.swapaxes(0, 1)
+
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
         """Return each body's orientation in its parent at t = 0, and the joints' axes as `Joints` has them."""
+        turn = self._places(self.redundant.initial_state()[None])[1][:, 0]
+        parents = self.redundant.groups.bodies.parent
+        axes = np.zeros((len(parents), self.scene.dimension))
+        for i, parent in enumerate(parents):
+            holder = parent if self.layout.kind[i] == arrays.PRISMATIC else i
+            axes[i] = self.REDUNDANT.turned(self._from(turn[holder], self.GROUND), self.layout.world_axis(i))
+        return self._from(turn[parents], turn[:-1]).reshape(len(parents), -1), axes
 
-    @abstractmethod
-    def _places(self, full: np.ndarray) -> Any:
-        """Return the bodies' poses at redundant states (m, n_full), as `_coordinate` reads them."""
-
-    @abstractmethod
-    def _coordinate(self, i: int, places: Any) -> np.ndarray:
-        """Return a joint's coordinates (m, ...) at such poses."""
+    def _coordinate(self, i: int, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        """Return a joint's coordinates (m, ...) at places and orientations."""
+        kind, joints, (place, turn) = self.layout.kind[i], self.groups.joints, places
+        parent, m, turned = int(joints.parent[i]), len(place[i]), self.REDUNDANT.turned
+        if kind == arrays.FREE:
+            pose = place[i], turn[i].reshape(m, -1)
+            return pose[0] if self.layout.freedoms[i] == self.scene.dimension else np.concatenate(pose, axis=1)
+        if kind == arrays.SPHERICAL:
+            return turn[i]
+        if kind == arrays.REVOLUTE:
+            return self._angle(i, self._from(turn[parent], turn[i]))[:, None]
+        if kind == arrays.PRISMATIC:
+            reach = turned(turn[parent], joints.arm_of_parent[i]) - turned(turn[i], joints.arm[i])
+            return dot(place[i] - place[parent] - reach, turned(turn[parent], joints.axis[i]))[:, None]
+        return np.zeros((m, 0))
 
     def full(self, y: np.ndarray) -> np.ndarray:
-        """Return the redundant state of y."""
-        return self.all_full(y[None])[0]
+        """Return the redundant state of y, or those of many (n, n_state)."""
+        return self.all_full(y[None])[0] if y.ndim == 1 else self.all_full(y)
 
     def initial_state(self) -> np.ndarray:
         return self.reduced(self.redundant.initial_state())
@@ -200,7 +225,6 @@ class RelativeSystem(System):
 
     @classmethod
     def state_units(cls, scene: Scene, scales: Scales) -> np.ndarray:  # type: ignore[override]
-        """Return L for lengths, 1 for angles and Euler parameters, and the same over T (n_state,)."""
         return layout_of(scene).units(scales.length, scales.time)
 
     def poses(self, states: np.ndarray) -> Poses:
@@ -210,7 +234,6 @@ class RelativeSystem(System):
         return self.all_reduced(self.redundant.states_of(poses))
 
     def all_reduced(self, full: np.ndarray) -> np.ndarray:
-        """Return the states of redundant ones that keep the joints."""
         y, places = np.zeros((len(full), self.layout.n_state)), self._places(full)
         for i, first in enumerate(self.layout.q[:-1]):
             found = self._coordinate(i, places)
@@ -225,10 +248,9 @@ class RelativeSystem(System):
         return full
 
     # each as the redundant system has it, at its own state
-    residuals, accelerations, start_contacts, contact_oscillators = map(
-        _at_full, ("residuals", "accelerations", "start_contacts", "contact_oscillators")
-    )
-    reactions_over, contact_forces = _over_full("reactions_over"), _over_full("contact_forces")
+    residuals, accelerations, start_contacts = map(_at_full, ("residuals", "accelerations", "start_contacts"))
+    contact_oscillators, reactions_over = _at_full("contact_oscillators"), _at_full("reactions_over")
+    contact_forces = _at_full("contact_forces")
 
     # and in any state; of a Baumgarte gain only the redundant one's reactions depend, as nothing drifts here
     set_mode_time, recall_modes, spread_events = map(_of_redundant, ("set_mode_time", "recall_modes", "spread_events"))
@@ -241,87 +263,26 @@ class RelativeSystem(System):
 class RelativePlanarSystem(RelativeSystem):
     """A planar tree."""
 
-    CORE, REDUNDANT = "relative_planar", PlanarSystem
+    CORE, REDUNDANT, GROUND = "relative_planar", PlanarSystem, 0.0
+    keeps_itself = True  # in the plane no coordinates of a tree depend on each other
 
-    @property
-    def keeps_itself(self) -> bool:
-        """In the plane no coordinates of a tree depend on each other."""
-        return True
+    @staticmethod
+    def _from(first: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        return turn - first
 
-    def _frames(self) -> tuple[np.ndarray, np.ndarray]:
-        angles = np.array([body.angle if isinstance(body, PlanarBody) else 0.0 for body in self.scene.bodies])
-        own = np.append(angles[self.layout.order], 0.0)
-        parents = self.redundant.groups.bodies.parent
-        axes = np.zeros((len(parents), 2))
-        for i, parent in enumerate(parents):
-            c, s = np.cos(own[parent]), np.sin(own[parent])
-            axes[i] = np.array([[c, s], [-s, c]]) @ self.layout.world_axis(i)
-        return (own[:-1] - own[parents])[:, None], axes
-
-    def _places(self, full: np.ndarray) -> np.ndarray:
-        """Return places and angles (n, 3, m) in the scene's order."""
-        n = len(self.layout.kind)
-        return full[:, : 3 * n].T.reshape(n, 3, len(full))
-
-    def _coordinate(self, i: int, places: np.ndarray) -> np.ndarray:
-        kind, joints, n, q = self.layout.kind[i], self.groups.joints, len(self.layout.kind), places
-        own, parent = q[self.layout.order[i]], int(joints.parent[i])
-        if kind == arrays.FREE:
-            return own[: self.layout.freedoms[i]].T
-        there = q[self.layout.order[parent]] if parent < n else np.zeros_like(own)
-        if kind == arrays.REVOLUTE:
-            return (own[2] - there[2] - joints.offset[i, 0])[:, None]
-        if kind == arrays.PRISMATIC:
-            gap = own[:2] - there[:2] + _turned(own[2], joints.arm[i]) - _turned(there[2], joints.arm_of_parent[i])
-            axis = _turned(there[2], joints.axis[i])
-            return (gap[0] * axis[0] + gap[1] * axis[1])[:, None]
-        return own[:0].T
-
-
-def _turned(angle: Any, arm: np.ndarray) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
+    def _angle(self, i: int, turn: np.ndarray) -> np.ndarray:
+        return turn - self.groups.joints.offset[i, 0]
 
 
 class RelativeSpatialSystem(RelativeSystem):
     """A spatial tree."""
 
-    CORE, REDUNDANT = "relative_spatial", SpatialSystem
+    CORE, REDUNDANT, GROUND = "relative_spatial", SpatialSystem, (1.0, 0.0, 0.0, 0.0)
 
-    def _places(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return places (n + 1, m, 3) and Euler parameters (n + 1, m, 4) in elimination order, ground last."""
-        poses, order, m = self.redundant.poses(full), self.layout.order, len(full)
-        place = np.concatenate((poses.position[:, order], np.zeros((m, 1, 3))), axis=1)
-        theta = np.concatenate((poses.orientation[:, order], np.tile([1.0, 0.0, 0.0, 0.0], (m, 1, 1))), axis=1)
-        return place.swapaxes(0, 1), theta.swapaxes(0, 1)
+    @staticmethod
+    def _from(first: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        return product(conjugate(first), turn)
 
-    def _frames(self) -> tuple[np.ndarray, np.ndarray]:
-        theta = self._places(self.redundant.initial_state()[None])[1][:, 0]
-        parents = self.redundant.groups.bodies.parent
-        offset = product(conjugate(theta[parents]), theta[:-1])
-        axes = np.zeros((len(parents), 3))
-        for i, parent in enumerate(parents):
-            holder = parent if self.layout.kind[i] == arrays.PRISMATIC else i
-            axes[i] = _rotated(conjugate(theta[holder]), self.layout.world_axis(i))
-        return offset, axes
-
-    def _coordinate(self, i: int, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        kind, joints = self.layout.kind[i], self.groups.joints
-        place, theta = places
-        parent = int(joints.parent[i])
-        if kind == arrays.FREE:
-            return place[i] if self.layout.freedoms[i] == 3 else np.concatenate((place[i], theta[i]), axis=1)
-        if kind == arrays.SPHERICAL:
-            return theta[i]
-        if kind == arrays.REVOLUTE:
-            turn = product(conjugate(product(theta[parent], joints.offset[i])), theta[i])
-            return 2.0 * np.arctan2(dot(turn[:, 1:], joints.axis[i]), turn[:, 0])[:, None]
-        if kind == arrays.PRISMATIC:
-            reach = _rotated(theta[parent], joints.arm_of_parent[i]) - _rotated(theta[i], joints.arm[i])
-            return dot(place[i] - place[parent] - reach, _rotated(theta[parent], joints.axis[i]))[:, None]
-        return np.zeros((len(place[i]), 0))
-
-
-def _rotated(theta: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """Return a vector turned by Euler parameters."""
-    return product(product(theta, np.append(0.0, vector)), conjugate(theta))[..., 1:]
+    def _angle(self, i: int, turn: np.ndarray) -> np.ndarray:
+        turned = product(conjugate(self.groups.joints.offset[i]), turn)
+        return 2.0 * np.arctan2(dot(turned[:, 1:], self.groups.joints.axis[i]), turned[:, 0])

@@ -9,7 +9,6 @@ from mbs_ref.cores.builder import Builder, assembled, ends, forces, torsion_spri
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
-from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.groups import floats, ints
 from mbs_ref.kernels.rigid.model import TorsionSprings, rigid_scratch
 from mbs_ref.kernels.spatial import model as arrays
@@ -27,21 +26,7 @@ _HELD_INERTIA = (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)  # kg m^2 in the idle block of a 
 
 
 class _Builder(Builder):
-    """Spatial bodies' places and axes."""
-
-    def __init__(self, scene: Scene) -> None:
-        super().__init__(scene)
-        turned = {b.name: rotation_matrices(b.orientation) for b in scene.bodies if isinstance(b, SpatialBody)}
-        self.axes = {body.name: np.eye(3) for body in scene.bodies} | turned
-        self.centre = {body.name: np.array(body.position) for body in scene.bodies}
-
-    def point(self, name: str, world: Any) -> np.ndarray:
-        if name == "ground":
-            return np.array(world, dtype=float)
-        return self.axes[name].T @ (np.array(world) - self.centre[name])
-
-    def direction(self, name: str, world: Any) -> np.ndarray:
-        return np.array(world, dtype=float) if name == "ground" else self.axes[name].T @ world
+    """Spatial bodies, joints and loads."""
 
     def groups(self) -> Any:
         rigid = np.array([isinstance(b, SpatialBody) for b in self.scene.bodies], dtype=int)
@@ -68,15 +53,10 @@ def _torsion_springs(build: _Builder) -> TorsionSprings:
 
 def _bushings(build: _Builder) -> arrays.Bushings:
     loads = [x for x in build.scene.loads if isinstance(x, Bushing)]
-    return arrays.Bushings(
-        *ends(build, loads),
-        floats([build.point(x.body_a, x.marks[0]) for x in loads], 3),
-        floats([build.point(x.body_b, x.marks[1]) for x in loads], 3),
-        floats([build.direction(x.body_a, x.frames[0]) for x in loads], 3, 3),
-        floats([build.direction(x.body_b, x.frames[1]) for x in loads], 3, 3),
-        floats([x.stiffness for x in loads], 6),
-        floats([x.damping for x in loads], 6),
-    )
+    point_a, point_b = (floats([build.point(x.ends[k], x.marks[k]) for x in loads], 3) for k in range(2))
+    axes_a, axes_b = (floats([build.direction(x.ends[k], x.frames[k]) for x in loads], 3, 3) for k in range(2))
+    stiffness, damping = floats([x.stiffness for x in loads], 6), floats([x.damping for x in loads], 6)
+    return arrays.Bushings(*ends(build, loads), point_a, point_b, axes_a, axes_b, stiffness, damping)
 
 
 def _attraction(build: _Builder) -> arrays.Attraction:
@@ -96,10 +76,8 @@ def _attraction(build: _Builder) -> arrays.Attraction:
 
 def _gradients(build: _Builder) -> arrays.Gradients:
     loads = [x for x in build.scene.loads if isinstance(x, GravityGradient)]
-    ends = [
-        ints([build.body(name) for name in names]) for names in ([x.planet for x in loads], [x.body for x in loads])
-    ]
-    return arrays.Gradients(ends[0], ends[1], floats(x.gm for x in loads))
+    planet, body = (ints([build.body(getattr(x, end)) for x in loads]) for end in ("planet", "body"))
+    return arrays.Gradients(planet, body, floats(x.gm for x in loads))
 
 
 RANK_POSES = 3  # random poses, besides the first, in which the rank of the loops is looked at
@@ -137,8 +115,7 @@ class SpatialSystem(JointedSystem):
         return scratch
 
     def initial_state(self) -> np.ndarray:
-        q: list[float] = []
-        u: list[float] = []
+        q, u = list[float](), list[float]()
         for body in self.scene.bodies:
             q += body.position
             u += body.velocity
@@ -194,9 +171,8 @@ class SpatialSystem(JointedSystem):
 
     def _moved(self, y: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Return y moved along the constraints by about RANK_STEP in the direction of x."""
-        core.call_derivative(self.model, self.work, 0.0, y.copy(), np.empty_like(y))
-        core.call_tangent(self.model, self.work, x)
-        moved = y.copy()
+        self.derivative(0.0, y)
+        x, moved = self.along_constraints(x), y.copy()
         moved[: self.n_positions] += RANK_STEP / max(1e-12, np.abs(x).max()) * x[: self.n_positions]
         return moved
 
@@ -218,7 +194,6 @@ class SpatialSystem(JointedSystem):
         return np.array([y[q + 3 : q + 7] @ y[q + 3 : q + 7] for q in bodies.q[bodies.rigid == 1]])
 
     def poses(self, states: np.ndarray) -> Poses:
-        """Turn states into world poses; a point mass keeps the orientation 1, 0, 0, 0."""
         states = np.asarray(states)
         bodies, order = self.groups.bodies, self.groups.bodies.scene_index
         shape = (len(states), self.n_bodies)
@@ -233,19 +208,16 @@ class SpatialSystem(JointedSystem):
         return Poses(position, theta, velocity, omega)
 
     def states_of(self, poses: Poses) -> np.ndarray:
-        """Return states (n_t, n_state); nothing has slipped yet."""
+        # nothing has slipped yet
         bodies, count = self.groups.bodies, len(poses.position)
         states = np.zeros((count, len(self.initial_state())))
         order, turns = bodies.scene_index, bodies.rigid == 1
-        states[:, _after(bodies.q, 3)], states[:, _after(bodies.v, 3)] = (
-            poses.position[:, order], poses.velocity[:, order],
-        )  # fmt: skip
+        states[:, _after(bodies.q, 3)] = poses.position[:, order]
+        states[:, _after(bodies.v, 3)] = poses.velocity[:, order]
         own, q, v = order[turns], bodies.q[turns] + 3, bodies.v[turns] + 3
-        theta = poses.orientation[:, own]
+        theta, omega = poses.orientation[:, own], poses.angular_velocity.take(own, axis=1)
         states[:, _after(q, 4)] = theta
-        states[:, _after(v, 3)] = np.einsum(
-            "tkij,tki->tkj", rotation_matrices(theta), poses.angular_velocity.take(own, axis=1)
-        )
+        states[:, _after(v, 3)] = np.einsum("tkij,tki->tkj", rotation_matrices(theta), omega)
         return states
 
     def mass_matrix(self) -> np.ndarray:
@@ -307,8 +279,8 @@ class SpatialSystem(JointedSystem):
         return [Taylor(float(theta[k]), first_rates[k], float(second[k])) for k in range(4)]
 
     @staticmethod
-    def _world_arms(turns: np.ndarray, arm: np.ndarray) -> np.ndarray:
-        return np.einsum("tjab,jb->tja", rotation_matrices(turns), arm.reshape(-1, 3))
+    def turned(turns: np.ndarray, arms: np.ndarray) -> np.ndarray:
+        return np.einsum("...ab,...b->...a", rotation_matrices(turns), arms)
 
     @staticmethod
     def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:

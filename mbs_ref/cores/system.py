@@ -45,6 +45,7 @@ class System(ABC):
     groups: Any  # the scene's arrays
     scratch: Any  # of one run
     expansion: Any = None  # in Taylor series (mbs_ref.cores.series), once it is built
+    keeps_itself: ClassVar[bool] = False  # whether every state keeps the constraints, so that none needs `project`
     is_twin: bool = False  # a copy of a system that was checked
     user_error: BaseException | None = None  # what a user's force law raised, if it did
 
@@ -201,11 +202,6 @@ class System(ABC):
         """Return time (s) and place in `event_sources` (n_events, 2) of the events located so far."""
         return np.zeros((0, 2))
 
-    @property
-    def keeps_itself(self) -> bool:
-        """Whether every state keeps the constraints, so that `project` has nothing to do."""
-        return False
-
     def regularity(self) -> float:
         """Return how far the last evaluated pose is from a singular one: 1 far, 0 there."""
         return core.call_regularity(self.work)
@@ -256,17 +252,17 @@ class System(ABC):
     def states_of(self, poses: Poses) -> np.ndarray:
         """Return states (n_t, n_state) of world poses and velocities, which need not satisfy the joints."""
 
-    @abstractmethod
     def set_mode_time(self, t: float) -> None:
         """Choose the signals' segments: the ones that contain t (s)."""
+        return None
 
-    @abstractmethod
     def set_baumgarte(self, gain: float) -> None:
         """Set C'' + 2 g C' + g^2 C = 0 with g in 1/s; 0 switches it off (Baumgarte 1972)."""
+        return None
 
-    @abstractmethod
     def residuals(self, t: float, y: np.ndarray) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Return C and C_dot of every joint by name."""
+        return {}
 
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         """Return the force and torque (n_t, 3 or 6) of each joint on its last body, at the joint point, in world axes.

@@ -16,24 +16,20 @@ from mbs_ref import scene as parts
 from mbs_ref.crash.outlines import Places, Point, read_data
 from mbs_ref.crash.stops import body_contacts, joint_stops
 from mbs_ref.scene import GROUND, Scene
-from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative
+from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative, of_paper
 from mbs_ref.scene.contact import CircleOnLine, ConstraintLaw, Contact, ContactLaw, ProgressiveLaw, SpringDamperLaw
 from mbs_ref.scene.signals import Constant, HalfSine, Signal, Table
 
 DURATION = 0.2  # s, the longest crash of Fox 1999 eqs 34-35
 TABLE_POINTS = 41  # of the pulse as a breakpoint table
-PAPER = "Fox 1999 (the mechanism, forces and pulse); parameters and their origin in mbs_ref/crash/data/{}.json"
+SOURCE = "Fox 1999 (the mechanism, forces and pulse); parameters and their origin in mbs_ref/crash/data/{}.json"
 
 
 _BELTS = read_data("believable")["belts"]
-# What model = "paper" and model = "believable" stand for
-BARE: dict[str, Any] = {
-    "stops": False, "body_contacts": False, "toe_board": False, "head_restraint": "integral", "slack": 0.0,
-    "belt_limit": 0.0,
-}  # fmt: skip
-BELIEVABLE: dict[str, Any] = {
-    "stops": True, "body_contacts": True, "toe_board": True, "head_restraint": "separate", "slack": _BELTS["slack"],
-    "belt_limit": _BELTS["limit"],
+# what model = "paper" has instead of the defaults, which are those of "believable"
+PAPER: dict[str, Any] = {
+    "slack": 0.0, "belt_limit": 0.0, "stops": False, "body_contacts": False, "toe_board": False,
+    "head_restraint": "integral",
 }  # fmt: skip
 Restraint = Literal["integral", "separate", "none"]
 
@@ -56,21 +52,16 @@ class Crash:
     seat: Literal["fixed", "driven"] = "fixed"
     pulse: Literal["half_sine", "table"] = "half_sine"
     lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # m
-    slack: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = BELIEVABLE["slack"]  # m
-    belt_limit: Annotated[NonNegative, BELIEVABLE_ONLY] = BELIEVABLE["belt_limit"]  # N
-    stops: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["stops"]
-    body_contacts: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["body_contacts"]
-    toe_board: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["toe_board"]
-    head_restraint: Annotated[Restraint, BELIEVABLE_ONLY] = BELIEVABLE["head_restraint"]
+    slack: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = _BELTS["slack"]  # m
+    belt_limit: Annotated[NonNegative, BELIEVABLE_ONLY] = _BELTS["limit"]  # N
+    stops: Annotated[bool, BELIEVABLE_ONLY] = True
+    body_contacts: Annotated[bool, BELIEVABLE_ONLY] = True
+    toe_board: Annotated[bool, BELIEVABLE_ONLY] = True
+    head_restraint: Annotated[Restraint, BELIEVABLE_ONLY] = "separate"
 
     def __post_init__(self) -> None:
-        if self.model == "believable":
-            return
-        for name, bare in BARE.items():
-            given = getattr(self, name)
-            if given not in (bare, BELIEVABLE[name]):
-                raise ValueError(f"{name} = {given!r} does not go with model = 'paper', which has {bare!r}")
-            object.__setattr__(self, name, bare)
+        if self.model == "paper":
+            vars(self).update(of_paper(PAPER, vars(self), vars(Crash)))
 
     @property
     def pulse_duration(self) -> float:
@@ -112,7 +103,7 @@ def android(name: str, description: str, crash: Crash) -> Scene:
     return Scene(
         name=name,
         description=" ".join((description, *_consequences(crash))),
-        source=PAPER.format(name),
+        source=SOURCE.format(name),
         duration=DURATION,
         gravity=(0.0, -data["gravity"]),
         bodies=(*model.bodies(data["bodies"]), *model.bodies(data["seat_bodies"])),

@@ -4,23 +4,14 @@ Accelerations are in g here, at the edge, as the measures are defined. Between s
 linear, so that every integral is that of a piecewise linear history.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 STANDARD_GRAVITY = 9.80665  # m/s^2, one g (CGPM 1901)
 CLIP = 3e-3  # s
 TTI_AGE, TTI_LOAD = 1.4, 0.5  # Eppinger, Marcus, Morgan 1984 (SAE 840885)
-
-
-@dataclass(frozen=True)
-class NeckLimits:
-    """Intercepts of Nij; the Hybrid III 50th percentile male (49 CFR 571.208 S6.6)."""
-
-    tension: float = 6806.0  # N
-    compression: float = 6160.0  # N
-    flexion: float = 310.0  # N m
-    extension: float = 135.0  # N m
+# intercepts of Nij; the Hybrid III 50th percentile male (49 CFR 571.208 S6.6)
+TENSION, COMPRESSION = 6806.0, 6160.0  # N
+FLEXION, EXTENSION = 310.0, 135.0  # N m
 
 
 def hic(times: np.ndarray, a_g: np.ndarray, window: float) -> tuple[float, float, float]:
@@ -104,9 +95,8 @@ def viscous_criterion(times: np.ndarray, deflection: np.ndarray, depth: float, s
     return float(np.max(scale * rate * deflection / depth))
 
 
-def nij(axial: np.ndarray, moment: np.ndarray, limits: NeckLimits | None = None) -> np.ndarray:
+def nij(axial: np.ndarray, moment: np.ndarray) -> np.ndarray:
     """Return Nij = Fz/Fzc + My/Myc: axial force (N, tension positive) and occipital moment (N m, flexion positive)."""
-    limits = limits or NeckLimits()
-    force = np.where(np.asarray(axial) >= 0.0, np.divide(axial, limits.tension), np.divide(axial, -limits.compression))
-    bend = np.where(np.asarray(moment) >= 0.0, np.divide(moment, limits.flexion), np.divide(moment, -limits.extension))
-    return force + bend
+    force, bend = np.asarray(axial), np.asarray(moment)
+    stretch = np.where(force >= 0.0, force / TENSION, force / -COMPRESSION)
+    return stretch + np.where(bend >= 0.0, bend / FLEXION, bend / -EXTENSION)

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from mbs_ref.scene import GROUND, Bushing, PlanarBody, PointBushing, PointMass, Scene, SpringDamper, TorsionSpring
+from mbs_ref import scene as parts
+from mbs_ref.scene import GROUND, PlanarBody, PointMass
 from mbs_ref.scene.euler_parameters import floats, rotation_matrices
 from mbs_ref.trajectory import Trajectory
 
@@ -17,7 +17,7 @@ PERP = np.array([[0.0, -1.0], [1.0, 0.0]])  # turns a plane vector by +90 degree
 class Motion:
     """A scene and its motion: what an observable looks at."""
 
-    scene: Scene
+    scene: parts.Scene
     trajectory: Trajectory
 
     @cached_property
@@ -43,41 +43,34 @@ class Motion:
         if k < 0:
             return np.zeros_like(place)
         arm = place - self.trajectory.position[:, k]
-        if self.scene.dimension == 3:
-            return self.trajectory.velocity[:, k] + np.cross(self.turning(body), arm)
-        return self.trajectory.velocity[:, k] + self.spin(body)[:, None] * (arm @ PERP.T)
+        return self.trajectory.velocity[:, k] + _swing(self.turning(body), arm)
 
     def direction(self, body: str, world) -> tuple[np.ndarray, np.ndarray]:
         """Return a body-fixed vector (n_t, dimension) that equals `world` at t = 0, and its rate."""
         k = self.scene.body_index(body)
         if k < 0 or isinstance(self.scene.bodies[k], PointMass):
             return self._fixed(world)  # a particle does not turn
-        if self.scene.dimension == 3:
-            return self._turned(k, floats(world))
-        turned = self.angle(body)
-        vector = floats(world)
-        now = np.cos(turned)[:, None] * vector + np.sin(turned)[:, None] * (PERP @ vector)
-        return now, self.trajectory.angular_velocity[:, k, None] * (now @ PERP.T)
-
-    def _turned(self, k: int, world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         start, course = self._axes(k)
-        now = course @ (start.T @ world)
-        return now, np.cross(self.trajectory.angular_velocity[:, k], now)
+        now = course @ (start.T @ floats(world))
+        return now, _swing(self.turning(body), now)
 
     def _axes(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the body's axes at t = 0 (3, 3) and at each time (n_t, 3, 3)."""
+        """Return the body's axes at t = 0 (dimension, dimension) and at each time (n_t, dimension, dimension)."""
         if k not in self._known_axes:
-            body: Any = self.scene.bodies[k]
-            course = rotation_matrices(self.trajectory.orientation[:, k])
-            self._known_axes[k] = rotation_matrices(body.orientation), course
+            body, course = self.scene.bodies[k], self.trajectory.orientation[:, k]
+            if isinstance(body, parts.SpatialBody):
+                self._known_axes[k] = rotation_matrices(body.orientation), rotation_matrices(course)
+            else:
+                c, s = np.cos(self.angle(body.name)), np.sin(self.angle(body.name))
+                self._known_axes[k] = np.eye(2), np.moveaxis(np.array([[c, -s], [s, c]]), -1, 0)
         return self._known_axes[k]
 
     def turning(self, body: str) -> np.ndarray:
-        """Return the angular velocity (n_t, 3), rad/s, in space; zero for ground and particles."""
-        k = self.scene.body_index(body)
+        """Return the angular velocity (n_t,), in space (n_t, 3), rad/s; zero for ground and particles."""
+        k, every = self.scene.body_index(body), self.trajectory.angular_velocity
         if k < 0 or isinstance(self.scene.bodies[k], PointMass):
-            return np.zeros((len(self.times), 3))
-        return self.trajectory.angular_velocity[:, k]
+            return np.zeros_like(every[:, 0])
+        return every[:, k]
 
     def angle_about(self, body_a: str, body_b: str, axis) -> tuple[np.ndarray, np.ndarray]:
         """Return the angle (n_t,) in (-pi, pi] of b about an axis fixed in a since t = 0, and its rate."""
@@ -95,41 +88,42 @@ class Motion:
             return np.zeros(len(self.times))
         return self.trajectory.orientation[:, k] - start.angle
 
-    def spin(self, body: str) -> np.ndarray:
-        """Return the angular velocity (n_t,), rad/s; zero for ground and particles."""
-        k = self.scene.body_index(body)
-        if k < 0 or not isinstance(self.scene.bodies[k], PlanarBody):
-            return np.zeros(len(self.times))
-        return self.trajectory.angular_velocity[:, k]
-
     def _fixed(self, world) -> tuple[np.ndarray, np.ndarray]:
         shape = (len(self.times), self.scene.dimension)
         return np.broadcast_to(floats(world), shape), np.zeros(shape)
 
 
+def _swing(omega: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    """Return omega x arm (n_t, dimension)."""
+    return np.cross(omega, arm) if arm.shape[1] == 3 else omega[:, None] * (arm @ PERP.T)
+
+
+def unit(vector) -> np.ndarray:
+    """Return the vector at length one."""
+    return floats(vector) / np.linalg.norm(floats(vector))
+
+
 def perpendiculars(axis) -> tuple[np.ndarray, np.ndarray]:
     """Return two unit vectors u, w with u x w along the axis."""
-    axis = floats(axis) / np.linalg.norm(floats(axis))
+    axis = unit(axis)
     helper = np.zeros(3)
     helper[np.argmin(np.abs(axis))] = 1.0
-    u = np.cross(helper, axis)
-    u /= np.linalg.norm(u)
+    u = unit(np.cross(helper, axis))
     return u, np.cross(axis, u)
 
 
-def length_of(motion: Motion, spring: SpringDamper) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return length, stretch beyond the rest length (m) and rate of length (m/s); each (n_t,)."""
-    a, a_rate = motion.point(spring.body_a, spring.point_a)
-    b, b_rate = motion.point(spring.body_b, spring.point_b)
+def length_of(motion: Motion, part: parts.SpringDamper | parts.Distance) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return length, stretch beyond the rest length or the rod's (m) and rate of length (m/s); each (n_t,)."""
+    (a, a_rate), (b, b_rate) = (motion.point(*end) for end in zip(part.ends, part.marks, strict=True))
     gap = b - a
     length = np.linalg.norm(gap, axis=1)
-    initial = float(np.linalg.norm(np.subtract(spring.point_b, spring.point_a)))
-    rest = spring.rest_length if spring.rest_length is not None else initial
+    given = part.length if isinstance(part, parts.Distance) else part.rest_length
+    rest = float(np.linalg.norm(np.subtract(*part.marks))) if given is None else given
     along = np.divide(gap, length[:, None], out=np.zeros_like(gap), where=length[:, None] > 0.0)
     return length, length - rest, np.sum(along * (b_rate - a_rate), axis=1)
 
 
-def pull_of(spring: SpringDamper, stretch: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def pull_of(spring: parts.SpringDamper, stretch: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the pull (n_t,), N, of a spring, and the part of it without its damper."""
     elastic, pull = spring.stiffness * stretch, spring.stiffness * stretch + spring.damping * rate
     if not spring.tension_only:
@@ -138,7 +132,7 @@ def pull_of(spring: SpringDamper, stretch: np.ndarray, rate: np.ndarray) -> tupl
     return np.where(stretch > 0.0, np.clip(pull, 0.0, most), 0.0), np.clip(elastic, 0.0, most)
 
 
-def twist_of(motion: Motion, spring: TorsionSpring) -> tuple[np.ndarray, np.ndarray]:
+def twist_of(motion: Motion, spring: parts.TorsionSpring) -> tuple[np.ndarray, np.ndarray]:
     """Return the relative angle beyond the rest angle (rad) and its rate (rad/s); each (n_t,)."""
     if spring.axis is not None:
         angle, rate = motion.angle_about(spring.body_a, spring.body_b, spring.axis)
@@ -147,7 +141,7 @@ def twist_of(motion: Motion, spring: TorsionSpring) -> tuple[np.ndarray, np.ndar
     offset = 0.0
     if spring.rest_angle is not None:
         offset = _initial_angle(motion, spring.body_b) - _initial_angle(motion, spring.body_a) - spring.rest_angle
-    return turned + offset, motion.spin(spring.body_b) - motion.spin(spring.body_a)
+    return turned + offset, motion.turning(spring.body_b) - motion.turning(spring.body_a)
 
 
 def _initial_angle(motion: Motion, body: str) -> float:
@@ -155,7 +149,7 @@ def _initial_angle(motion: Motion, body: str) -> float:
     return 0.0 if k < 0 else getattr(motion.scene.bodies[k], "angle", 0.0)
 
 
-def bushing_strain(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.ndarray]:
+def bushing_strain(motion: Motion, bushing: parts.Bushing) -> tuple[np.ndarray, np.ndarray]:
     """Return offset and rotation vector (n_t, 6) along the bushing's axes in body a, and their rates for dampers."""
     ends = zip(bushing.ends, bushing.frames, strict=True)
     here, there = (np.stack([motion.direction(body, e)[0] for e in frame.T], axis=2) for body, frame in ends)
@@ -169,7 +163,7 @@ def bushing_strain(motion: Motion, bushing: Bushing) -> tuple[np.ndarray, np.nda
     return np.concatenate((offset, relative), axis=1), np.concatenate((offset_rate, spin), axis=1)
 
 
-def gap_of(motion: Motion, bushing: PointBushing) -> tuple[np.ndarray, np.ndarray]:
+def gap_of(motion: Motion, bushing: parts.PointBushing) -> tuple[np.ndarray, np.ndarray]:
     """Return the gap between the marks (n_t, 2), m, and the slip at b's mark (m/s), where both forces act."""
     (a, _), (b, b_rate) = (motion.point(end, at) for end, at in zip(bushing.ends, bushing.marks, strict=True))
     return b - a, b_rate - motion.rate_at(bushing.body_a, b)

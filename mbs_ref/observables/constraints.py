@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.observables.attachment import PERP, Motion, perpendiculars
+from mbs_ref.observables.attachment import PERP, Motion, length_of, perpendiculars, unit
 from mbs_ref.scene import Scene, SpatialBody, joints
-from mbs_ref.scene.euler_parameters import floats, from_axis_angle, product, rotation_matrices
+from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices
 from mbs_ref.scene.signals import prescribed
 from mbs_ref.trajectory import Trajectory
 
 Row = tuple[np.ndarray, np.ndarray]  # residual and rate, each (n_t,)
+UNTURNED = {2: (0.0,), 3: (1.0, 0.0, 0.0, 0.0)}  # the orientation of ground
 RATE_STEP = 1e-3  # m or rad of the motion: truncation h^4 and roundoff eps / h of a rate are alike, 1e-12 of size one
 Vectors = tuple[np.ndarray, np.ndarray]  # a moving vector and its rate, each (n_t, dimension)
 
@@ -26,14 +27,9 @@ def norm_row(theta: np.ndarray) -> Row:
     return np.sum(theta**2, axis=1) - 1.0, np.zeros(len(theta))
 
 
-def unit(vector) -> np.ndarray:
-    """Return the vector at length one."""
-    return floats(vector) / np.linalg.norm(floats(vector))
-
-
-def wrapped(angle: np.ndarray) -> np.ndarray:
-    """Return the angle in [-pi, pi]: a full turn is no violation."""
-    return np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi
+def _turned(row: Row) -> list[Row]:
+    """Return the row with its angle in [-pi, pi]: a full turn is no violation."""
+    return [(np.remainder(row[0] + np.pi, 2.0 * np.pi) - np.pi, row[1])]
 
 
 def _dot(first: Vectors, second: Vectors) -> Row:
@@ -42,14 +38,15 @@ def _dot(first: Vectors, second: Vectors) -> Row:
     return np.sum(e * f, axis=1), np.sum(e_rate * f + e * f_rate, axis=1)
 
 
-def _separation(motion: Motion, joint, point_a, point_b) -> Vectors:
-    (a, a_rate), (b, b_rate) = motion.point(joint.body_a, point_a), motion.point(joint.body_b, point_b)
+def _separation(motion: Motion, joint) -> Vectors:
+    """Return how far body b's point is from body a's that was there at t = 0, and its rate."""
+    (a, a_rate), (b, b_rate) = (motion.point(body, joint.point) for body in joint.ends)
     return b - a, b_rate - a_rate
 
 
 def coincidence(motion: Motion, joint) -> list[Row]:
     """p_b - p_a = 0 (Fox 1999 eq 5)."""
-    gap, rate = _separation(motion, joint, joint.point, joint.point)
+    gap, rate = _separation(motion, joint)
     return [(gap[:, k], rate[:, k]) for k in range(gap.shape[1])]
 
 
@@ -61,7 +58,7 @@ def parallel(motion: Motion, joint, axis) -> list[Row]:
 
 def across(motion: Motion, joint, normals) -> list[Row]:
     """n . (p_b - p_a) = 0 with normals n fixed in a."""
-    gap = _separation(motion, joint, joint.point, joint.point)
+    gap = _separation(motion, joint)
     return [_dot(motion.direction(joint.body_a, normal), gap) for normal in normals]
 
 
@@ -69,14 +66,9 @@ def no_turning(motion: Motion, joint) -> list[Row]:
     """In the plane the relative angle; in space x . y = y . z = z . x = 0 of axes in a and in b, one frame at t = 0."""
     if motion.scene.dimension == 2:
         turned = motion.angle(joint.body_b) - motion.angle(joint.body_a)
-        return [(wrapped(turned), motion.spin(joint.body_b) - motion.spin(joint.body_a))]
+        return _turned((turned, motion.turning(joint.body_b) - motion.turning(joint.body_a)))
     here, there = ([motion.direction(body, e) for e in np.eye(3)] for body in (joint.body_a, joint.body_b))
     return [_dot(here[k], there[(k + 1) % 3]) for k in range(3)]
-
-
-def _revolute(motion: Motion, joint: joints.Revolute) -> list[Row]:
-    turning = [] if joint.axis is None else parallel(motion, joint, joint.axis)
-    return [*coincidence(motion, joint), *turning]
 
 
 def _universal(motion: Motion, joint: joints.Universal) -> list[Row]:
@@ -86,24 +78,14 @@ def _universal(motion: Motion, joint: joints.Universal) -> list[Row]:
 
 
 def _prismatic(motion: Motion, joint: joints.Prismatic) -> list[Row]:
-    plane = motion.scene.dimension == 2
-    normals = [PERP @ unit(joint.axis)] if plane else perpendiculars(joint.axis)
+    normals = perpendiculars(joint.axis) if len(joint.axis) == 3 else [PERP @ unit(joint.axis)]
     return [*across(motion, joint, normals), *no_turning(motion, joint)]
 
 
-def _distance(motion: Motion, joint: joints.Distance) -> list[Row]:
-    """|p_b - p_a| - l = 0, in metres."""
-    gap, rate = _separation(motion, joint, joint.point_a, joint.point_b)
-    length = np.linalg.norm(gap, axis=1)
-    initial = float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
-    along = np.divide(gap, length[:, None], out=np.zeros_like(gap), where=length[:, None] > 0.0)
-    return [(length - (initial if joint.length is None else joint.length), np.sum(along * rate, axis=1))]
-
-
-def _rotation_drive(motion: Motion, joint: joints.RotationDrive) -> list[Row]:
+def _driven(motion: Motion, joint: joints.Drive, moved: np.ndarray, rate: np.ndarray) -> Row:
+    """Return by how much a displacement since t = 0 is beyond the prescribed one."""
     prescribed_value, motion_rate = prescribed(joint.motion, joint.level, motion.times)
-    angle, rate = motion.angle_about(joint.body_a, joint.body_b, joint.axis)
-    return [(wrapped(angle - prescribed_value), rate - motion_rate)]
+    return moved - prescribed_value, rate - motion_rate
 
 
 def _rolling_wheel(motion: Motion, joint: joints.RollingWheel) -> list[Row]:
@@ -122,19 +104,16 @@ def _rolling_wheel(motion: Motion, joint: joints.RollingWheel) -> list[Row]:
 
 
 def _coordinate_drive(motion: Motion, joint: joints.CoordinateDrive) -> list[Row]:
-    prescribed_value, motion_rate = prescribed(joint.motion, joint.level, motion.times)
     if joint.coordinate == "angle":
-        return [(wrapped(motion.angle(joint.body) - prescribed_value), motion.spin(joint.body) - motion_rate)]
+        return _turned(_driven(motion, joint, motion.angle(joint.body), motion.turning(joint.body)))
     k, axis = motion.scene.body_index(joint.body), "xyz".index(joint.coordinate)
     moved = motion.trajectory.position[:, k, axis] - motion.scene.bodies[k].position[axis]
-    return [(moved - prescribed_value, motion.trajectory.velocity[:, k, axis] - motion_rate)]
+    return [_driven(motion, joint, moved, motion.trajectory.velocity[:, k, axis])]
 
 
 def _point_drive(motion: Motion, joint: joints.PointDrive) -> list[Row]:
-    prescribed_value, motion_rate = prescribed(joint.motion, joint.level, motion.times)
-    place, rate = motion.point(joint.body, joint.point)
-    along = unit(joint.direction)
-    return [((place - np.asarray(joint.point)) @ along - prescribed_value, rate @ along - motion_rate)]
+    (place, rate), along = motion.point(joint.body, joint.point), unit(joint.direction)
+    return [_driven(motion, joint, (place - np.asarray(joint.point)) @ along, rate @ along)]
 
 
 def _user_constraint(motion: Motion, joint: joints.UserConstraint) -> list[Row]:
@@ -142,7 +121,8 @@ def _user_constraint(motion: Motion, joint: joints.UserConstraint) -> list[Row]:
     formula = joint.formula()
 
     def value(k: int, ahead: float) -> float:
-        return float(formula(float(motion.times[k]) + ahead, *_places(motion, joint, k, ahead)))
+        places = [_place(motion, *end, k, ahead) for end in zip(joint.ends, joint.marks, strict=True)]
+        return float(formula(float(motion.times[k]) + ahead, *places))
 
     rate = []
     for k in range(len(motion.times)):
@@ -160,39 +140,36 @@ def _rates(motion: Motion, joint) -> list[np.ndarray]:
             for part in (path.velocity, path.angular_velocity)]  # fmt: skip
 
 
-def _places(motion: Motion, joint, k: int, ahead: float):
-    """Return both ends' places at sample k, moved on for `ahead` (s) at the velocities there."""
-    return [_place(motion, end, joint.mark(f"body_{'ab'[side]}"), k, ahead) for side, end in enumerate(joint.ends)]
-
-
 def _place(motion: Motion, body: str, mark, k: int, ahead: float):
+    """Return an end's place at sample k, moved on for `ahead` (s) at the velocities there."""
     scene, path, index = motion.scene, motion.trajectory, motion.scene.body_index(body)
-    planar = scene.dimension == 2
+    place: Any = joints.PLACES[scene.dimension]
     if index < 0:
         origin = (0.0,) * scene.dimension if mark is None else mark
-        return joints.PlanarPlace(*origin, 0.0) if planar else joints.SpatialPlace(*origin, 1.0, 0.0, 0.0, 0.0)
+        return place(*origin, *UNTURNED[scene.dimension])
     start: Any = scene.bodies[index]
     arm = np.zeros(scene.dimension) if mark is None else np.subtract(mark, start.position)
     centre = path.position[k, index] + ahead * path.velocity[k, index]
     spin, turned = path.angular_velocity[k, index], path.orientation[k, index]
-    if planar:
+    if place is joints.PlanarPlace:
         now = turned + ahead * spin
         since = now - getattr(start, "angle", 0.0)
-        return joints.PlanarPlace(*(centre + np.cos(since) * arm + np.sin(since) * (PERP @ arm)), now)
+        return place(*(centre + np.cos(since) * arm + np.sin(since) * (PERP @ arm)), now)
     speed = np.linalg.norm(spin)
     now = turned if speed == 0.0 else product(from_axis_angle(spin, ahead * speed), turned)
     first = rotation_matrices(getattr(start, "orientation", (1.0, 0.0, 0.0, 0.0)))
-    return joints.SpatialPlace(*(centre + rotation_matrices(now) @ first.T @ arm), *now)
+    return place(*(centre + rotation_matrices(now) @ first.T @ arm), *now)
 
 
 RESIDUALS: dict[type[joints.JointPart], Callable[[Motion, Any], list[Row]]] = {
-    joints.Revolute: _revolute, joints.Spherical: coincidence, joints.Universal: _universal,
+    joints.Revolute: lambda m, j: [*coincidence(m, j), *(parallel(m, j, j.axis) if j.axis else ())],
+    joints.Spherical: coincidence, joints.Universal: _universal,
     joints.Cylindrical: lambda m, j: [*across(m, j, perpendiculars(j.axis)), *parallel(m, j, j.axis)],
     joints.Prismatic: _prismatic, joints.Weld: lambda m, j: [*coincidence(m, j), *no_turning(m, j)],
-    joints.Distance: _distance, joints.RollingWheel: _rolling_wheel,
-    joints.PointOnPlane: lambda m, j: across(m, j, [unit(j.normal)]), joints.RotationDrive: _rotation_drive,
-    joints.CoordinateDrive: _coordinate_drive, joints.PointDrive: _point_drive,
-    joints.UserConstraint: _user_constraint,
+    joints.Distance: lambda m, j: [length_of(m, j)[1:]], joints.RollingWheel: _rolling_wheel,
+    joints.PointOnPlane: lambda m, j: across(m, j, [unit(j.normal)]),
+    joints.RotationDrive: lambda m, j: _turned(_driven(m, j, *m.angle_about(*j.ends, j.axis))),
+    joints.CoordinateDrive: _coordinate_drive, joints.PointDrive: _point_drive, joints.UserConstraint: _user_constraint,
 }  # fmt: skip
 
 

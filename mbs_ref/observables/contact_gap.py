@@ -15,7 +15,7 @@ def gap_of(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     """Return the gap (m, negative inside), its rate and the sliding speed (m/s), each (n_t,); in space its size."""
     gap, normal, relative = relative_motion(motion, contact)
     closing = np.sum(normal * relative, axis=1)
-    if motion.scene.dimension == 3:
+    if normal.shape[1] == 3:
         return gap, closing, np.linalg.norm(relative - closing[:, None] * normal, axis=1)
     tangent = np.column_stack((normal[:, 1], -normal[:, 0]))
     return gap, closing, np.sum(tangent * relative, axis=1)
@@ -23,12 +23,11 @@ def gap_of(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 def relative_motion(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the gap (n_t,), m, the normal on body b and the velocity (m/s) of a on b there, each (n_t, dimension)."""
-    flat = not isinstance(contact, RoundPair)
     first, second, normal = _shapes(contact)
     center, _ = motion.point(contact.body_a, first)
     other, _ = motion.point(contact.body_b, second)
     apart = center - other
-    if flat:
+    if len(normal):
         normal, _ = motion.direction(contact.body_b, normal / np.linalg.norm(normal))
         distance, back, reach = np.sum(normal * apart, axis=1), contact.radius, contact.radius
     else:
@@ -40,7 +39,7 @@ def relative_motion(motion: Motion, contact) -> tuple[np.ndarray, np.ndarray, np
 
 
 def _shapes(contact) -> tuple[tuple[float, ...], tuple[float, ...], np.ndarray]:
-    """Return the centre on body a, a point on body b, and the normal of a flat surface, all at t = 0."""
+    """Return the centre on body a, a point on body b, and the normal of a flat surface or (0,), all at t = 0."""
     if isinstance(contact, CircleOnLine):
         along = np.subtract(contact.point_2, contact.point_1)
         return contact.center, contact.point_1, np.array((-along[1], along[0]))

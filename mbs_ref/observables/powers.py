@@ -7,6 +7,7 @@ import numpy as np
 
 from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, pull_of, twist_of
+from mbs_ref.scene.base.attached import COORDINATES
 from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.contact import Contact, Granules
 from mbs_ref.scene.signals import prescribed, values
@@ -39,12 +40,8 @@ def touching_granules(part: Granules, position: np.ndarray) -> Touching:
     return Touching(ends[gap < 0.0], gap[gap < 0.0], normal[gap < 0.0])
 
 
-def granular_power(motion: Motion, part: Granules) -> np.ndarray:
-    """Return the power (n_t,), W, of the forces at all contacts of the granules."""
-    return np.array([_power(motion, part, k) for k in range(len(motion.times))])
-
-
-def _power(motion: Motion, part: Granules, k: int) -> float:
+def _granular_power(motion: Motion, part: Granules, k: int) -> float:
+    """Return the power (W) of the forces at all contacts of the granules at sample k."""
     path, law = motion.trajectory, part.law.numbers()
     (ends, gap, normal), centres = touching_granules(part, path.position[k]), path.position[k]
     place = centres[ends[:, 0]] - np.broadcast_to(part.radius, len(centres))[ends[:, :1]] * normal
@@ -89,13 +86,15 @@ def _damper(motion: Motion, load: parts.SpringDamper) -> np.ndarray:
 
 def _force(motion: Motion, load: parts.Force) -> np.ndarray:
     _, rate = motion.point(load.body, load.point)
-    vector = np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
-    return values(load.factor, motion.times) * np.sum(rate * vector, axis=1)
+    return values(load.factor, motion.times) * np.sum(rate * _vector(motion, load), axis=1)
+
+
+def _vector(motion: Motion, load: parts.Force | parts.TorqueVector) -> np.ndarray:
+    return np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
 
 
 def _torque_vector(motion: Motion, load: parts.TorqueVector) -> np.ndarray:
-    vector = np.asarray(load.vector) if load.frame == "world" else motion.direction(load.body, load.vector)[0]
-    return values(load.factor, motion.times) * np.sum(motion.turning(load.body) * vector, axis=1)
+    return values(load.factor, motion.times) * np.sum(motion.turning(load.body) * _vector(motion, load), axis=1)
 
 
 def _user_force(motion: Motion, load: parts.UserForce) -> np.ndarray:
@@ -108,8 +107,8 @@ def _user_force(motion: Motion, load: parts.UserForce) -> np.ndarray:
 
 def _coordinate_drive(motion: Motion, joint: parts.CoordinateDrive) -> np.ndarray:
     _, rate = prescribed(joint.motion, joint.level, motion.times)
-    names = ("x", "y", "angle") if motion.scene.dimension == 2 else ("x", "y", "z")
-    return motion.trajectory.reactions[joint.name][:, names.index(joint.coordinate)] * rate
+    column = COORDINATES[motion.scene.dimension].index(joint.coordinate)
+    return motion.trajectory.reactions[joint.name][:, column] * rate
 
 
 def _turn_drive(motion: Motion, joint: parts.RotationDrive) -> np.ndarray:
@@ -119,19 +118,18 @@ def _turn_drive(motion: Motion, joint: parts.RotationDrive) -> np.ndarray:
 
 def _point_drive(motion: Motion, joint: parts.PointDrive) -> np.ndarray:
     _, rate = prescribed(joint.motion, joint.level, motion.times)
-    along = np.asarray(joint.direction) / np.linalg.norm(joint.direction)
-    return motion.trajectory.reactions[joint.name][:, : motion.scene.dimension] @ along * rate
+    return motion.trajectory.reactions[joint.name][:, : motion.scene.dimension] @ unit(joint.direction) * rate
 
 
 LOADS: dict[type, Callable[[Motion, Any], np.ndarray]] = {
     parts.SpringDamper: _damper,
     parts.TorsionSpring: lambda motion, load: -load.damping * twist_of(motion, load)[1] ** 2,
     parts.Force: _force,
-    parts.Torque: lambda motion, load: values(load.factor, motion.times) * load.torque * motion.spin(load.body),
+    parts.Torque: lambda motion, load: values(load.factor, motion.times) * load.torque * motion.turning(load.body),
     parts.TorqueVector: _torque_vector,
     parts.Bushing: lambda motion, load: -(bushing_strain(motion, load)[1] ** 2) @ np.asarray(load.damping),
     parts.PointBushing: lambda motion, load: -load.damping * np.sum(gap_of(motion, load)[1] ** 2, axis=1),
-    Granules: granular_power,
+    Granules: lambda motion, load: np.array([_granular_power(motion, load, k) for k in range(len(motion.times))]),
     parts.UserForce: _user_force,
 }
 DRIVES = {parts.CoordinateDrive: _coordinate_drive, parts.PointDrive: _point_drive, parts.RotationDrive: _turn_drive}

@@ -427,9 +427,7 @@ class SphereOnPlane(ContactPart):
         if bounded != (self.size is not None) or bounded != (self.edge is not None):
             raise ValueError(f"extent = {self.extent!r}: a rectangle needs size and edge, a plane has neither")
         if self.edge is not None:
-            scale = math.hypot(*self.normal) * math.hypot(*self.edge)
-            if not abs(math.sumprod(self.normal, self.edge)) <= 1e-9 * scale:
-                raise ValueError(f"edge = {self.edge} must be perpendicular to normal = {self.normal}")
+            part.require_perpendicular("edge", self.edge, "normal", self.normal)
         if self.extent == "capped" and self.friction is not None and self.friction.STICKS:
             raise ValueError("extent = 'capped' turns the tangent plane at its edges; stick_slip needs a flat surface")
         return self

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, SkipValidation, model_validator
 
 from mbs_ref.scene.base import part, rows
-from mbs_ref.scene.base.attached import NO_ORIENTATION, Attached, coordinate_complaints
+from mbs_ref.scene.base.attached import COORDINATES, NO_ORIENTATION, Attached, AttachedPair, coordinate_complaints
 from mbs_ref.scene.base.expression import Read, read
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.signals import Level, Signal
@@ -28,11 +28,8 @@ class JointPart(Attached):
         return NO_ORIENTATION if any(row.TURNS for row in self.rows(dimension)) else ""
 
 
-class PairJoint(JointPart):
+class PairJoint(JointPart, AttachedPair):
     """A joint between two bodies, or a body and ground."""
-
-    body_a: part.EndName
-    body_b: part.EndName
 
 
 class Drive(JointPart):
@@ -62,7 +59,7 @@ class Revolute(PairJoint):
         yield from axis_complaints(self.type, self.axis, dimension)
 
     def rows(self, dimension: int) -> list[Row]:
-        shared = rows.SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
+        shared = rows.SharedPoint(*self.marks)
         return [shared] if self.axis is None else [shared, *rows.parallel(self.axis)]
 
 
@@ -143,8 +140,7 @@ class Weld(PairJoint):
     point_b: part.Point | None = None  # m, where body b's mark is at t = 0 when the loop is still open
 
     def rows(self, dimension: int) -> list[Row]:
-        shared = rows.SharedPoint(self.point, self.point if self.point_b is None else self.point_b)
-        return [shared, *rows.same_orientation(dimension)]
+        return [rows.SharedPoint(*self.marks), *rows.same_orientation(dimension)]
 
 
 class Distance(PairJoint):
@@ -242,9 +238,10 @@ class RotationDrive(Drive):
         return [rows.Turn(*part.normals(self.axis))]
 
 
-COORDINATES = {2: ("x", "y", "angle"), 3: ("x", "y", "z", "e0", "e1", "e2", "e3")}  # of a body in a UserConstraint
+# of a body in a UserConstraint
 PlanarPlace = namedtuple("PlanarPlace", COORDINATES[2])
-SpatialPlace = namedtuple("SpatialPlace", COORDINATES[3])
+SpatialPlace = namedtuple("SpatialPlace", (*COORDINATES[3], "e0", "e1", "e2", "e3"))
+PLACES: dict[int, Any] = {2: PlanarPlace, 3: SpatialPlace}
 
 
 class UserConstraint(PairJoint):
@@ -285,7 +282,7 @@ class UserConstraint(PairJoint):
         formula = self._read()
         if formula is None:
             return
-        every = sorted(f"{end}.{name}" for end in "ab" for name in COORDINATES[dimension])
+        every = sorted(f"{end}.{name}" for end in "ab" for name in PLACES[dimension]._fields)
         unknown = sorted(formula.names - {"t", *every})
         if unknown:
             yield f"the expression has {', '.join(unknown)}; allowed here: t, {', '.join(every)}"

@@ -124,11 +124,6 @@ class Bushing(AttachedPair):
         return self
 
     @property
-    def marks(self) -> tuple[part.Point3, part.Point3]:
-        """Both points, of body a and of body b (m, world, t = 0)."""
-        return self.point, self.point if self.point_b is None else self.point_b
-
-    @property
     def frames(self) -> tuple[np.ndarray, np.ndarray]:
         """The axes (3, 3) of both marks as columns, world, t = 0."""
         own = part.unit(self.x_axis), part.unit(self.y_axis)
@@ -150,11 +145,6 @@ class PointBushing(AttachedPair):
     point_b: part.Point | None = None  # m, world, t = 0, of the mark on body b; `point` unless given
     stiffness: part.NonNegative  # N/m
     damping: part.NonNegative = 0.0  # N s/m
-
-    @property
-    def marks(self) -> tuple[part.Point, part.Point]:
-        """Both points, of body a and of body b (m, world, t = 0)."""
-        return self.point, self.point if self.point_b is None else self.point_b
 
     def refuses_particle(self, end: str, dimension: int) -> str:
         return "and cannot bear the bushing's couple; let it be body_b" if end == "body_a" else ""

@@ -145,18 +145,23 @@ def piece_at(pieces: list[Segment], t: float) -> Segment:
 def _integrate(pieces: list[Segment]) -> list[Segment]:
     """Return the continuous antiderivative that vanishes at t = 0."""
     result: list[Segment] = []
-    for k, piece in enumerate(pieces):
-        anchored = piece if math.isfinite(piece.start) else _anchored(piece, pieces[k + 1 :])
-        joint = result[-1].value(anchored.start) if result else 0.0
-        result.append(anchored.integral(joint))
-    shift = piece_at(result, 0.0).value(0.0)
-    return [p._replace(coefficients=(p.coefficients[0] - shift, *p.coefficients[1:])) for p in result]
+    for piece in _anchored(pieces):
+        result.append(piece.integral(result[-1].value(piece.start) if result else 0.0))
+    return _from_zero(result)
 
 
-def _anchored(piece: Segment, following: list[Segment]) -> Segment:
-    """Give the constant first segment a finite origin, before everything that matters."""
-    first = min([0.0, *(p.start for p in following)])
-    return piece._replace(start=first - 1.0)
+def _from_zero(pieces: list[Segment]) -> list[Segment]:
+    """Return the pieces less their value at t = 0."""
+    first = piece_at(pieces, 0.0).value(0.0)
+    return [p._replace(coefficients=(p.coefficients[0] - first, *p.coefficients[1:])) for p in pieces]
+
+
+def _anchored(pieces: list[Segment]) -> list[Segment]:
+    """Give a constant first segment a finite origin, before everything that matters."""
+    first, *following = pieces
+    if math.isfinite(first.start):
+        return pieces
+    return [first._replace(start=min([0.0, *(p.start for p in following)]) - 1.0), *following]
 
 
 def motion_segments(signal: Signal, level: Level) -> list[Segment]:
@@ -166,11 +171,7 @@ def motion_segments(signal: Signal, level: Level) -> list[Segment]:
     pieces = signal.segments()
     for _ in range({"position": 0, "velocity": 1, "acceleration": 2}[level]):
         pieces = _integrate(pieces)
-    offset = piece_at(pieces, 0.0).value(0.0)
-    first = pieces[0]
-    if not math.isfinite(first.start):
-        pieces = [_anchored(first, pieces[1:]), *pieces[1:]]
-    return [p._replace(coefficients=(p.coefficients[0] - offset, *p.coefficients[1:])) for p in pieces]
+    return _from_zero(_anchored(pieces))
 
 
 def values(signal: Signal, times: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Traits of a scene, computed from its parts; engines and methods refuse scenes by them."""
 
+from collections.abc import Callable
 from typing import Any, Literal, get_args
 
 from mbs_ref.scene.bodies import GROUND, Body, PointMass
@@ -11,27 +12,7 @@ from mbs_ref.scene.scene import Scene, of_last_scene
 
 Coordinates = Literal["cartesian", "relative"]  # of bodies, with constraint rows; or of a tree's joints, without
 
-ALL_TRAITS = {
-    "planar": "every body moves in the plane",
-    "spatial": "bodies move in space",
-    "closed-loop": "the joint graph has a cycle through bodies or ground",
-    "rheonomic": "a drive prescribes a motion in time, or a constraint of the user's own may",
-    "unconstrained": "no joint at all",
-    "constrained": "some joint holds a body",
-    "point-mass": "some body is a particle",
-    "free-body": "some body has no chain of joints to ground",
-    "breakpoints": "a declared signal has a jump or kink",
-    "rod-in-space": "a massless rod in space holds two points apart",
-    "contact": "bodies touch and part: forces or speeds jump",
-    "friction": "bodies that touch rub on one another",
-    "user-force": "a force law is the user's own function",
-    "user-constraint": "a constraint is the user's own",
-    "nonholonomic": "a wheel rolls without slipping: constraints on velocities alone",
-}
-
 NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
-
-
 NO_SLIP = "a rolling wheel has constraints on velocities alone, and this method needs C = 0 on positions"
 
 
@@ -54,29 +35,35 @@ def touching(scene: Scene) -> list[Any]:
     return [*scene.contacts, *(load for load in scene.loads if isinstance(load, Granules))]
 
 
+def _any(kind: type, list_of_parts: str) -> Callable[[Scene], bool]:
+    return lambda scene: any(isinstance(part, kind) for part in getattr(scene, list_of_parts))
+
+
+ALL_TRAITS: dict[str, Callable[[Scene], bool]] = {
+    "planar": lambda scene: scene.dimension == 2,  # every body moves in the plane
+    "spatial": lambda scene: scene.dimension == 3,
+    # the joint graph has a cycle through bodies or ground
+    "closed-loop": lambda scene: any(not isinstance(scene.joints[k], Drive) for k in joined(scene)[0]),
+    # a drive prescribes a motion in time, or a constraint of the user's own may
+    "rheonomic": lambda scene: any(isinstance(j, Drive) or getattr(j, "depends_on_time", False) for j in scene.joints),
+    "unconstrained": lambda scene: not scene.joints,
+    "constrained": lambda scene: bool(scene.joints),
+    "point-mass": _any(PointMass, "bodies"),  # some body is a particle
+    "free-body": lambda scene: not joined(scene)[1],  # some body has no chain of joints to ground
+    "breakpoints": lambda scene: bool(scene.breakpoints()),  # a declared signal has a jump or kink
+    "rod-in-space": lambda scene: scene.dimension == 3 and _any(Distance, "joints")(scene),
+    "contact": lambda scene: bool(touching(scene)),  # bodies touch and part: forces or speeds jump
+    "friction": lambda scene: any(contact.friction is not None for contact in touching(scene)),
+    "user-force": _any(UserForce, "loads"),
+    "user-constraint": _any(UserConstraint, "joints"),
+    "nonholonomic": _any(RollingWheel, "joints"),  # a wheel rolls without slipping: constraints on velocities alone
+}
+
+
 @of_last_scene
 def traits(scene: Scene) -> frozenset[str]:
     """Return the scene's traits (keys of ALL_TRAITS)."""
-    closing, grounded = joined(scene)
-    present = {
-        "planar": scene.dimension == 2,
-        "spatial": scene.dimension == 3,
-        "closed-loop": any(not isinstance(scene.joints[k], Drive) for k in closing),
-        "rheonomic": any(isinstance(j, Drive) or getattr(j, "depends_on_time", False) for j in scene.joints),
-        "unconstrained": not scene.joints,
-        "constrained": bool(scene.joints),
-        "point-mass": any(isinstance(b, PointMass) for b in scene.bodies),
-        "free-body": not grounded,
-        "breakpoints": bool(scene.breakpoints()),
-        "rod-in-space": scene.dimension == 3 and any(isinstance(j, Distance) for j in scene.joints),
-        "contact": bool(touching(scene)),
-        "friction": any(contact.friction is not None for contact in touching(scene)),
-        "user-force": any(isinstance(load, UserForce) for load in scene.loads),
-        "user-constraint": any(isinstance(joint, UserConstraint) for joint in scene.joints),
-        "nonholonomic": any(isinstance(joint, RollingWheel) for joint in scene.joints),
-    }
-    assert present.keys() == ALL_TRAITS.keys()
-    return frozenset(name for name, value in present.items() if value)
+    return frozenset(name for name, holds in ALL_TRAITS.items() if holds(scene))
 
 
 def is_smooth(scene: Scene) -> bool:
@@ -97,6 +84,7 @@ def deflecting(scene: Scene) -> list[str]:
     return [c.name for c in scene.contacts if scene.dimension == 3 and c.friction and c.friction.STICKS]
 
 
+@of_last_scene
 def joined(scene: Scene) -> tuple[list[int], bool]:
     """Return the joints that close a cycle, by union-find, and whether joints hold every body to ground."""
     parent = {name: name for name in [GROUND, *scene.body_names]}

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from mbs_ref.crash.android import BELIEVABLE, Restraint, scene_builder
+from mbs_ref.crash.android import Crash, Restraint, scene_builder
 from mbs_ref.crash.in_space import in_space
 from mbs_ref.scene import Scene
 from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative
@@ -36,12 +36,12 @@ def android_spatial(
     mass: Annotated[float, Field(ge=50.0, le=100.0)] = 75.0,
     belts: bool = True,
     law: Literal["progressive", "spring_damper"] = "progressive",
-    slack: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = BELIEVABLE["slack"],
-    belt_limit: Annotated[NonNegative, BELIEVABLE_ONLY] = BELIEVABLE["belt_limit"],
-    stops: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["stops"],
-    body_contacts: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["body_contacts"],
-    toe_board: Annotated[bool, BELIEVABLE_ONLY] = BELIEVABLE["toe_board"],
-    head_restraint: Annotated[Restraint, BELIEVABLE_ONLY] = BELIEVABLE["head_restraint"],
+    slack: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = Crash.slack,
+    belt_limit: Annotated[NonNegative, BELIEVABLE_ONLY] = Crash.belt_limit,
+    stops: Annotated[bool, BELIEVABLE_ONLY] = Crash.stops,
+    body_contacts: Annotated[bool, BELIEVABLE_ONLY] = Crash.body_contacts,
+    toe_board: Annotated[bool, BELIEVABLE_ONLY] = Crash.toe_board,
+    head_restraint: Annotated[Restraint, BELIEVABLE_ONLY] = Crash.head_restraint,
 ) -> Scene:
     """Crash the simplified android in space, with ball joints, the pulse coming from straight ahead or obliquely.
 

@@ -70,11 +70,6 @@ def independent_rows(system: System) -> int:
     return int(np.linalg.matrix_rank(system.scaled_jacobian(0.0, start), tol=1e-9))
 
 
-def smallest_singular_value(system: System, t: float, y: np.ndarray, independent: int) -> float:
-    """Return the singular value of the scaled C_q whose number is `independent`."""
-    return float(np.linalg.svd(system.scaled_jacobian(t, y), compute_uv=False)[independent - 1])
-
-
 def _weak_joints(system: System, status: Status, t: float, y: np.ndarray) -> str:
     if system.n_closure_rows == 0:
         return ""
@@ -85,8 +80,8 @@ def _weak_joints(system: System, status: Status, t: float, y: np.ndarray) -> str
 
 
 def _turned_springs(system: System, t: float, y: np.ndarray) -> str:
-    loads = [load for load in system.scene.loads if isinstance(load, TorsionSpring | Bushing)]
-    if system.scene.dimension == 2 or not loads:
+    loads = [x for x in system.scene.loads if isinstance(x, Bushing) or (isinstance(x, TorsionSpring) and x.axis)]
+    if not loads:
         return ""
     motion = Motion(system.scene, Trajectory(np.array([t]), *system.poses(y[None])))
     turned = {load.name: _turn(motion, load) for load in loads}
@@ -111,20 +106,15 @@ def singular_passage(system: System, times: np.ndarray, states: np.ndarray) -> t
     examined = np.unique(np.linspace(0, len(times) - 1, MAX_SAMPLES).round().astype(int))
     pivots = system.pivots(times[examined], states[examined])
     close = [examined[k] for k in np.argsort(pivots)[:MAX_CLOSE] if pivots[k] < SUSPECT]
-    independent = independent_rows(system) if close else 0
-    if not independent:
+    if not close:
         return ()
-    values = [smallest_singular_value(system, float(times[k]), states[k], independent) for k in close]
-    smallest, place = min(zip(values, close, strict=True))
-    start = smallest_singular_value(system, 0.0, states[0], independent)
+    (smallest, joints), t = min((weakest_joints(system, t, states[k]), t) for k in close for t in [float(times[k])])
+    start, _ = weakest_joints(system, 0.0, states[0])
     if smallest > NEAR * start:
         return ()
-    t = float(times[place])
-    _, joints = weakest_joints(system, t, states[place])
-    names = ", ".join(repr(name) for name in joints)
     return (
         f"the run passes close to a singular pose at t = {t:.6g} s: the smallest singular value of C_q is "
-        f"{smallest:.2g} there and {start:.2g} at the start, from joint {names}; branches may meet there",
+        f"{smallest:.2g} there and {start:.2g} at the start, from joint {_listed(joints)}; branches may meet there",
     )
 
 

@@ -87,7 +87,6 @@ class _Comparison(NamedTuple):
 
     bounds: np.ndarray  # (n, 4), the estimate at the outputs that both reached
     other: Companion
-    sizes: np.ndarray  # (4,), how far the two motions go
     is_alike: bool  # took no more steps despite a tighter tolerance
     is_uninformative: bool  # took no more steps, or hardly differs, despite a tighter tolerance
     status: Status
@@ -143,7 +142,7 @@ def estimated(
         count = len(one.bounds)
         bounds[:count] = np.fmax(bounds[:count], one.bounds)
     bounds[0], bounds[reached:] = 0.0, np.inf
-    sizes = np.max([went, *(one.sizes for one in compared)], axis=0)
+    sizes = np.max([went, *(one.other.sizes for one in compared)], axis=0)
     estimate = Estimate(
         times=run.times, components=np.maximum.accumulate(bounds), how="; ".join(one.how for one in compared),
         size=float(np.max(sizes[:2])),
@@ -236,7 +235,7 @@ def _by_doubled_steps(system: System, plan: Plan, own: RunWithPoses, other: Comp
     bounds = np.minimum(np.fmax(factor * gaps, noise), 2.0 * sizes)
     after = np.searchsorted(places[: len(gaps)], np.arange(places[len(gaps) - 1] + 1))
     return _Comparison(
-        bounds=bounds[after], other=other, sizes=sizes, is_alike=False, is_uninformative=False, status=second.status,
+        bounds=bounds[after], other=other, is_alike=False, is_uninformative=False, status=second.status,
         how=f"{factor:.3g} times the difference from a run with steps of twice the size",
     )  # fmt: skip
 
@@ -356,7 +355,7 @@ def _compared(
     negligible = ended and tighter and bool(np.max(gaps) < MIN_TOLERANCE_RATIO * plan.options.rtol)
     return _Comparison(
         # two points within a distance of the start are at most twice that distance apart
-        bounds=np.fmax(gaps, np.minimum(difference, 2.0 * sizes)), other=other, sizes=sizes,
+        bounds=np.fmax(gaps, np.minimum(difference, 2.0 * sizes)), other=other,
         is_alike=is_alike, is_uninformative=is_alike or negligible, status=other.run.status,
         how=f"{request.factor:.3g} times the difference from a run with {request.share}"
             + ("" if ended else f", which did not end: {other.run.message}"),

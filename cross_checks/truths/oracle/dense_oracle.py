@@ -312,7 +312,7 @@ def _force(moment: Moment, now: Motion, units: Motion, load: parts.Force) -> np.
 
 
 def _torque(moment: Moment, now: Motion, units: Motion, load: parts.Torque) -> np.ndarray:
-    return _factor(moment, load) * load.torque * units.spin(load.body)[:-1]
+    return _factor(moment, load) * load.torque * units.turning(load.body)[:-1]
 
 
 def _torque_vector(moment: Moment, now: Motion, units: Motion, load: parts.TorqueVector) -> np.ndarray:

@@ -10,6 +10,8 @@ from mbs_ref.scene.bodies import GROUND, Body, PointMass
 from mbs_ref.scene.signals import AnySignal
 
 NO_ORIENTATION = "and has no orientation; use a rigid body"
+COORDINATES = {2: ("x", "y", "angle"), 3: ("x", "y", "z")}  # of a body, as drives and events name them
+_PLACES = {2: "the plane", 3: "space"}
 
 
 @cache
@@ -20,10 +22,8 @@ def _signal_fields(kind: type[Part]) -> tuple[str, ...]:
 
 def coordinate_complaints(coordinate: str, dimension: int, instead: str = "") -> Iterator[str]:
     """Yield what keeps a scene of this dimension from having the coordinate; `instead` advises on the angle."""
-    if dimension == 2 and coordinate == "z":
-        yield "coordinate = 'z' is for space alone"
-    if dimension == 3 and coordinate == "angle":
-        yield "coordinate = 'angle' is for the plane alone" + instead
+    if coordinate not in COORDINATES[dimension]:
+        yield f"coordinate = {coordinate!r} is for {_PLACES[5 - dimension]} alone{instead * (coordinate == 'angle')}"
 
 
 class Attached(Part):
@@ -77,8 +77,13 @@ class AttachedPair(Attached):
     body_a: EndName
     body_b: EndName
 
+    @property
+    def marks(self) -> tuple[Any, Any]:
+        """The points of its attachment to body a and to body b (m, world, t = 0)."""
+        return self.mark("body_a"), self.mark("body_b")
 
-_PLACES = {2: "the plane", 3: "space"}
+
+MOST_LISTED = 12  # bodies that a complaint names
 _AT_ITS_PLACE = 1e-12  # of the largest coordinate (at least 1 m): how far from a particle it may be attached
 
 
@@ -151,7 +156,7 @@ def _particle_complaints(part: Attached, bodies: Mapping[str, Body], dimension: 
             yield f"{field} = {body.name!r} is a point mass at {body.position}, but it is attached at {point}"
 
 
-def _listing(names: Iterable[str], ground: bool, most: int = 12) -> str:
+def _listing(names: Iterable[str], ground: bool) -> str:
     shown = sorted(names)
-    listed = f"the bodies are {', '.join(shown[:most])}{' ...' if len(shown) > most else ''}"
+    listed = f"the bodies are {', '.join(shown[:MOST_LISTED])}{' ...' if len(shown) > MOST_LISTED else ''}"
     return f"{listed}, and ground" if ground else listed

@@ -5,7 +5,7 @@ Numbers, + - * / **, brackets, the functions of FUNCTIONS, `pi`, and the names t
 
 import ast
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from functools import lru_cache
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 LONGEST = 2000  # characters
+LARGEST = 1e300  # number in an expression
 FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan,
     "atan2": np.arctan2, "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh, "exp": np.exp, "log": np.log,
@@ -57,7 +58,7 @@ def evaluate(text: str, known: dict[str, Any]) -> Any:
 
 @lru_cache(maxsize=10_000)
 def _of_names(text: str, names: tuple[str, ...]) -> Read:
-    return _Reader(text, _of_values(names), OF_NUMBERS, ", ".join(names)).read()
+    return _Reader(text, lambda name: itemgetter(name) if name in names else None, OF_NUMBERS, ", ".join(names)).read()
 
 
 def _of_motion(name: str) -> Formula | None:
@@ -66,10 +67,6 @@ def _of_motion(name: str) -> Formula | None:
         k = _ENDS.index(end)
         return lambda t, *ends: getattr(ends[k], coordinate)
     return (lambda t, a, b: t) if name == "t" else None
-
-
-def _of_values(known: Collection[str]) -> Leaf:
-    return lambda name: itemgetter(name) if name in known else None
 
 
 class _Reader:
@@ -94,7 +91,9 @@ class _Reader:
     def _node(self, node: ast.expr) -> Formula:
         match node:
             case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
-                number = _finite(value)
+                if not abs(value) <= LARGEST:
+                    raise ValueError(f"{value!r} in the expression is too large")
+                number = float(value)
                 return lambda *_: number
             case ast.Name() | ast.Attribute(value=ast.Name()) if of_name := self.leaf(ast.unparse(node)):
                 self.names.add(ast.unparse(node))
@@ -119,9 +118,3 @@ class _Reader:
         if len(args) != takes:
             raise ValueError(f"{name} in the expression takes {takes} argument(s); it is given {len(args)}")
         return lambda *of: function(*(arg(*of) for arg in args))
-
-
-def _finite(value: int | float) -> float:
-    if not abs(value) <= 1e300:
-        raise ValueError(f"{value!r} in the expression is too large")
-    return float(value)

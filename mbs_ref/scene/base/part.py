@@ -1,7 +1,7 @@
 """The base of every part of a scene, frozen, validated, SI, unknown fields refused; and its directions."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args
@@ -34,6 +34,14 @@ class OnlyWith(NamedTuple):
 
 
 BELIEVABLE_ONLY = OnlyWith("model", "believable")
+
+
+def of_paper(paper: dict[str, Any], given: Mapping[str, Any], believable: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of the papers' bare model; ValueError for one that is given and that it does not have."""
+    for name, bare in paper.items():
+        if given[name] not in (bare, believable[name]):
+            raise ValueError(f"{name} = {given[name]!r} does not go with model = 'paper', which has {bare!r}")
+    return paper
 
 
 def _directed(value: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:

@@ -149,7 +149,6 @@ BINARY: dict[str, Callable[[Any, Any], Taylor]] = {
 COMPARISONS = {"less", "less_equal", "greater", "greater_equal", "equal", "not_equal", "isfinite"}
 
 
+# NumPy calls these methods of an object array's elements
 for _name in ("sin", "cos", "tan", "arcsin", "arccos", "arctan", "sinh", "cosh", "tanh", "exp", "log", "sqrt"):
-    setattr(
-        Taylor, _name, lambda self, name=_name: _chain(name, self)
-    )  # NumPy calls these methods of an object array's elements
+    setattr(Taylor, _name, lambda self, name=_name: _chain(name, self))

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from mbs_ref.scene import Load, PlanarBody, PointBushing, Revolute, Scene, Torque, TorsionSpring
-from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative, Positive
+from mbs_ref.scene.base.part import BELIEVABLE_ONLY, NonNegative, Positive, of_paper
 from mbs_ref.scene.contact import CircleOnLine, Contact, PinOnSprocket
 from mbs_ref.scene.signals import Table
 from mbs_ref.scenes.tracked_vehicle import running_gear as gear
@@ -59,7 +59,8 @@ def tracked_vehicle(
     way; a step no higher than half a link).
     """
     if model == "paper":
-        wheel_friction, preload, start = _bare(wheel_friction=wheel_friction, preload=preload, start=start)
+        given = {"wheel_friction": wheel_friction, "preload": preload, "start": start}
+        wheel_friction, preload, start = of_paper(PAPER, given, BELIEVABLE).values()
     if ground == "step" and height > 0.5 * gear.HEIGHT:
         raise ValueError(f"height = {height} m of a step must not exceed half a link, {0.5 * gear.HEIGHT} m")
     if law == "constraint" and wheel_friction:
@@ -75,14 +76,6 @@ def tracked_vehicle(
     )  # fmt: skip
     placed = _settled(drawn.model_dump_json()) if start == "equilibrium" else drawn
     return placed.model_copy(update={"loads": (*_drive(torque, ramp), *placed.loads)})
-
-
-def _bare(**given: Any) -> list[Any]:
-    """Return the values of the papers' model; ValueError for a choice that it does not have."""
-    for name, value in given.items():
-        if value not in (BELIEVABLE[name], PAPER[name]):
-            raise ValueError(f"{name} = {value!r} does not go with model = 'paper', which has {PAPER[name]!r}")
-    return [PAPER[name] for name in given]
 
 
 @cache

@@ -8,16 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mbs_ref.scene import Joint, Load, PlanarBody, Prismatic, Revolute, SpringDamper, TorsionSpring
-from mbs_ref.scene.contact import (
-    ConstraintLaw,
-    ContactLaw,
-    ProgressiveLaw,
-    RegularisedCoulomb,
-    RollingFriction,
-    Smooth,
-    SpringDamperLaw,
-)
+from mbs_ref.scene import Joint, Load, PlanarBody, Prismatic, Revolute, SpringDamper, TorsionSpring, contact
 from mbs_ref.scenes import read_data
 
 DATA = read_data("tracked_vehicle")
@@ -132,19 +123,19 @@ def torsion_bars(wheels: list[Wheel], weight: float) -> list[Load]:
     ]  # fmt: skip
 
 
-def contact_law(kind: str, law: str) -> ContactLaw:
+def contact_law(kind: str, law: str) -> contact.ContactLaw:
     """Return the law of link_wheel, link_ground or sprocket_pin: the first alone may be a constraint."""
     data = DATA["contact"][kind]
     if law == "constraint" and kind == "link_wheel":
-        return ConstraintLaw()
+        return contact.ConstraintLaw()
     if law != "spring_damper":
-        return ProgressiveLaw(stiffness=data["k"], damping=data["c_progressive"])
-    return SpringDamperLaw(stiffness=data["k"], damping=data["c_kv"], release="force")
+        return contact.ProgressiveLaw(stiffness=data["k"], damping=data["c_progressive"])
+    return contact.SpringDamperLaw(stiffness=data["k"], damping=data["c_kv"], release="force")
 
 
-def friction(coefficient: float, rolling: float = 0.0, radius: float = 0.0) -> Smooth | None:
+def friction(coefficient: float, rolling: float = 0.0, radius: float = 0.0) -> contact.Smooth | None:
     """Return friction that creeps where it would stick, of a wheel that may resist rolling; None without any."""
     law = {"coefficient": coefficient, "speed": DATA["friction_creep"]["value"]}
     if rolling:
-        return RollingFriction(lever=rolling * radius, rate=law["speed"] / radius, **law)
-    return RegularisedCoulomb(**law) if coefficient else None
+        return contact.RollingFriction(lever=rolling * radius, rate=law["speed"] / radius, **law)
+    return contact.RegularisedCoulomb(**law) if coefficient else None

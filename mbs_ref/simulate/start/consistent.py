@@ -103,8 +103,8 @@ def _rates(body: Any) -> np.ndarray:
 
 def _weights(scene: Scene) -> np.ndarray:
     """Return the factors (3,) or (6,) that make a body's rates comparable: the scene's length for angular ones."""
-    turning = 1 if scene.dimension == 2 else 3
-    return np.concatenate((np.ones(scene.dimension), np.full(turning, scales_of(scene).length)))
+    d = scene.dimension
+    return np.repeat((1.0, scales_of(scene).length), (d, d * (d - 1) // 2))
 
 
 def _columns(scene: Scene, fixed: Sequence[str]) -> list[int]:

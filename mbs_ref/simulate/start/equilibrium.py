@@ -17,22 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from mbs_ref import scene as parts
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import System
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import (
-    GROUND,
-    Bushing,
-    Distance,
-    PlanarBody,
-    PointBushing,
-    PointMass,
-    RollingWheel,
-    Scene,
-    SpringDamper,
-    TorsionSpring,
-)
+from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.attached import Attached
 from mbs_ref.scene.base.part import Role, fields_of
 from mbs_ref.scene.contact import ContactPart, PinOnSprocket
@@ -150,17 +140,17 @@ def restated(scene: Scene, path: Trajectory, sign: float = 1.0) -> Scene:
     motion = Motion(scene, path)
     bodies = tuple(_body(body, path, k, sign) for k, body in enumerate(scene.bodies))
     kinds = ("joints", "loads", "contacts", "events")
-    parts = {kind: tuple(_part(part, motion) for part in getattr(scene, kind)) for kind in kinds}
-    return scene.model_copy(update={"bodies": bodies, **parts})
+    moved = {kind: tuple(_part(part, motion) for part in getattr(scene, kind)) for kind in kinds}
+    return scene.model_copy(update={"bodies": bodies, **moved})
 
 
 def _body(body: Any, path: Trajectory, k: int, sign: float) -> Any:
     velocity, turning = sign * path.velocity[-1, k], sign * path.angular_velocity[-1, k]
     orientation = path.orientation[-1, k]
     update: dict[str, Any] = {"position": tuple(path.position[-1, k].tolist()), "velocity": tuple(velocity.tolist())}
-    if isinstance(body, PlanarBody):
+    if isinstance(body, parts.PlanarBody):
         update |= {"angle": float(orientation), "angular_velocity": float(turning)}
-    elif not isinstance(body, PointMass):
+    elif not isinstance(body, parts.PointMass):
         unit = orientation / np.linalg.norm(orientation)
         update |= {"orientation": tuple(unit.tolist()), "angular_velocity": tuple(turning.tolist())}
     return body.model_copy(update=update)
@@ -182,27 +172,27 @@ def _owner(part: Any, name: str) -> str:
     """Return the body that a point or direction is fixed in; ground where it is the world's."""
     fields = vars(part)
     if "body" in fields:
-        turns = name == "axis" and isinstance(part, RollingWheel)
+        turns = name == "axis" and isinstance(part, parts.RollingWheel)
         return part.body if turns or name in ("point", "center") else GROUND
     if name.endswith(("_a", "_b")):
         return fields[f"body{name[-2:]}"]
-    bushing = isinstance(part, PointBushing | Bushing)
+    bushing = isinstance(part, parts.PointBushing | parts.Bushing)
     first = name == "center" if isinstance(part, ContactPart) else name != "point" or bushing
     return fields["body_a" if first else "body_b"]
 
 
 def _as_strained(part: Any, motion: Motion) -> dict[str, Any]:
     """Return the fields that count from t = 0, counted from the present start instead."""
-    if isinstance(part, SpringDamper | Distance):
-        name = "length" if isinstance(part, Distance) else "rest_length"
+    if isinstance(part, parts.SpringDamper | parts.Distance):
+        name = "length" if isinstance(part, parts.Distance) else "rest_length"
         return {name: math.dist(part.point_a, part.point_b)} if getattr(part, name) is None else {}
-    if isinstance(part, PointBushing | Bushing):
+    if isinstance(part, parts.PointBushing | parts.Bushing):
         mark = {"point_b": tuple(motion.point(part.body_b, part.marks[1])[0][-1].tolist())}
-        axes = zip(("x_axis_b", "y_axis_b"), part.frames[1].T, strict=False) if isinstance(part, Bushing) else ()
+        axes = zip(("x_axis_b", "y_axis_b"), part.frames[1].T, strict=False) if isinstance(part, parts.Bushing) else ()
         return mark | {name: tuple(motion.direction(part.body_b, axis)[0][-1].tolist()) for name, axis in axes}
     if isinstance(part, PinOnSprocket) and part.axis is None:
         return {"first_seat": part.first_seat + float(motion.angle(part.body_b)[-1])}
-    if not isinstance(part, TorsionSpring):
+    if not isinstance(part, parts.TorsionSpring):
         return {}
     if part.axis is not None:
         turned = motion.angle_about(part.body_a, part.body_b, part.axis)[0]

@@ -105,17 +105,12 @@ def check_starts(scene: Scene, starts: Poses, count: int | None = None) -> None:
             raise ValueError(f"starts.{name} has the shape {np.shape(given)}; allowed: {wanted}")
         if not np.all(np.isfinite(given)):
             raise ValueError(f"starts.{name} holds an infinite number or NaN; allowed: finite ones")
-    if scene.dimension == 3:
-        _check_norms(scene, np.asarray(starts.orientation))
-
-
-def _check_norms(scene: Scene, orientation: np.ndarray) -> None:
-    gaps = np.abs(np.sum(orientation**2, axis=-1) - 1.0)
-    if not np.any(gaps > LARGEST_NORM_GAP):
-        return
-    start, body = np.unravel_index(np.argmax(gaps), gaps.shape)
-    theta = orientation[start, body]
-    raise ValueError(
-        f"starts.orientation[{start}] of body {scene.bodies[body].name!r} = {theta.tolist()} has the norm "
-        f"{np.linalg.norm(theta):.12g}; Euler parameters have 1"
-    )
+    orientation = np.asarray(starts.orientation)
+    gaps = np.abs(np.sum(orientation**2, axis=-1) - 1.0) if orientation.ndim == 3 else np.zeros((1, 1))
+    if np.any(gaps > LARGEST_NORM_GAP):
+        start, body = np.unravel_index(np.argmax(gaps), gaps.shape)
+        theta = orientation[start, body]
+        raise ValueError(
+            f"starts.orientation[{start}] of body {scene.bodies[body].name!r} = {theta.tolist()} has the norm "
+            f"{np.linalg.norm(theta):.12g}; Euler parameters have 1"
+        )

@@ -189,7 +189,8 @@ class _Store:
             if path.status in ENDED:
                 self._store(k, path)
                 if self.settings.project_initial and isinstance(job, _Job):
-                    self.corrections[k] = _correction(job.scene, path, job.start or own_start(job.scene))
+                    apart = farthest(job.scene, path, job.start or own_start(job.scene))
+                    self.corrections[k] = np.fmax(apart[::2], apart[1::2])
 
     def _store(self, k: int, path: Trajectory) -> None:
         self.reached[k] = path.times[-1]
@@ -209,9 +210,3 @@ class _Store:
             statuses, messages, methods, self.reached[:done], self.errors[:done], self.corrections[:done],
             tuple(self.how), marks,
         )  # fmt: skip
-
-
-def _correction(scene: Scene, path: Trajectory, requested: Poses) -> np.ndarray:
-    """Return the largest correction of a projected start: of poses (m or rad) and of rates (m/s or rad/s)."""
-    place, turn, speed, spin = farthest(scene, path, requested)
-    return np.fmax([place, speed], [turn, spin])

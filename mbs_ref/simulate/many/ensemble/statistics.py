@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.scene import PointMass
+from mbs_ref.scene.base.attached import COORDINATES
 from mbs_ref.simulate.many.ensemble.runs import Ensemble
 from mbs_ref.trajectory import Status
 
@@ -43,8 +44,8 @@ class Statistics:
 
 def coordinates(ensemble: Ensemble) -> list[Coordinate]:
     """Return the coordinates in the order of `values_of`; a particle has no angle."""
-    scene = ensemble.scene
-    each = [("x", "m"), ("y", "m"), ("angle", "rad") if scene.dimension == 2 else ("z", "m")]
+    scene, units = ensemble.scene, {"angle": "rad"}
+    each = [(name, units.get(name, "m")) for name in COORDINATES[scene.dimension]]
     every = [(body, Coordinate(body.name, *one)) for body in scene.bodies for one in each]
     return [one for body, one in every if one.name != "angle" or not isinstance(body, PointMass)]
 
@@ -228,16 +229,15 @@ def to_dict(ensemble: Ensemble) -> dict[str, Any]:
 
 def _bodies(ensemble: Ensemble, point: Statistics | None) -> dict[str, Any]:
     bodies: dict[str, Any] = {}
-    if point is not None:
-        for k, one in enumerate(coordinates(ensemble)):
-            bodies.setdefault(one.body, {})[one.name] = _over_time(point, one, k)
+    if point is None:
+        return bodies
+    for k, one in enumerate(coordinates(ensemble)):
+        bodies.setdefault(one.body, {})[one.name] = {
+            "unit": one.unit, "runs": point.count,
+            "mean": point.mean[:, k], "mean_standard_error": point.mean_error[:, k],
+            "standard_deviation": point.deviation[:, k],
+            "standard_deviation_standard_error": point.deviation_error[:, k],
+            **{f"{100.0 * share:g} %": point.quantiles[j, :, k] for j, share in enumerate(QUANTILES)},
+            "least": point.least[:, k], "most": point.most[:, k],
+        }  # fmt: skip
     return bodies
-
-
-def _over_time(point: Statistics, one: Coordinate, k: int) -> dict[str, Any]:
-    quantiles = {f"{100.0 * share:g} %": point.quantiles[j, :, k] for j, share in enumerate(QUANTILES)}
-    return {
-        "unit": one.unit, "runs": point.count, "mean": point.mean[:, k], "mean_standard_error": point.mean_error[:, k],
-        "standard_deviation": point.deviation[:, k], "standard_deviation_standard_error": point.deviation_error[:, k],
-        **quantiles, "least": point.least[:, k], "most": point.most[:, k],
-    }  # fmt: skip

@@ -19,7 +19,7 @@ from mbs_ref.scene import messages as problems
 from mbs_ref.scene.base.part import Part, Role, fields_of
 from mbs_ref.scene.euler_parameters import product
 from mbs_ref.scene.messages import suggest
-from mbs_ref.simulate.start.consistent import InconsistentScene, fitted_rates
+from mbs_ref.simulate.start.consistent import RATES, InconsistentScene, fitted_rates
 
 Place = tuple[str | int, ...]  # fields and places in lists, from the scene down to a number
 LISTS = ("bodies", "joints", "loads", "contacts", "events")
@@ -30,7 +30,6 @@ TURN = "turn"  # rad, about the world's axes, from the scene's orientation
 MAX_NAMED = 12  # names of parts in an error message
 # at t = 0: a body is moved together with the marks of joints, springs and contacts on it
 POSE = ("position", "angle", TURN)
-RATES = ("velocity", "angular_velocity")
 FIELDS = {"angle": "orientation"}  # of a body, as Poses has them
 
 
@@ -187,9 +186,7 @@ class Variants:
         """Return a run's scene with its velocities, without the start's poses; ValueError if the scene is invalid."""
         pairs = list(zip(self.targets, values.tolist(), strict=True))
         given = {target.name: value for target, value in pairs if target.place is None}
-        parameters: dict[str, Any] = {
-            name: int(x) if x.is_integer() else x for name, x in given.items()
-        }  # they may count
+        parameters: dict[str, Any] = {name: int(x) if x.is_integer() else x for name, x in given.items()}  # may count
         scene = self.source.rebuild(**parameters) if parameters and self.source.rebuild else self.source.scene
         if scene.body_names != self.source.scene.body_names:
             raise ValueError(f"{', '.join(parameters)} changes the number or names of bodies; vary another parameter")
