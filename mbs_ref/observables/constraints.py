@@ -168,7 +168,7 @@ RESIDUALS: dict[type[joints.JointPart], Callable[[Motion, Any], list[Row]]] = {
     joints.Prismatic: _prismatic, joints.Weld: lambda m, j: [*coincidence(m, j), *no_turning(m, j)],
     joints.Distance: lambda m, j: [length_of(m, j)[1:]], joints.RollingWheel: _rolling_wheel,
     joints.PointOnPlane: lambda m, j: across(m, j, [unit(j.normal)]),
-    joints.RotationDrive: lambda m, j: _turned(_driven(m, j, *m.angle_about(*j.ends, j.axis))),
+    joints.RotationDrive: lambda m, j: _turned(_driven(m, j, *m.angle_about(j.body_a, j.body_b, j.axis))),
     joints.CoordinateDrive: _coordinate_drive, joints.PointDrive: _point_drive, joints.UserConstraint: _user_constraint,
 }  # fmt: skip
 
