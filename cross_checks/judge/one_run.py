@@ -2,7 +2,6 @@
 
 import platform
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError
 from typing import Any
@@ -68,25 +67,16 @@ def checked_run(
     engine: Engine, scene: Scene, settings: Settings, requested: np.ndarray
 ) -> Trajectory | tuple[str, str]:
     """Run and check what the engine does not report; a status and a sentence where nothing came back."""
-    outcome = _attempt(lambda: engine.run(scene, settings, requested))
-    return _on_time(_finite(outcome), requested) if isinstance(outcome, Trajectory) else outcome
-
-
-def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:
     try:
-        return run()
+        path = engine.run(scene, settings, requested)
     except MemoryError as error:
         return "out-of-memory", f"{out_of_memory(error)}, and repeat"
     except ENGINE_FAILURES as error:
         return str(Status.ENGINE_ERROR), f"{type(error).__name__}: {error}"
-    except ValueError as error:
-        return _refused_setting(error)
-
-
-def _refused_setting(error: ValueError) -> tuple[str, str]:
-    """A ValueError that names a setting refuses it (duty 7 of an engine); any other is a failure."""
-    named = any(re.search(rf"\b{name}\b", str(error)) for name in (*Settings.model_fields, "times"))
-    return (CANNOT, str(error)) if named else (str(Status.ENGINE_ERROR), f"ValueError: {error}")
+    except ValueError as error:  # one that names a setting refuses it (duty 7 of an engine); any other is a failure
+        named = any(re.search(rf"\b{name}\b", str(error)) for name in (*Settings.model_fields, "times"))
+        return (CANNOT, str(error)) if named else (str(Status.ENGINE_ERROR), f"ValueError: {error}")
+    return _on_time(_finite(path), requested)
 
 
 def _finite(path: Trajectory) -> Trajectory:

@@ -128,14 +128,14 @@ def documented_order(method: Method, scene: Scene) -> float:
     return p if method.locates_events or is_smooth(scene) else min(p, 1.0)
 
 
-def expected_order(method: Method, scene: Scene) -> float:
-    """Return p of a step; of a tolerance p over the power of the step that its estimate follows."""
-    return (method.order or 5) / method.local_order if method.kind == "adaptive" else documented_order(method, scene)
-
-
 def facts_of(method: Method, scene: Scene, duration: float, uncertainty: float) -> dict:
-    """Return a ladder's facts for a method on a scene."""
-    return typical_facts(method.kind, method.order or 5, expected_order(method, scene), duration, uncertainty)
+    """Return a ladder's facts for a method on a scene.
+
+    It follows the order of a step, and of a tolerance that order over the power of the step that it controls.
+    """
+    order = method.order or 5
+    expected = order / method.local_order if method.kind == "adaptive" else documented_order(method, scene)
+    return typical_facts(method.kind, order, expected, duration, uncertainty)
 
 
 def typical_facts(kind: str, order: int, expected: float, duration: float, uncertainty: float) -> dict:

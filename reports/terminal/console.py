@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from cross_checks.records import lines as record_file
+from cross_checks.records.lines import adapter
 from cross_checks.records.record import Record
 from mbs_ref.atomic_file import write_atomic
 
@@ -149,7 +149,7 @@ class Lines:
 
 def finite_record(record: Record) -> Record:
     """Return the record with None for every number that is not finite."""
-    return record_file.from_dict(_plain(record.to_dict()))
+    return adapter(Record).validate_python(_plain(record.to_dict()))
 
 
 def _plain(value: Any) -> Any:
