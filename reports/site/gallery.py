@@ -14,7 +14,8 @@ from cross_checks.records.record import Record, usable
 from cross_checks.truths.certificate import every, stored
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, scenes
-from mbs_ref.scene.traits import PART_TYPES, traits
+from mbs_ref.scene.traits import traits
+from reports.facts.capability_tables import tables
 from reports.facts.scene_facts import filmed
 from reports.film.files import as_gif, as_page, beside
 from reports.scene_summary import summary
@@ -30,22 +31,9 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def capability_page() -> str:
     """Return which parts and scenes every installed engine takes, and why not where it refuses."""
-    result = [one for one in capabilities() if one.installed]
-    missing = [one for one in capabilities() if not one.installed]
-    names = [one.engine for one in result]
-    parts = ([f"`{kind}`", *("yes" if one.parts.get(kind) else ABSENT for one in result)] for kind in PART_TYPES)
-    scenes = sorted({scene for one in result for scene in one.scenes})
-    runs = ([f"`{scene}`", *("yes" if not one.scenes[scene] else ABSENT for one in result)] for scene in scenes)
-    methods = ([one.engine, one.version, ", ".join(method.name for method in one.methods)] for one in result)
-    return "\n".join(
-        [
-            "# What each engine can", "Derived from the adapters when these pages were built.\n",
-            "## Engines and methods", table(["engine", "version", "methods"], methods),
-            *(f"- `{one.engine}`: {one.reason}" for one in missing), "",
-            "## Parts", table(["part", *names], parts), "## Scenes as they come", table(["scene", *names], runs),
-            "`mbs-ref engines --engine NAME` says why a scene is refused.\n",
-        ]
-    )  # fmt: skip
+    shown = (f"## {title}\n\n{table(head, rows)}" for title, head, rows in tables(capabilities()))
+    lead = "Derived from the adapters when these pages were built; `mbs-ref engines --json` has every reason in full.\n"
+    return "\n".join(["# What each engine can\n", lead, *shown])
 
 
 def who_can(scene: str, result: Iterable[Capability]) -> str:
