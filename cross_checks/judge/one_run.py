@@ -87,7 +87,7 @@ def _finite(path: Trajectory) -> Trajectory:
     if np.all(good):
         return path
     count = int(np.argmin(good))
-    cut = path.upto(count)
+    cut = path.at(slice(count))
     if not path.ok:
         return cut
     where = f"after t = {path.times[count - 1]:.6g} s" if count else "from the start"
@@ -104,7 +104,7 @@ def _on_time(path: Trajectory, requested: np.ndarray) -> Trajectory:
     if np.any(late):
         k = int(np.argmax(late))
         text = f"sample {k} is at t = {path.times[k]:.9g} s, which was not requested: the engine's clock jumped"
-        return replace(path.upto(k), status=Status.RESET, message=text, unreported=True)
+        return replace(path.at(slice(k)), status=Status.RESET, message=text, unreported=True)
     if path.ok and n < len(requested):
         text = f"{n} of {len(requested)} samples came back, though the engine reported success"
         return replace(path, status=Status.ENGINE_ERROR, message=text, unreported=True)
