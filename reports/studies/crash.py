@@ -59,7 +59,7 @@ def forces(name: str, scene: Scene, times: np.ndarray, values: np.ndarray, bodie
             times, {body: values[:, scene.body_index(body), c] for body in bodies}, f"{part}, {unit}"
         )
         for c, (part, unit) in enumerate(COMPONENTS)
-    }  # fmt: skip
+    }
 
 
 def imbalance(result: CrashResults) -> np.ndarray:

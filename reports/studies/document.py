@@ -152,8 +152,7 @@ def _overlay(facts: Measured, block: Block, figures: Figures) -> list[dict[str, 
 def _films(key: str) -> Callable[[Measured, Block, Figures], list[dict[str, Any]]]:
     def films(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
         named = _named(facts.films, block[key], figures)
-        return [{"title": title, "label": name, "film": film}
-                for name, (title, film) in named.items()]  # fmt: skip
+        return [{"title": title, "label": name, "film": film} for name, (title, film) in named.items()]
 
     return films
 

@@ -127,11 +127,9 @@ def vehicle_curves(scene: Scene, path: Trajectory, energy: Balance) -> dict[str,
         "Ground forces": curves(t, {"normal, all feet": feet, "thrust, all feet": push}, "N"),
         "Largest force of a sprocket tooth": curves(t, {"tooth": driven}, "N"),
         "Track tension": curves(t, {"largest": tension.max(axis=0), "mean": tension.mean(axis=0)}, "N"),
-        "Constraint compliance": curves(
-            compliance[:, 0], {"dop853": compliance[:, 1]}, "largest |C|, m", log=True
-        ),
+        "Constraint compliance": curves(compliance[:, 0], {"dop853": compliance[:, 1]}, "largest |C|, m", log=True),
         "Energy less the work done": curves(energy.times, {"energy less work": energy.drift}, "J"),
-    }  # fmt: skip
+    }
 
 
 POINTS = 3  # of Gauss and Legendre in a panel: exact for a power of degree 5
