@@ -18,13 +18,10 @@ RADIUS = 0.1  # m
 FRICTION = 0.3
 
 
-def _ball(**parameters) -> Scene:
-    return scenes.make("bouncing_ball", law="spring_damper_force", damping=0.0, **parameters)
-
-
 def _plate(speed: float) -> Case:
     stiffness = (2.0 * speed / THICK) ** 2  # N/m: the ball goes half-way into the plate
-    scene = _ball(stiffness=stiffness, speed=speed, height=HEIGHT, plate=THICK)
+    law = {"law": "spring_damper_force", "damping": 0.0, "stiffness": stiffness}
+    scene = scenes.make("bouncing_ball", speed=speed, height=HEIGHT, plate=THICK, **law)
     return Case(scene, grid(1.0), measures.truth(bouncing.bouncing_ball, speed))
 
 
@@ -76,36 +73,10 @@ def _resting(scene: Scene, size: float = 1.0) -> Measure:
     return measures.positions(lambda times: np.tile(start, (len(times), 1, 1)), size)
 
 
-def _zeno(restitution: float) -> Case:
-    """Parabolas with speeds e^n v until t = 2 v / (g (1 - e)) and rest afterwards, for e < 1."""
-    height = 0.5
-    scene = scenes.make(
-        "bouncing_ball", law="rigid", restitution=restitution, height=height, speed=0.0, gravity=GRAVITY, duration=3.0
-    )
-    return Case(scene, grid(3.0), _bounces(restitution, height))
-
-
-def _bounces(e: float, height: float) -> Measure:
-    def places(times: np.ndarray) -> np.ndarray:
-        above = bouncing.bounce_heights(e, height, 0.0, GRAVITY, np.asarray(times))
-        return np.stack((np.zeros_like(above), 0.05 + above), axis=1)[:, None]
-
-    return measures.positions(places, height)
-
-
 def _grip(margin: float) -> Case:
     """tan(angle) = mu (1 - margin): it stays, but for the give of the sticking spring."""
     scene = incline(angle=math.atan(FRICTION * (1.0 - margin)), friction=FRICTION)
     return Case(scene, grid(1.0), _resting(scene))
 
 
-CASES = {
-    "hard-floor": lambda stiffness: Case(
-        _ball(stiffness=stiffness), grid(0.4), measures.truth(bouncing.bouncing_ball, 0.1)
-    ),
-    "tunnelling": _plate,
-    "deep-start": _deep,
-    "heavy-on-light": _stack,
-    "zeno": _zeno,
-    "stick-slip-edge": _grip,
-}
+CASES = {"tunnelling": _plate, "deep-start": _deep, "heavy-on-light": _stack, "stick-slip-edge": _grip}

@@ -42,11 +42,6 @@ def _wheel(inertia: float) -> Case:
     return Case(scene, grid(2.0), measures.positions(exact))
 
 
-def _free(spin: float) -> Case:
-    scene = scenes.make("torque_free_top", spin=spin, axis=3, tilt=0.1, turns=TIME * spin / (2.0 * math.pi))
-    return Case(scene, grid(TIME), measures.truth(tops.torque_free_top))
-
-
 def _rotor(spin: float) -> Case:
     """Without gravity a hinged rod turns evenly."""
     body = rod("rod", (0.0, 0.0), 0.0, velocity=(0.0, 0.5 * LENGTH * spin), angular_velocity=spin)
@@ -56,20 +51,4 @@ def _rotor(spin: float) -> Case:
     return Case(scene, grid(TIME), exact)
 
 
-def _drift(turns: float) -> Case:
-    spin = 10.0  # rad/s
-    scene, step = scenes.make("torque_free_top", spin=spin, axis=3, tilt=0.1, turns=turns), 2.0 * math.pi / (1e2 * spin)
-    times = grid(100.0 * turns * step, step, 11)
-    return Case(scene, times, measures.truth(tops.torque_free_top), step, 1e-10, max_steps=2_000_000)
-
-
-CASES = {
-    "needle": _needle,
-    "tiny-wheel": _wheel,
-    "free-spin": _free,
-    "heavy-top-spin": lambda spin: Case(
-        scenes.make("heavy_top", motion="steady", spin=spin), grid(TIME), measures.truth(tops.heavy_top, 0.3)
-    ),
-    "rotor-spin": _rotor,
-    "euler-parameter-drift": _drift,
-}
+CASES = {"needle": _needle, "tiny-wheel": _wheel, "rotor-spin": _rotor}
