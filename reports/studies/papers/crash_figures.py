@@ -43,7 +43,7 @@ def measure_crash() -> Measured:
     for kind, scene in built.items():
         figures |= _believable(kind)
         for method, more in METHODS[kind]:
-            figures |= method_figures(scene, method, more)
+            figures |= method_figures(f"{kind}.{method}", scene, method, more)
     figures |= _touching(built["simplified"], paths["simplified"])
     figures |= _parts(built["vertebral"]) | _rising(built, paths, results)
     figures["vertebral.rk4.refusal"] = simulate(built["vertebral"], Settings(method="rk4", step=1e-4)).message
@@ -144,13 +144,13 @@ def _believable(kind: str) -> dict[str, Value]:
     return figures
 
 
-def method_figures(scene: Scene, method: str, more: dict[str, Any]) -> dict[str, Value]:
-    """Run a method of the papers under their own test |C| < h, and to the end."""
+def method_figures(name: str, scene: Scene, method: str, more: dict[str, Any]) -> dict[str, Value]:
+    """Run a method of the papers under their own test |C| < h, and to the end; the figures begin with the name."""
     settings = Settings(method=method, **more, **AS_THEY_RAN, events="located" if method == "lsodar" else "none")
     path, test, error = with_test(scene, settings)
-    name = f"{scene.name.removeprefix('android_')}.{method}"
+    ended = "fails" if test.status is Status.COMPLIANCE else "keeps" if test.ok else str(test.status)
     return {
-        f"{name}.status": str(path.status), f"{name}.test": "fails" if test.status is Status.COMPLIANCE else "keeps",
+        f"{name}.status": str(path.status), f"{name}.test": ended,
         f"{name}.until": float(test.times[-1]), f"{name}.compliance": largest_gap(path),
         f"{name}.error": path.message if error is None else error,
         f"{name}.switches": float(path.method_switches or 0), f"{name}.steps": float(path.steps),
