@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 @click.option("--only", metavar="TEXT", default="", help="Only the cases whose name holds this.")
 @click.option("--slowed", type=click.FloatRange(0.0, 1000.0), metavar="PERCENT",
               help="Take as B a copy of this tree whose planar kernel is slower on the first case.")  # fmt: skip
+@click.option("--rates", is_flag=True, help="Time single right-hand sides instead, in turns; no verdict.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(baseline: str, current: str, only: str, slowed: float | None, as_json: bool) -> None:
+def command(baseline: str, current: str, only: str, slowed: float | None, rates: bool, as_json: bool) -> None:
     """Time version B against version A at equal error. Both run in this one job.
 
     Each is a folder or a git revision.
@@ -39,6 +40,9 @@ def command(baseline: str, current: str, only: str, slowed: float | None, as_jso
     if files:
         _compare_files(files, only, as_json)
         return
+    if rates:
+        _compare_rates(baseline, current, only, as_json)
+        return
     cases = [case for case in regression.CASES if only in case.name]
     if not cases:
         raise click.UsageError(f"--only {only!r} fits none of: {', '.join(c.name for c in regression.CASES)}")
@@ -49,6 +53,18 @@ def command(baseline: str, current: str, only: str, slowed: float | None, as_jso
     else:
         console.show_table("", ("case", "verdict", ""), ((f.case, f.verdict, f.sentence) for f in findings))
     end(findings)
+
+
+def _compare_rates(baseline: str, current: str, only: str, as_json: bool) -> None:
+    from benchmarks.trees.regression import RATES, Rate, Tree, rate_of
+
+    with tree(baseline) as before, tree(current) as after, Tree(before) as old, Tree(after) as new:
+        found = [rate_of(old, new, scene, parameters) for scene, parameters in RATES if only in scene]
+    if as_json:
+        console.echo_json([one._asdict() for one in found])
+    else:
+        rows = ((*one[:2], *map(console.number, one[2:])) for one in found)
+        console.show_table("Processor time of a right-hand side", Rate._fields, rows)
 
 
 def findings_of(
