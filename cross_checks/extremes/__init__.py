@@ -20,7 +20,7 @@ from cross_checks import engines
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import STEP, Axis, Case, Extreme, grid
 from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import Scene, scenes
+from mbs_ref import scenes
 from mbs_ref.scene.base.expression import evaluate
 from mbs_ref.scene.parameters import FORMULA
 
@@ -51,7 +51,8 @@ def _case(described: dict[str, Any], value: float) -> Case:
     times = grid(given["t_end"], given.get("every", step or STEP), given["samples"])
     solver, measure = given["measure"], measures.invariants
     if solver != "invariants":
-        measure = measures.truth(partial(_solved_once, solver), given.get("size"))
+        parameters = tuple(scene.parameters.items())
+        measure = measures.truth(lambda _, at: _solved(solver, scene.name, parameters, (*at,)), given.get("size"))
     more = {name: given[name] for name in ("rtol", "max_steps") if name in given}
     return Case(scene, times, measure, step, **more)
 
@@ -63,10 +64,6 @@ def _filled(described: Any, value: float) -> Any:
     if isinstance(described, str) and described.startswith(FORMULA):
         return evaluate(described.removeprefix(FORMULA), {"value": value})
     return None if described == "none" else described
-
-
-def _solved_once(solver: str, scene: Scene, times: np.ndarray) -> Truth | NoTruth:
-    return _solved(solver, scene.name, tuple(scene.parameters.items()), tuple(times.tolist()))
 
 
 @lru_cache(maxsize=4)
