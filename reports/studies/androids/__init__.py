@@ -1,6 +1,5 @@
 """The androids under the papers' integrators and others: compliance, work, stable steps, convergence, engines."""
 
-from collections.abc import Sequence
 from importlib.util import find_spec
 from itertools import product
 from typing import Any
@@ -61,7 +60,9 @@ def measure(full: bool = False) -> Measured:
     measured = Measured()
     scenes_run = [scenes.make(name, impact=impact, **PAPER) for name, impact in product(NAMES, IMPACTS)]
     for scene in scenes_run:
-        add_convergence(measured, scene, _fine(add_numerics(measured, scene)))
+        runs = add_numerics(measured, scene)
+        fine = {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE}
+        add_convergence(measured, scene, fine)
     for name in NAMES:
         add_stable(measured, scenes.make(name, **PAPER))
     with Store(default_path()) as store:
@@ -90,28 +91,22 @@ def add_numerics(measured: Measured, scene: Scene) -> list[tuple[Settings, Traje
         Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None)
         for method, rtols in RTOLS.get((scene.name, str(scene.parameters["impact"])), FEW).items()
         for rtol in rtols
-        if _is_installed(method)
+        if (package := integrators()[method].package) is None or find_spec(package)
     ]
     _add(measured, "androids", {"android": label(scene)})
-    return [(settings, add_run(measured, scene, _with_events(settings))) for settings in (*fixed, *adaptive)]
-
-
-def _is_installed(method: str) -> bool:
-    package = integrators()[method].package
-    return package is None or find_spec(package) is not None
-
-
-def _with_events(settings: Settings) -> Settings:
-    """A method that locates no events takes the forces as the state clips them."""
-    located = integrators()[str(settings.method)].locates_events
-    return settings if located else settings.model_copy(update={"events": "none"})
+    return [(settings, add_run(measured, scene, settings)) for settings in (*fixed, *adaptive)]
 
 
 def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
-    """Add one setting: the papers' methods under the papers' test, and again without it where it stops them."""
-    settings = settings.model_copy(update={"reactions": False, "estimate": "off", "max_steps": MOST_STEPS})
-    tested = settings.method in TESTED
+    """Add one setting: the papers' methods under the papers' test, and again without it where it stops them.
+
+    A method that locates no events takes the forces as the state clips them.
+    """
+    events = {} if integrators()[str(settings.method)].locates_events else {"events": "none"}
+    common = {"reactions": False, "estimate": "off", "max_steps": MOST_STEPS}
+    settings, tested = settings.model_copy(update=common | events), settings.method in TESTED
     path, test, error = with_test(scene, settings, tested)
+    kept = "kept to the end" if test.ok else "not reached"
     method = f"{settings.method}, {setting({'step': settings.step, 'rtol': settings.rtol})}"
     gaps = path.step_compliance if path.step_compliance is not None and len(path.step_compliance) else None
     compliance = None if gaps is None else _finite(float(np.max(gaps[:, 1])))
@@ -120,7 +115,8 @@ def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
         "end": "reached 0.2 s" if path.ok else f"{path.status}: {path.message}", "error": error,
         "compliance": compliance, "steps": int(path.steps), "rejected": int(path.rejected_steps),
         "rhs_calls": int(path.rhs_calls), "switches": path.method_switches, "events": int(path.events),
-        "loop_s": float(path.timing.loop_s), "test": _test_result(test) if tested else "not requested",
+        "loop_s": float(path.timing.loop_s),
+        "test": "not requested" if not tested else test.message if test.status is Status.COMPLIANCE else kept,
     })  # fmt: skip
     if label(scene) == PAPER_CRASH and settings.step:
         measured.figures[f"androids.{settings.method}.compliance"] = compliance
@@ -129,10 +125,6 @@ def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
         lines = curves(good[:, 0], {"|C|": good[:, 1]}, "largest |C| since the last sample, m", log=True)
         measured.curves[f"compliance: {label(scene)}: {method}"] = lines
     return path
-
-
-def _test_result(test: Trajectory) -> str:
-    return test.message if test.status is Status.COMPLIANCE else "kept to the end" if test.ok else "not reached"
 
 
 def _finite(value: float) -> float | None:
@@ -168,11 +160,9 @@ def add_stable(measured: Measured, scene: Scene) -> None:
 # --- convergence ------------------------------------------------------------------------------------------
 
 
-def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajectory] | None = None) -> Row:
+def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajectory]) -> Row:
     """Compare the head's and the hip's path by two unlike integrators (`paths`, by method), and with the truth."""
     times = ladder.grid(scene)
-    fine: dict[str, Any] = {"rtol": FINE, "reactions": False, "estimate": "off"}
-    paths = paths or {m: simulate(scene, Settings(method=m, **fine), times) for m in UNLIKE}
     one, other = (paths[method] for method in UNLIKE)
     apart = distances(scene, one, other)[..., 0]
     gaps = {label: apart[:, scene.body_index(body)] for label, body in WATCHED.items()}
@@ -189,26 +179,21 @@ def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajector
     return row
 
 
-def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
-    """Return the paths of the two methods at FINE."""
-    return {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE}
-
-
 # --- engines ----------------------------------------------------------------------------------------------
 
 
-def entrants(scene: Scene, names: Sequence[str] | None = None) -> list[tuple[str, Method]]:
+def entrants(scene: Scene) -> list[tuple[str, Method]]:
     """Return the methods of every other engine that can run the scene: all in the first crash, few in the others."""
     crash = scene.name, str(scene.parameters["impact"])
-    others = (engine for engine in engines.installed(names) if engine.name != "mbs_ref")
+    others = (engine for engine in engines.installed() if engine.name != "mbs_ref")
     able = [(engine.name, method) for engine in others for method in engine.able(scene)]
     return [(name, method) for name, method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
 
 
-def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
+def peers(runs: Runs, scene: Scene) -> list[Row]:
     """Judge the methods of the other engines."""
     truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
-    return [peer(runs, scene, *entrant, truth, ours) for entrant in entrants(scene, names)]
+    return [peer(runs, scene, *entrant, truth, ours) for entrant in entrants(scene)]
 
 
 def parts() -> list[tuple[str, str, str, str]]:

@@ -23,7 +23,7 @@ from reports.facts.cheapest import Entry
 from reports.facts.curves import Measured
 from reports.studies import androids, claims, contact, crash, crashes, document, models, pairs, sky, space, study, trust
 from reports.studies.models.choice import Ladder, Rung, choose
-from reports.studies.papers import lessons
+from reports.studies.papers import crash_figures, lessons
 from reports.studies.sky import frames
 
 N = 7
