@@ -132,15 +132,14 @@ def final_state(scene: Scene, path: Trajectory) -> dict[str, dict[str, Any]]:
     """Return the last sample by body: m, rad, m/s, rad/s; a particle has no angle."""
     if not len(path.times):
         return {}
-    return {body.name: _state(path, k, body.type != "point_mass") for k, body in enumerate(scene.bodies)}
-
-
-def _state(path: Trajectory, k: int, turns: bool) -> dict[str, Any]:
-    state = {"position": path.position[-1, k].tolist(), "velocity": path.velocity[-1, k].tolist()}
-    if turns:
-        key = "angle" if path.orientation.ndim == 2 else "orientation"
-        state |= {key: path.orientation[-1, k].tolist(), "angular_velocity": path.angular_velocity[-1, k].tolist()}
-    return state
+    ways = {"position": path.position, "velocity": path.velocity}
+    turns = {"angle" if path.orientation.ndim == 2 else "orientation": path.orientation}
+    whole = ways | turns | {"angular_velocity": path.angular_velocity}
+    parts = [ways if body.type == "point_mass" else whole for body in scene.bodies]
+    return {
+        name: {part: values[-1, k].tolist() for part, values in own.items()}
+        for k, (name, own) in enumerate(zip(scene.body_names, parts, strict=True))
+    }
 
 
 def _versions(engine: Engine | None) -> dict[str, str]:

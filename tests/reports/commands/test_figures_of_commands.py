@@ -138,7 +138,7 @@ def test_an_emptied_cache_is_compiled_again(monkeypatch, tmp_path):
 
 def test_every_cell_lists_its_own_contact_figures(capsys):
     cells = [Cell("pendulum", {}, "exudyn", "m", Verdict.AGREES, "", contact={f"depth {k}": 0.1 + k}) for k in (1, 2)]
-    check._show_contact(cells)
+    check._show(cells)
     shown = capsys.readouterr().out
     assert "depth 1 1.1" in shown
     assert "depth 2 2.1" in shown
