@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -91,11 +92,8 @@ class Case:
         return {"scene": self.scene, "parameters": self.parameters, "engine": self.engine}
 
 
-CASES = (
-    Case("pendulum_chain", "dop853", {"links": 10}), Case("pendulum_chain", "dop853", {"links": 100}),
-    Case("pendulum_chain", "rk4", {"links": 10}), Case("n_four_bar", "dop853", {"loops": 2}),
-    Case("slider_crank", "dop853"),
-)  # fmt: skip
+STATED = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
+CASES = tuple(Case(**case) for case in STATED["cases"])
 
 
 @dataclass(frozen=True)
@@ -185,12 +183,6 @@ class Rate(NamedTuple):
 
 ROUNDS = 15  # pairs, each in an order of its own
 SECONDS = 0.02  # of processor time a measurement
-RATES: tuple[tuple[str, dict[str, Any]], ...] = (
-    *(("n_four_bar", {"loops": loops}) for loops in (1, 2, 10, 40, 100)),
-    *(("spatial_n_four_bar", {"loops": loops}) for loops in (1, 10, 40)),
-    ("slider_crank", {}), ("andrews", {}), ("bricard", {}), ("tracked_vehicle", {"model": "paper", "links": 100}),
-    ("pendulum_chain", {"links": 100}), ("spatial_chain", {"links": 100}),
-)  # fmt: skip
 
 
 def rate_of(old: Tree, new: Tree, scene: str, parameters: dict[str, Any]) -> Rate:

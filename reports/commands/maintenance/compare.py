@@ -56,10 +56,10 @@ def command(baseline: str, current: str, only: str, slowed: float | None, rates:
 
 
 def _compare_rates(baseline: str, current: str, only: str, as_json: bool) -> None:
-    from benchmarks.trees.regression import RATES, Rate, Tree, rate_of
+    from benchmarks.trees.regression import STATED, Rate, Tree, rate_of
 
     with tree(baseline) as before, tree(current) as after, Tree(before) as old, Tree(after) as new:
-        found = [rate_of(old, new, scene, parameters) for scene, parameters in RATES if only in scene]
+        found = [rate_of(old, new, scene, parameters) for scene, parameters in STATED["rates"] if only in scene]
     if as_json:
         console.echo_json([one._asdict() for one in found])
     else:
