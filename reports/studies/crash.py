@@ -1,6 +1,8 @@
 """The crash of both androids, measured by one module for the studies of the crashes, the androids and the papers."""
 
+import tomllib
 from collections.abc import Sequence
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
 IMPACTS = ("front", "rear")
 FINE = Settings(rtol=1e-8, samples=401, estimate="off")
 PAPER: dict[str, Any] = {"model": "paper"}
+RAN = tomllib.loads((files("reports.studies") / "papers" / "runs.toml").read_text(encoding="utf-8"))  # the papers
 COMPONENTS = (("x", "N"), ("y", "N"), ("torque", "N m"))
 
 

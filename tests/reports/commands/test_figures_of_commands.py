@@ -346,7 +346,7 @@ def test_coordinates_are_compared_by_places_and_by_time(monkeypatch):
     monkeypatch.setattr(papers, "compare", lambda one, other: SimpleNamespace(ratio=f"{other} over {one}"))
     monkeypatch.setattr(papers, "compile_scene", lambda scene, kind: SimpleNamespace(n_positions=len(kind)))
     found = papers.coordinates()
-    for name in papers.TREES:
+    for name in papers.RAN["trees"]:
         assert found[f"coordinates.{name}.apart"] == 0.1
         assert found[f"coordinates.{name}.time"] == "relative over cartesian"
         assert (found[f"coordinates.{name}.cartesian"], found[f"coordinates.{name}.relative"]) == (9, 8)
