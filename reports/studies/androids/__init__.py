@@ -1,8 +1,9 @@
 """The androids under the papers' integrators and others: compliance, work, stable steps, convergence, engines."""
 
+import tomllib
+from importlib.resources import files
 from importlib.util import find_spec
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -26,33 +27,16 @@ from mbs_ref.observables.distance import distances
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
 from reports.facts.curves import Curves, Measured, Row, curves, plain
-from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, VERTEBRAL, with_test
+from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, with_test
 
-PAPER_STEP = 1e-4  # s, Fox 1999
 PAPER_CRASH = f"{SIMPLIFIED}, front"
-PAPERS: dict[str, Any] = {"stabilization": "none"}  # without stabilization, as they ran
-OURS: dict[str, Any] = {}
-# the papers' step where these data bear it; RK4 bears 7.1e-5 s and Euler 5.1e-5 s on the vertebral android
-STEPS = {
-    SIMPLIFIED: (("rk4", PAPER_STEP, PAPERS), ("euler", PAPER_STEP, PAPERS), ("generalized_alpha", 2.5e-4, OURS)),
-    VERTEBRAL: (("rk4", 5e-5, PAPERS), ("euler", 2.5e-5, PAPERS), ("generalized_alpha", 2.5e-4, OURS)),
-}
-BEYOND = {SIMPLIFIED: 8e-3, VERTEBRAL: PAPER_STEP}  # s, steps that RK4 cannot bear
+RUNS = tomllib.loads((files(__package__) / "runs.toml").read_text(encoding="utf-8"))
 FINE = 1e-9  # rtol at which two unlike methods are compared
-MANY = {"lsodar": (1e-4, 1e-6, 1e-8), "dassl": (1e-4,), "dop853": (1e-4, FINE), "radau": (1e-4, FINE)}
-FEW = {"lsodar": (1e-6,), "dassl": (1e-4,), "dop853": (FINE,), "radau": (FINE,)}  # dassl alone takes seconds a run
-RTOLS = {(SIMPLIFIED, "front"): MANY}  # FEW in the other crashes
 MOST_STEPS = 20_000  # of a run; the longest that is meant to end takes 8 000
 TESTED = ("rk4", "euler", "lsodar")  # the papers' methods, whose compliance test is run, too
 UNLIKE = ("dop853", "radau")  # explicit of order 8, implicit of order 5
 WATCHED = {"head": "head", "hip": "bottom"}
-ADAPTIVE = {("pinocchio", "dop853")}
 PEER_TARGETS = {"adaptive": (1e-3, 1e-6), "fixed": (1e-3,)}  # over the scene's scales; finer takes minutes
-SHOWN = {  # on 48 bodies what takes seconds
-    (SIMPLIFIED, "rear"): ADAPTIVE | {("exudyn", "tree_dopri5")},
-    (VERTEBRAL, "front"): ADAPTIVE,
-    (VERTEBRAL, "rear"): ADAPTIVE,
-}
 
 
 def measure(full: bool = False) -> Measured:
@@ -86,15 +70,11 @@ def _add(measured: Measured, table: str, row: Row) -> None:
 
 def add_numerics(measured: Measured, scene: Scene) -> list[tuple[Settings, Trajectory]]:
     """Run the papers' methods without stabilization, and the others as they come; return the runs."""
-    fixed = [Settings(method=method, step=step, **more) for method, step, more in STEPS[scene.name]]
-    adaptive = [
-        Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None)
-        for method, rtols in RTOLS.get((scene.name, str(scene.parameters["impact"])), FEW).items()
-        for rtol in rtols
-        if (package := integrators()[method].package) is None or find_spec(package)
-    ]
+    stated = (*RUNS["fixed"][scene.name], *RUNS["adaptive"].get(label(scene), RUNS["adaptive"]["others"]))
+    packages = {name: method.package for name, method in integrators().items()}
+    settings = [Settings(**one) for one in stated if (need := packages[one["method"]]) is None or find_spec(need)]
     _add(measured, "androids", {"android": label(scene)})
-    return [(settings, add_run(measured, scene, settings)) for settings in (*fixed, *adaptive)]
+    return [(one, add_run(measured, scene, one)) for one in settings]
 
 
 def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
@@ -138,7 +118,7 @@ def add_stable(measured: Measured, scene: Scene) -> None:
     """Linearise the motion at the start, request a step that is too long, and take it all the same."""
     result = stiffness_at_start(scene)
     limits = {name: _finite(float(result.step_limit(m.stability))) for name, m in integrators().items() if m.stability}
-    beyond = BEYOND[scene.name]
+    beyond = RUNS["beyond"][scene.name]
     refused = Settings(method="rk4", step=beyond, samples=26, reactions=False)
     forced = simulate(scene, refused.model_copy(
         update={"stabilization": "none", "estimate": "off", "refuse_unstable": False, "max_steps": MOST_STEPS}
@@ -184,10 +164,9 @@ def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajector
 
 def entrants(scene: Scene) -> list[tuple[str, Method]]:
     """Return the methods of every other engine that can run the scene: all in the first crash, few in the others."""
-    crash = scene.name, str(scene.parameters["impact"])
     others = (engine for engine in engines.installed() if engine.name != "mbs_ref")
-    able = [(engine.name, method) for engine in others for method in engine.able(scene)]
-    return [(name, method) for name, method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
+    able, few = [(one.name, method) for one in others for method in one.able(scene)], RUNS["engines"].get(label(scene))
+    return [(name, method) for name, method in able if few is None or f"{name} {method.name}" in few]
 
 
 def peers(runs: Runs, scene: Scene) -> list[Row]:
