@@ -13,7 +13,6 @@ from mbs_ref.scene.traits import Coordinates
 from mbs_ref.simulate import simulate_scenes
 from reports.facts.stored import keep, recall
 
-
 CORES = tomllib.loads((files(__package__) / "cores.toml").read_text(encoding="utf-8"))  # scene, coordinates, ...
 LANES = "runs in lanes"  # for batches alone: a report makes none
 SOLVER = "mbs_ref"

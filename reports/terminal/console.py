@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -193,16 +194,7 @@ class Defect(click.ClickException):
     exit_code = 6
 
 
-TABLE = """\b
-Exit codes:
-  0  all is well
-  1  a validation failed: a run did not succeed, a cell is wrong
-  2  usage: unknown name, bad value, bad scene file
-  3  a requested engine is not installed
-  4  incomplete: interrupted, or storage, memory or a package failed; what was computed is stored
-  5  nothing was selected
-  6  a defect of mbs-ref: please report it
-"""
+TABLE = "\b\n" + (files(__package__) / "exit_codes.txt").read_text(encoding="utf-8")  # as click leaves it
 
 
 ONLY = click.option("--only", metavar="TEXT", help="Only cases whose engine, method and scene hold this.")
