@@ -6,11 +6,10 @@ import numpy as np
 
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Case, Measure, grid
-from cross_checks.extremes.parts import GRAVITY
+from cross_checks.extremes.parts import made
 from cross_checks.truths.of import bouncing
 from mbs_ref import scenes
-from mbs_ref.scene import PlanarBody, Scene
-from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SpringDamperLaw
+from mbs_ref.scene import Scene
 from mbs_ref.scenes.blocks import incline as incline
 
 THICK, HEIGHT = 0.01, 0.2  # m
@@ -27,16 +26,8 @@ def _plate(speed: float) -> Case:
 
 def _deep(depth: float) -> Case:
     """The floor throws the ball out: y = -depth cos(w t) up to a quarter period, then free."""
-    stiffness, radius, ball = 1e4, 0.05, 1.0
+    stiffness, radius, ball = 1e4, 0.05, 1.0  # N/m, m, kg
     rate = math.sqrt(stiffness / ball)
-    law = SpringDamperLaw(stiffness=stiffness, release="force")
-    centre = (0.0, radius - depth)
-    scene = Scene(
-        name="deep_start",
-        bodies=(PlanarBody(name="ball", mass=ball, inertia=1e-3, position=centre),),
-        contacts=(CircleOnLine(name="floor", body_a="ball", center=centre, radius=radius, point_1=(-1.0, 0.0),
-                               point_2=(1.0, 0.0), law=law),),
-    )  # fmt: skip
 
     def exact(times: np.ndarray) -> np.ndarray:
         phase = rate * times
@@ -44,26 +35,12 @@ def _deep(depth: float) -> Case:
         return measures.in_plane(0.0, radius + depth * y)
 
     size = depth * rate * 0.1  # m, how far it flies
-    return Case(scene, grid(0.1), measures.positions(exact, size))
+    return Case(made("deep_start", depth=depth), grid(0.1), measures.positions(exact, size))
 
 
 def _stack(ratio: float) -> Case:
     """A light ball between the floor and a heavy one, in equilibrium: it stays."""
-    total = 1.0 + ratio
-    stiffness = 1e4 * total
-    law = SpringDamperLaw(stiffness=stiffness, damping=2.0 * math.sqrt(stiffness * total), release="force")
-    low = RADIUS - total * GRAVITY / stiffness
-    high = low + 2.0 * RADIUS - ratio * GRAVITY / stiffness
-    bodies = tuple(
-        PlanarBody(name=name, mass=mass, inertia=0.4 * mass * RADIUS**2, position=(0.0, y))
-        for name, mass, y in (("light", 1.0, low), ("heavy", ratio, high))
-    )
-    floor = CircleOnLine(name="floor", body_a="light", center=(0.0, low), radius=RADIUS, point_1=(-1.0, 0.0),
-                         point_2=(1.0, 0.0), law=law)  # fmt: skip
-    touch = CircleOnCircle(name="touch", body_a="light", center_a=(0.0, low), radius_a=RADIUS, body_b="heavy",
-                           center_b=(0.0, high), radius_b=RADIUS, law=law)  # fmt: skip
-    scene = Scene(name="heavy_on_light", gravity=(0.0, -GRAVITY), bodies=bodies, contacts=(floor, touch))
-
+    scene = made("heavy_on_light", ratio=ratio)
     return Case(scene, grid(0.5), _resting(scene, RADIUS))
 
 
