@@ -38,9 +38,9 @@ class Case(NamedTuple):
 
 
 Placed = tuple[str, dict[str, Any], float | None]  # scene, parameters, end (s) or its own
-_STATED = tomllib.loads((files(__package__) / "cases.toml").read_text(encoding="utf-8"))
+STATED = tomllib.loads((files(__package__) / "cases.toml").read_text(encoding="utf-8"))
 LABORATORY, SKY, RELATIVE, BLAS = (
-    tuple((one["scene"], one.get("parameters", {}), one.get("t_end")) for one in _STATED[group])
+    tuple((one["scene"], one.get("parameters", {}), one.get("t_end")) for one in STATED[group])
     for group in ("laboratory", "sky", "relative", "blas")
 )
 

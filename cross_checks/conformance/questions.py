@@ -7,6 +7,7 @@ from itertools import islice
 
 import numpy as np
 
+from cross_checks.conformance.cases import STATED
 from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method
@@ -16,11 +17,7 @@ from mbs_ref.scene import GROUND, PointMass, Scene, UserForce
 from mbs_ref.scene import Distance as Rod
 from mbs_ref.scene.traits import is_smooth, part_types
 
-SPANS = {  # s: long enough for every part to matter, short enough for many runs
-    "pendulum": 1.0, "spring_pendulum": 1.0, "double_pendulum": 1.0, "n_four_bar": 1.0, "slider_crank": 0.5,
-    "spherical_pendulum": 1.0, "heavy_top": 0.5, "torque_free_top": 6.0, "spatial_n_four_bar": 1.0,
-    "sliding_block": 1.0, "bouncing_ball": 0.4, "kepler": 6.0, "satellite": 6000.0,
-}  # fmt: skip
+SPANS: dict[str, float] = STATED["spans"]  # s
 SAMPLES = 51
 STEPS = (50, 100, 200, 400)  # over the span
 RTOLS = (1e-4, 1e-6, 1e-8, 1e-10)

@@ -147,6 +147,6 @@ class Section:
 
     name: str  # the anchor
     title: str
-    lead: str  # one sentence in plain words
     context: Callable[[ReportData], dict[str, Any]]
+    lead: str = ""  # one sentence in plain words, where the template does not state it
     template: str = ""  # where it is not <name>.html

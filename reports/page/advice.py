@@ -119,5 +119,4 @@ def _pace(data: ReportData, engine: str) -> str:
     return f"{short(standing.median)} × the time of the cheapest ranked engine (median of {scenes})"
 
 
-LEAD = "An error of 1e-6 is a millionth of the scene's own size; times are of the integration loop at equal error."
-SECTION = Section("decisions", "What to use it for", LEAD, lambda data: {"advice": advice(data)})
+SECTION = Section("decisions", "What to use it for", lambda data: {"advice": advice(data)})

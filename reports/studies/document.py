@@ -55,7 +55,7 @@ class Document:
     @property
     def section(self) -> Section:
         """The section that presents the study."""
-        return Section(self.name, self.heading, self.lead, self.context, "document.html")
+        return Section(self.name, self.heading, self.context, self.lead, "document.html")
 
     def context(self, data: ReportData) -> dict[str, Any]:
         """Return what the template shows: nothing where the study was not measured."""

@@ -7,21 +7,11 @@ import numpy as np
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Case, Measure, grid
 from cross_checks.extremes.parts import made
-from cross_checks.truths.of import bouncing
-from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.blocks import incline as incline
 
-THICK, HEIGHT = 0.01, 0.2  # m
 RADIUS = 0.1  # m
 FRICTION = 0.3
-
-
-def _plate(speed: float) -> Case:
-    stiffness = (2.0 * speed / THICK) ** 2  # N/m: the ball goes half-way into the plate
-    law = {"law": "spring_damper_force", "damping": 0.0, "stiffness": stiffness}
-    scene = scenes.make("bouncing_ball", speed=speed, height=HEIGHT, plate=THICK, **law)
-    return Case(scene, grid(1.0), measures.truth(bouncing.bouncing_ball, speed))
 
 
 def _deep(depth: float) -> Case:
@@ -56,4 +46,4 @@ def _grip(margin: float) -> Case:
     return Case(scene, grid(1.0), _resting(scene))
 
 
-CASES = {"tunnelling": _plate, "deep-start": _deep, "heavy-on-light": _stack, "stick-slip-edge": _grip}
+CASES = {"deep-start": _deep, "heavy-on-light": _stack, "stick-slip-edge": _grip}

@@ -55,7 +55,7 @@ def counted(data: ReportData) -> str:
     return f"{count(len(data.cells), 'cell')} of {count(len(data.scenes), 'scene')} and every method: {parts}."
 
 
-SECTION = Section("landscape", "Engine by scene", "", context)
+SECTION = Section("landscape", "Engine by scene", context)
 
 
 def frontier_plot(data: ReportData) -> dict[str, Any] | None:
@@ -93,4 +93,4 @@ def frontier_context(data: ReportData) -> dict[str, Any]:
     return {"plot": frontier_plot(data), "absent": absent, "counted": counted(data)}
 
 
-FRONTIER = Section("frontier", "What accuracy costs, over all scenes", "", frontier_context)
+FRONTIER = Section("frontier", "What accuracy costs, over all scenes", frontier_context)
