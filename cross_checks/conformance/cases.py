@@ -57,7 +57,7 @@ def _of(engine: Engine, method: Method, more: tuple[Placed, ...]) -> Iterator[Ca
     for placed in (*LABORATORY, *SKY, *more, *(RELATIVE if ours and method.name == "gauss" else ())):
         scene, parameters, t_end = placed
         built = scenes.make(scene, **parameters)
-        if not engine.refusals(built) and not engine.method_refusals(built, method):
+        if not engine.refusal(built, method):
             t_end = t_end or built.duration
             yield Case(engine.name, method.name, scene, parameters, _settings(method, placed, t_end))
 

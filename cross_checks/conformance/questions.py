@@ -45,19 +45,14 @@ def question_of(name: str) -> Question | None:
     return None if truth is None else Question(scene, times, truth)
 
 
-def takes(engine: Engine, method: Method, scene: Scene) -> bool:
-    """Return whether the engine's method accepts the scene."""
-    return not engine.refusals(scene) and not engine.method_refusals(scene, method)
-
-
 def questions(engine: Engine) -> list[Question]:
     """Return the scenes that some method takes, and small ones for the parts that it declares and those lack.
 
     It is one of the costlier scenes where it takes none of the quick ones.
     """
-    quick = [name for name in SPANS if _is_taken(engine, scenes.make(name))]
+    quick = [name for name in SPANS if engine.able(scenes.make(name))]
     costlier = (name for name in known() if name in scenes.names() and name not in SPANS)
-    others = (name for name in costlier if _is_taken(engine, scenes.make(name)))
+    others = (name for name in costlier if engine.able(scenes.make(name)))
     of_library = [question_of(name) for name in quick or [*islice(others, 1)]]
     there = [question for question in of_library if question is not None]
     return there + list(_probing(engine, there))
@@ -66,7 +61,7 @@ def questions(engine: Engine) -> list[Question]:
 def _probing(engine: Engine, there: list[Question]) -> Iterator[Question]:
     met = {(kind, question.scene.dimension) for question in there for kind in part_types(question.scene)}
     for (kind, dimension), scene in probes().items():
-        if kind in engine.part_types and (kind, dimension) not in met and _is_taken(engine, scene):
+        if kind in engine.part_types and (kind, dimension) not in met and engine.able(scene):
             yield probe(kind, dimension)
 
 
@@ -81,10 +76,6 @@ def probe(kind: str, dimension: int) -> Question:
 def uncovered(engine: Engine, questions: list[Question]) -> tuple[str, ...]:
     """Return the types of parts that an engine declares and no question covers."""
     return tuple(sorted(engine.part_types.difference(*(part_types(question.scene) for question in questions))))
-
-
-def _is_taken(engine: Engine, scene: Scene) -> bool:
-    return any(takes(engine, method, scene) for method in engine.methods())
 
 
 def rungs(method: Method, times: np.ndarray, *, jumps: bool = False) -> list[Settings]:
