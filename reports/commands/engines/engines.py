@@ -1,7 +1,6 @@
 """mbs-ref engines: who can simulate what, and environments for those whose packages do not go with ours."""
 
 import re
-from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 
@@ -30,7 +29,7 @@ def command(context: click.Context, as_json: bool) -> None:
         return
     result = capabilities()
     if as_json:
-        echo_json([asdict(item) for item in result])
+        echo_json(result)
         return
     for title, head, rows in tables(result):
         show_table(f"\n{title}", head, rows)

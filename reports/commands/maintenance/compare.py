@@ -4,7 +4,6 @@ import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,7 +48,7 @@ def command(baseline: str, current: str, only: str, slowed: float | None, rates:
     findings = findings_of("compare", baseline, current, cases, slowed)
     verdict = regression.overall(findings)
     if as_json:
-        console.echo_json({"verdict": verdict, "cases": list(map(asdict, findings))})
+        console.echo_json({"verdict": verdict, "cases": findings})
     else:
         console.show_table("", ("case", "verdict", ""), ((f.case, f.verdict, f.sentence) for f in findings))
     end(findings)
@@ -117,7 +116,7 @@ def _compare_files(files: list[Path], only: str, as_json: bool) -> None:
     left, right = record_changes.alone(before, after)
     if as_json:
         facts = {"verdict": verdict, "median_time_ratio": ratio, "only_in_a": left, "only_in_b": right}
-        console.echo_json(facts | {"runs": list(map(asdict, result))})
+        console.echo_json(facts | {"runs": result})
     else:
         changed = [(c.run, c.move, c.sentence, console.number(c.ratio)) for c in result if c.move is not Move.SAME]
         console.show_table("", ("run", "verdict", "", "loop, B/A"), changed)

@@ -1,7 +1,5 @@
 """mbs-ref rerun: make a cell of the report again, whatever the store holds."""
 
-from dataclasses import asdict
-
 import click
 
 from cross_checks import engines
@@ -33,7 +31,7 @@ def command(cell: str, as_json: bool) -> None:
     """
     parts = cell.split("/")
     if cell in studies():
-        echo_json(asdict(measure(cell)))
+        echo_json(measure(cell))
     elif len(parts) != 3:
         raise click.UsageError(f"cell {cell!r} must be SCENE[,NAME=VALUE...]/ENGINE/METHOD, EXTREME/ENGINE/METHOD or "
                                f"one of {', '.join(studies())}")  # fmt: skip
@@ -49,7 +47,7 @@ def _extreme(name: str, engine: str, method: str) -> None:
     chosen = solver.method(inputs.method(solver, method))
     with Isolated() as call:
         results = cell_of(named(name), solver, chosen, False, call)
-    echo_json(asdict(results))
+    echo_json(results)
     if results.fate == Fate.SILENTLY_WRONG:
         raise Failed(f"{name}/{engine}/{method}: {results.fate}")
 
