@@ -25,9 +25,9 @@ RAN = tomllib.loads((files("reports.studies") / "papers" / "runs.toml").read_tex
 COMPONENTS = (("x", "N"), ("y", "N"), ("torque", "N m"))
 
 
-def finished(scene: Scene, settings: Settings = FINE) -> Trajectory:
-    """Return the run of a scene. RuntimeError where it does not reach its end."""
-    path = simulate(scene, settings)
+def finished(scene: Scene, settings: Settings = FINE, times: np.ndarray | None = None) -> Trajectory:
+    """Return the run of a scene, at `times` (s) if given. RuntimeError where it does not reach its end."""
+    path = simulate(scene, settings, times)
     if not path.ok:
         raise RuntimeError(f"{scene.name}: {path.message}")
     return path
