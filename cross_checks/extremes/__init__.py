@@ -4,7 +4,7 @@ An entry with a `case` describes the places of its axis, too: a scene of the lib
 (s), and its `measure`: "invariants", or a solver in cross_checks.truths with the motion's `size` (m; how far its own
 bodies go unless given). `step`, `rtol` and `max_steps` are those of a Case, `samples` and `every` (s) of its times. A
 text that begins with "=" is a formula of `value`, the place on the axis; "none" leaves out what there is by default.
-Other entries are made by the file of `families` under which they stand.
+Other entries belong to the file of `families` under which they stand, whose CASES have them.
 """
 
 import tomllib

@@ -69,7 +69,7 @@ def _compared(places: dict[str, tuple[np.ndarray, np.ndarray]], by_angle: bool =
     for name, (ours, theirs) in places.items():
         gap, size = np.linalg.norm(ours - theirs), np.linalg.norm(theirs)
         cosine = ours @ theirs / (np.linalg.norm(ours) * size)
-        apart = f"{short(np.arccos(min(cosine, 1.0)))} rad" if by_angle else metres(gap)
+        apart = f"{short(float(np.arccos(min(cosine, 1.0))))} rad" if by_angle else metres(gap)
         rows.append({"body": name, "apart": apart, "figures": float(-np.log10(gap / size))})
     return tuple(rows)
 
