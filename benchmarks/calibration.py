@@ -5,8 +5,8 @@ and step or tolerance are random too. The truth is a run of DOP853 at TIGHT, and
 agrees with it. Seeds are split in halves: the estimate is tuned on the even ones, and judged by the odd ones.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -69,30 +69,10 @@ class Trial:
         return self.estimate / self.error
 
 
-def trials(seeds: Iterable[int]) -> Iterator[Trial]:
-    """Yield a trial for every seed; those of runs that are refused, or whose truth fails, say so in their status."""
-    for seed in seeds:
-        yield trial(seed)
-
-
 def stored(file: Path) -> dict[int, Trial]:
     """Return the trials in a file by their seeds; those of other sources are left out."""
-    result = lines.read_data(file, _from_dict)[0] if file.is_file() else []
-    return {one.seed: one for one in result if one.code == _code()}
-
-
-def keep(file: Path, one: Trial) -> None:
-    """Add a trial to a file in one write."""
-    lines.append_data(file, [to_dict(one)])
-
-
-def _from_dict(data: Any) -> Trial:
-    names = {field.name for field in fields(Trial)}
-    return Trial(**{name: value for name, value in data.items() if name in names})
-
-
-def _code() -> str:
-    return code_of(__name__)
+    result = lines.read(file, Trial)[0] if file.is_file() else []
+    return {one.seed: one for one in result if one.code == code_of(__name__)}
 
 
 def proven() -> list[tuple[Scene, Truth]]:
@@ -103,8 +83,11 @@ def proven() -> list[tuple[Scene, Truth]]:
 
 
 def trial(seed: int, among: Sequence[tuple[Scene, Truth]] = ()) -> Trial:
-    """Return the trial of a seed, always the same: its run and its truth; `among` has scenes with proven truths."""
-    return replace(_made(seed, among), code=_code())
+    """Return the trial of a seed, always the same: its run and its truth; `among` has scenes with proven truths.
+
+    A run that is refused, or whose truth fails, says so in its status.
+    """
+    return replace(_made(seed, among), code=code_of(__name__))
 
 
 def _made(seed: int, among: Sequence[tuple[Scene, Truth]]) -> Trial:

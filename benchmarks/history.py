@@ -1,15 +1,13 @@
 """What every nightly job measured: JSON lines, grouped into series over time with their change points."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import groupby
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cross_checks.prices.pick import pick, setting
-from cross_checks.records import lines
 from cross_checks.records.record import Record, loop_time
 
 EFFECT = 1.05  # a level that changes by less is no change
@@ -32,16 +30,6 @@ class Entry:
     unit: str
     verdict: str = ""
     error: float | None = None  # m, the accuracy at which it was timed; m/s^2 of a right-hand side
-
-
-def append(path: Path, entries: Iterable[Entry]) -> None:
-    """Add entries, each in one write."""
-    lines.append_data(path, map(asdict, entries))
-
-
-def read(path: Path) -> tuple[list[Entry], list[str]]:
-    """Return the entries, and a sentence for every line that is none."""
-    return lines.read_data(path, lambda data: Entry(**data))
 
 
 def series(entries: Iterable[Entry], name_contains: str = "") -> dict[str, list[Entry]]:

@@ -188,9 +188,9 @@ class Trajectory:
             ("loop, s", self.timing.loop_s), ("notes", "; ".join(self.notes)),
         ])  # fmt: skip
 
-    def upto(self, count: int) -> "Trajectory":
-        """Return the first `count` samples."""
-        samples = {name: getattr(self, name)[:count] for name in ("times", *POSES)}
+    def at(self, rows: np.ndarray | slice) -> "Trajectory":
+        """Return some of the samples, given by their places, a mask (n_t,) or a slice."""
+        samples = {name: getattr(self, name)[rows] for name in ("times", *POSES)}
         shared = ("reactions", "contacts")
-        forces = {of: {name: value[:count] for name, value in getattr(self, of).items()} for of in shared}
+        forces = {of: {name: value[rows] for name, value in getattr(self, of).items()} for of in shared}
         return replace(self, **samples, **forces)

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial, reduce
 from importlib.util import find_spec
 from inspect import signature
@@ -48,6 +48,7 @@ ENGINES = click.option(
 SHARD = click.option("--shard", metavar="I/N", default="1/1", help="Only part I of N, for batch systems.")
 ROBOTS = (".urdf", ".xml")  # suffixes of their files
 SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}  # s, in a duration's unit
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "km": 1e3}  # m
 
 
 def scene(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
@@ -55,7 +56,13 @@ def scene(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequenc
 
     Initial velocities that `keep_rates` names stay, and the others are computed from the joints.
     """
-    return _keeping(_read(name_or_file, parameters), keep_rates)
+    built = _read(name_or_file, parameters)
+    if not keep_rates:
+        return built
+    try:
+        return fitted_rates(built, keep_rates, Settings().initial_tolerance)
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
 
 
 def comparable(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
@@ -93,15 +100,6 @@ def rebuilder(name_or_file: str, scene: Scene) -> Callable[..., Scene] | None:
     if name_or_file.endswith(".toml") and signature(read_builder(name_or_file)).parameters:
         return partial(_of_file, name_or_file, **scene.parameters)
     return partial(scenes.make, name_or_file, **scene.parameters) if name_or_file in scenes.names() else None
-
-
-def _keeping(built: Scene, keep_rates: Sequence[str]) -> Scene:
-    if not keep_rates:
-        return built
-    try:
-        return fitted_rates(built, keep_rates, Settings().initial_tolerance)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
 
 
 PARAMETERS = click.option("-p", "parameters", multiple=True, metavar="NAME=VALUE",
@@ -207,13 +205,24 @@ def method(solver: Engine, name: str | None) -> str:
 
 def seconds(text: str) -> float:
     """Return a duration such as 50ms in seconds."""
-    results = re.fullmatch(r"([0-9.]+(?:e[+-]?[0-9]+)?)\s*([a-z]*)", text)
-    if not results or results[2] not in SECONDS:
-        raise click.UsageError(f"budget = {text!r} is no duration; allowed: a number and one of s, ms, us, min")
-    value = _number(results[1])
-    if not isinstance(value, int | float) or not value > 0:
-        raise click.UsageError(f"budget = {text!r} must be greater than 0")
-    return value * SECONDS[results[2]]
+    value, unit = _quantity("--budget", text, SECONDS)
+    return value * SECONDS[unit]
+
+
+def relative_error(text: str, scene: Scene) -> float:
+    """Return an error over the scene's scales: a bare number as it is, a length such as 1mm over the scene's length."""
+    value, unit = _quantity("--error", text, LENGTHS)
+    return value * LENGTHS[unit] / scales_of(scene).length if unit else value
+
+
+def _quantity(option: str, text: str, units: Mapping[str, float]) -> tuple[float, str]:
+    """Return a positive number and its unit, which may be left out."""
+    match = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*([a-z]*)\s*", text)
+    value = _number(match[1]) if match else math.nan
+    if not match or match[2] not in ("", *units) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        allowed = f"a positive number, or one with a unit of {', '.join(filter(None, units))}"
+        raise click.UsageError(f"{option} {text!r} is not understood; allowed: {allowed}")
+    return float(value), match[2]
 
 
 def shard[T](items: Sequence[T], text: str) -> list[T]:
@@ -270,20 +279,3 @@ def _number(text: str) -> int | float | bool | str:
         except ValueError:
             continue
     return text
-
-
-LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "km": 1e3}
-
-
-def relative_error(text: str, scene: Scene) -> float:
-    """Return an error over the scene's scales: a bare number as it is, a length such as 1mm over the scene's length."""
-    results = re.fullmatch(r"\s*([-+0-9.eE]+?)\s*([a-z]*)\s*", text)
-    try:
-        value = float(results.group(1)) if results else math.nan
-    except ValueError:
-        value = math.nan
-    unit = results.group(2) if results else ""
-    if not value > 0.0 or not math.isfinite(value) or (unit and unit not in LENGTHS):
-        allowed = f"a positive number of the scene's scales, or a length in {', '.join(LENGTHS)}, as 1mm"
-        raise click.UsageError(f"--error {text!r} is not understood; give {allowed}")
-    return value if not unit else value * LENGTHS[unit] / scales_of(scene).length

@@ -75,4 +75,4 @@ FORMATS: dict[str, Callable[[Mapping[str, np.ndarray], Columns], bytes]] = {
     ".npz": _npz,
     ".csv": lambda _, columns: csv_table({name: column.tolist() for name, column in columns.items()}).encode(),
     ".parquet": lambda _, columns: parquet_table(columns),
-}  # fmt: skip
+}

@@ -52,9 +52,8 @@ def open_runs(
 
 
 def isolated(
-    scenes: Iterable[Scene], timeout: float | None = None, memory_mib: float | None = None,
-    scheduler: str | None = None,
-):  # fmt: skip
+    scenes: Iterable[Scene], timeout: float | None = None, memory_mib: float | None = None, scheduler: str | None = None
+):
     """Return what makes calls in a process of their own, where the scenes can travel there, or on a dask cluster.
 
     Failed where the package for clusters is not installed.

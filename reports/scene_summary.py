@@ -7,6 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from cross_checks.records.numbers import count
 from mbs_ref import Scene
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene.joints import Drive
@@ -33,17 +34,13 @@ class Summary:
     def sentence(self) -> str:
         """Return it in one line."""
         apart = f" in {self.groups} groups that no joint connects" if 1 < self.groups < self.bodies else ""
-        freedoms = "freedoms not counted" if self.freedoms is None else f"{_count(self.freedoms, 'degree')} of freedom"
+        freedoms = "freedoms not counted" if self.freedoms is None else f"{count(self.freedoms, 'degree')} of freedom"
         fast = "" if self.fastest_hz is None else f", fastest frequency {self.fastest_hz:.3g} Hz"
         return (
-            f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}{apart}, {_count(self.joints, 'joint')}, "
-            f"{_count(self.loops, 'closed loop')}, {freedoms}; "
+            f"{self.bodies} {'body' if self.bodies == 1 else 'bodies'}{apart}, {count(self.joints, 'joint')}, "
+            f"{count(self.loops, 'closed loop')}, {freedoms}; "
             f"size {self.length:.3g} m, mass {self.mass:.3g} kg{fast}"
         )
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def summary(scene: Scene) -> Summary:

@@ -87,7 +87,7 @@ def test_made_pages_show_a_scene_and_who_can_run_it(tmp_path, monkeypatch):
     assert "[work-precision plot](gallery/pendulum-work-precision.html)" in gallery
     assert "mbs_ref" in (tmp_path / "site" / "gallery" / "pendulum-work-precision.html").read_text()
     assert "| who can | mbs_ref" in gallery
-    assert "| `pendulum` | yes |" in (tmp_path / "site" / "capabilities.md").read_text(encoding="utf-8")
+    assert "| pendulum | runs |" in (tmp_path / "site" / "capabilities.md").read_text(encoding="utf-8")
     assert "| `pendulum`" in (tmp_path / "site" / "truths.md").read_text(encoding="utf-8")
 
 

@@ -9,8 +9,9 @@ the times of loops and, in brackets, of calls.
 """
 
 import time
-from collections.abc import Callable
-from typing import Any
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,24 +28,7 @@ TURNS = 15  # of which a setting's least time counts
 TOO_LONG = 2.0  # s of loop: a finer setting is not tried
 OURS = "mbs_ref"
 CPP = "pinocchio_cpp"
-TREES = ((CPP, "dop853"), (CPP, "dop853_world"), ("mujoco", "rk4"), ("exudyn", "tree_dopri5"))
-LOOPED = ((CPP, "dop853_constrained"), (CPP, "dop853_loop_aba"), ("mujoco", "rk4"), ("exudyn", "generalized_alpha"))
-DRIVEN = (("pinocchio", "dop853"), ("exudyn", "tree_dopri5"), ("mujoco", "rk4"))
-Peers = tuple[tuple[str, str], ...]
-CASES: dict[str, tuple[str, dict[str, Any], Peers, float, float]] = {  # with the error and the largest ratio aimed at
-    "chain 3": ("pendulum_chain", {"links": 3}, TREES, 1e-6, 0.7),
-    "chain 10": ("pendulum_chain", {"links": 10}, TREES, 1e-6, 0.35),
-    "chain 30": ("pendulum_chain", {"links": 30}, TREES, 1e-6, 0.25),
-    "chain 100": ("pendulum_chain", {"links": 100}, TREES[:2], 1e-6, 0.2),
-    "chain 300": ("pendulum_chain", {"links": 300}, TREES[:2], 1e-6, 0.2),
-    "chain 3, fine": ("pendulum_chain", {"links": 3}, TREES[:2], 1e-11, 0.7),
-    "chain 10, fine": ("pendulum_chain", {"links": 10}, TREES[:2], 1e-11, 0.3),
-    "ball chain 10": ("spatial_chain", {"links": 10}, TREES, 1e-6, 0.6),
-    "four-bars 1": ("n_four_bar", {"loops": 1}, LOOPED, 1e-6, 1.0),
-    "four-bars 10": ("n_four_bar", {"loops": 10}, LOOPED, 1e-6, 0.6),
-    "four-bars 40": ("n_four_bar", {"loops": 40}, LOOPED[:3], 1e-6, 0.15),
-    "android": ("android_simplified", {"model": "paper"}, DRIVEN, 1e-6, 0.25),
-}
+STATED = tomllib.loads(Path(__file__).with_name("peers.toml").read_text(encoding="utf-8"))
 
 Times = tuple[float, float]  # s, of the loop and of the whole call
 Timed = Callable[[], Times]
@@ -87,7 +71,7 @@ def cheapest(engine: str, scene: Scene, choices: list[Settings], truth: np.ndarr
     return None
 
 
-def entrants(scene: Scene, peers: Peers, truth: np.ndarray, error: float) -> dict[str, Timed]:
+def entrants(scene: Scene, peers: Sequence[tuple[str, str]], truth: np.ndarray, error: float) -> dict[str, Timed]:
     """Return who reaches the error, by name."""
     result, lean = {}, {"estimate": "off", "reactions": False, "samples": len(TIMES)}
     for engine, name in ((OURS, "dop853"), (OURS, "taylor"), *peers):
@@ -105,13 +89,14 @@ def entrants(scene: Scene, peers: Peers, truth: np.ndarray, error: float) -> dic
     return result
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", STATED["cases"])
 def test_over_the_best_peer(benchmark, case):
-    name, parameters, peers, error, aim = CASES[case]
-    scene = scenes.make(name, **parameters)
+    stated = STATED["cases"][case]
+    scene, aim = scenes.make(stated["scene"], **stated["parameters"]), stated["aim"]
+    peers = STATED["peers"][stated["peers"]][: stated.get("most")]
     truth, _ = loop(OURS, scene, Settings(method="dop853", rtol=1e-13, estimate="off", reactions=False))
     assert truth is not None
-    runs = entrants(scene, peers, truth, error)
+    runs = entrants(scene, peers, truth, stated["error"])
     seen: dict[str, list[Times]] = {who: [] for who in runs}
 
     def turn() -> None:

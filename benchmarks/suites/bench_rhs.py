@@ -92,9 +92,7 @@ def test_right_hand_side(benchmark, kernel):
     benchmark.pedantic(loop(scene), rounds=50, warmup_rounds=3)
     seconds = benchmark.stats.stats.min / CALLS
     left = residual(scene)
-    benchmark.extra_info |= {
-        "loop_s": seconds, "ns_per_body": seconds / len(scene.bodies) * 1e9, "error_mps2": left,
-    }  # fmt: skip
+    benchmark.extra_info |= {"loop_s": seconds, "ns_per_body": seconds / len(scene.bodies) * 1e9, "error_mps2": left}
     assert left < SOLVED
 
 

@@ -4,15 +4,18 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from typing import Any, Self
+from statistics import median
+from typing import Any, NamedTuple, Self
 
 from benchmarks.trees import worker as tree_worker
 from cross_checks.isolation.parent import ONE_THREAD
 from cross_checks.isolation.workers import Report
-from cross_checks.prices.timing import Comparison, Pace, Sample, compare
+from cross_checks.prices.timing import Comparison, Pace, Sample, compare, interleaved
 
 
 class Tree:
@@ -89,11 +92,8 @@ class Case:
         return {"scene": self.scene, "parameters": self.parameters, "engine": self.engine}
 
 
-CASES = (
-    Case("pendulum_chain", "dop853", {"links": 10}), Case("pendulum_chain", "dop853", {"links": 100}),
-    Case("pendulum_chain", "rk4", {"links": 10}), Case("n_four_bar", "dop853", {"loops": 2}),
-    Case("slider_crank", "dop853"),
-)  # fmt: skip
+STATED = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
+CASES = tuple(Case(**case) for case in STATED["cases"])
 
 
 @dataclass(frozen=True)
@@ -169,6 +169,28 @@ def _sentence(timing: Comparison, case: Case) -> str:
     change = f"{timing.ratio:.3f} times the baseline's loop time [{timing.low:.3f}, {timing.high:.3f}]"
     busy = f"; {timing.disturbed:.0%} of the runs shared the machine" if timing.disturbed > 0.1 else ""
     return f"{change} to {case.error:g} m, {timing.blocks} blocks{busy}"
+
+
+class Rate(NamedTuple):
+    """A right-hand side in two trees, ns a body (least of all rounds), and new / old (median of paired ratios)."""
+
+    scene: str
+    parameters: dict[str, Any]
+    old_ns_per_body: float
+    new_ns_per_body: float
+    ratio: float
+
+
+ROUNDS = 15  # pairs, each in an order of its own
+SECONDS = 0.02  # of processor time a measurement
+
+
+def rate_of(old: Tree, new: Tree, scene: str, parameters: dict[str, Any]) -> Rate:
+    """Measure the right-hand side of one scene in both trees, in turns."""
+    runs = [partial(tree.rate, scene=scene, parameters=parameters, seconds=SECONDS) for tree in (old, new)]
+    times = interleaved(runs, ROUNDS)
+    ratios = [after / before for before, after in zip(*times, strict=True)]
+    return Rate(scene, parameters, min(times[0]), min(times[1]), median(ratios))
 
 
 def overall(findings: Sequence[Finding]) -> str:

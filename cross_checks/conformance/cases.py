@@ -38,9 +38,9 @@ class Case(NamedTuple):
 
 
 Placed = tuple[str, dict[str, Any], float | None]  # scene, parameters, end (s) or its own
-_STATED = tomllib.loads((files(__package__) / "cases.toml").read_text(encoding="utf-8"))
+STATED = tomllib.loads((files(__package__) / "cases.toml").read_text(encoding="utf-8"))
 LABORATORY, SKY, RELATIVE, BLAS = (
-    tuple((one["scene"], one.get("parameters", {}), one.get("t_end")) for one in _STATED[group])
+    tuple((one["scene"], one.get("parameters", {}), one.get("t_end")) for one in STATED[group])
     for group in ("laboratory", "sky", "relative", "blas")
 )
 
@@ -57,7 +57,7 @@ def _of(engine: Engine, method: Method, more: tuple[Placed, ...]) -> Iterator[Ca
     for placed in (*LABORATORY, *SKY, *more, *(RELATIVE if ours and method.name == "gauss" else ())):
         scene, parameters, t_end = placed
         built = scenes.make(scene, **parameters)
-        if not engine.refusals(built) and not engine.method_refusals(built, method):
+        if not engine.refusal(built, method):
             t_end = t_end or built.duration
             yield Case(engine.name, method.name, scene, parameters, _settings(method, placed, t_end))
 

@@ -9,7 +9,7 @@ from cross_checks.conformance.apart import Apart, called
 from cross_checks.conformance.clock import uncounted_work
 from cross_checks.conformance.finding import Finding, Report, Row, verdict
 from cross_checks.conformance.ladder import climb
-from cross_checks.conformance.questions import Question, impossible, open_pendulum, questions, rungs, takes, uncovered
+from cross_checks.conformance.questions import Question, impossible, open_pendulum, questions, rungs, uncovered
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method
 from mbs_ref import Settings, Status
@@ -28,7 +28,7 @@ def examine(engine: Engine, name: str, progress: Progress = lambda text: None) -
     questioned = questions(engine)
     findings, rows = [*_whole(engine, name, questioned)], []
     for method in engine.methods():
-        mine = [question for question in questioned if takes(engine, method, question.scene)]
+        mine = [question for question in questioned if not engine.refusal(question.scene, method)]
         if mine:
             findings.append(_hopeless(engine, method, mine[0]))
             clock = uncounted_work(engine, mine[0], rungs(method, mine[0].times)[0])
@@ -61,7 +61,7 @@ def _runs(engine: Engine, question: Question, rows: list[Row]) -> Finding:
     """Judge whether one of the methods at least ends a run of a scene that the engine takes."""
     scene = question.scene
     ended = any(row.scene == scene.name and row.error is not None for row in rows)
-    exemptions = [method.exemption(scene) for method in engine.methods() if takes(engine, method, scene)]
+    exemptions = [method.exemption(scene) for method in engine.able(scene)]
     wrong = "" if ended else "it takes the scene, and none of its methods ends a run"
     return verdict("something runs", ENGINE_WIDE, scene.name, wrong, exemption=exemptions[0] if all(exemptions) else "")
 
@@ -103,7 +103,7 @@ def _unknown_method(engine: Engine, question: Question) -> str:
 
 def _inconsistent(engine: Engine) -> str:
     scene = open_pendulum()
-    method = next((m for m in engine.methods() if takes(engine, m, scene)), None)
+    method = next(iter(engine.able(scene)), None)
     if method is None:
         return ""
     result = called(engine, scene, rungs(method, np.array([0.0, scene.duration]))[-1], None).path

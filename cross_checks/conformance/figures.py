@@ -6,12 +6,12 @@ from scipy.interpolate import make_interp_spline
 from mbs_ref import Trajectory
 from mbs_ref.observables import constraint_residual, energy_balance, kinetic_energy
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
-from mbs_ref.scene.euler_parameters import rotation_matrices
+from mbs_ref.scene.euler_parameters import from_axis_angle, rotation_matrices
 from mbs_ref.scene.scales import scales_of
 
 ORDERS = (5, 7)  # degrees of the splines through samples whose slopes are compared: errors of orders 6 and 8
 EDGE = 4  # samples at either end whose slopes are one-sided
-QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])  # turn of the plane
+NORMAL = np.array([0.0, 0.0, 1.0])  # of the plane: what turns in it turns about this axis of space
 
 
 def slope_misses(scene: Scene, path: Trajectory, roundoff: float) -> tuple[np.ndarray, float]:
@@ -22,8 +22,11 @@ def slope_misses(scene: Scene, path: Trajectory, roundoff: float) -> tuple[np.nd
     """
     n, length = len(path.times), scales_of(scene).length
     turns = np.array([isinstance(body, PlanarBody | SpatialBody) for body in scene.bodies])
-    matrices = axes(scene, path.orientation[:, turns])
-    spun = _spun(scene, path.angular_velocity[:, turns], matrices)
+    theta, omega = path.orientation[:, turns], path.angular_velocity[:, turns]
+    if scene.dimension == 2:
+        theta, omega = from_axis_angle(NORMAL, theta), omega[..., None] * NORMAL
+    matrices = rotation_matrices(theta)
+    spun = np.cross(omega[..., None, :], np.swapaxes(matrices, -1, -2)).swapaxes(-1, -2)
     pose, rate = (
         np.concatenate([places.reshape(n, -1) / length, turned.reshape(n, -1)], axis=1)
         for places, turned in ((path.position, matrices), (path.velocity, spun))
@@ -39,21 +42,6 @@ def slope_misses(scene: Scene, path: Trajectory, roundoff: float) -> tuple[np.nd
 def typical(misses: np.ndarray) -> float:
     """Return the median over samples of the largest miss: samples do not resolve a transient, or an impact's jump."""
     return float(np.median(np.abs(misses).max(axis=1)))
-
-
-def axes(scene: Scene, orientation: np.ndarray) -> np.ndarray:
-    """Return rotation matrices (..., d, d) of orientations."""
-    if scene.dimension == 3:
-        return rotation_matrices(orientation)
-    turn = orientation[..., None, None]
-    return np.cos(turn) * np.eye(2) + np.sin(turn) * QUARTER
-
-
-def _spun(scene: Scene, omega: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Return R' = omega x R."""
-    if scene.dimension == 3:
-        return np.cross(omega[..., None, :], np.swapaxes(turned, -1, -2)).swapaxes(-1, -2)
-    return omega[..., None, None] * (QUARTER @ turned)
 
 
 def energy_drift(scene: Scene, path: Trajectory) -> np.ndarray | None:

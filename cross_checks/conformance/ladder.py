@@ -165,7 +165,7 @@ def _always(rising: _Rungs) -> Iterator[tuple[str, str]]:
     scene, method, runs = rising.question.scene, rising.method, rising.runs
     odd = [run.setting for run in runs if not np.array_equal(run.path.times, rising.question.times)]
     yield "asked times", f"{odd[0]}: samples are not at the requested times" if odd else ""
-    off = relative(scene, runs[-1].path.upto(1), initial_sample(scene))[0]
+    off = relative(scene, runs[-1].path.at(slice(1)), initial_sample(scene))[0]
     allowed = max(TARGETS[-1], ROUNDED * method.roundoff)  # a pose may be read in single precision
     wrong = [f"{part} by {miss:.1e} of its scale" for part, miss in zip(NAMES, off, strict=True) if miss > allowed]
     yield "start", f"the first sample is off: {', '.join(wrong)}" if wrong else ""

@@ -7,6 +7,7 @@ from itertools import islice
 
 import numpy as np
 
+from cross_checks.conformance.cases import STATED
 from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method
@@ -16,11 +17,7 @@ from mbs_ref.scene import GROUND, PointMass, Scene, UserForce
 from mbs_ref.scene import Distance as Rod
 from mbs_ref.scene.traits import is_smooth, part_types
 
-SPANS = {  # s: long enough for every part to matter, short enough for many runs
-    "pendulum": 1.0, "spring_pendulum": 1.0, "double_pendulum": 1.0, "n_four_bar": 1.0, "slider_crank": 0.5,
-    "spherical_pendulum": 1.0, "heavy_top": 0.5, "torque_free_top": 6.0, "spatial_n_four_bar": 1.0,
-    "sliding_block": 1.0, "bouncing_ball": 0.4, "kepler": 6.0, "satellite": 6000.0,
-}  # fmt: skip
+SPANS: dict[str, float] = STATED["spans"]  # s
 SAMPLES = 51
 STEPS = (50, 100, 200, 400)  # over the span
 RTOLS = (1e-4, 1e-6, 1e-8, 1e-10)
@@ -48,19 +45,14 @@ def question_of(name: str) -> Question | None:
     return None if truth is None else Question(scene, times, truth)
 
 
-def takes(engine: Engine, method: Method, scene: Scene) -> bool:
-    """Return whether the engine's method accepts the scene."""
-    return not engine.refusals(scene) and not engine.method_refusals(scene, method)
-
-
 def questions(engine: Engine) -> list[Question]:
     """Return the scenes that some method takes, and small ones for the parts that it declares and those lack.
 
     It is one of the costlier scenes where it takes none of the quick ones.
     """
-    quick = [name for name in SPANS if _is_taken(engine, scenes.make(name))]
+    quick = [name for name in SPANS if engine.able(scenes.make(name))]
     costlier = (name for name in known() if name in scenes.names() and name not in SPANS)
-    others = (name for name in costlier if _is_taken(engine, scenes.make(name)))
+    others = (name for name in costlier if engine.able(scenes.make(name)))
     of_library = [question_of(name) for name in quick or [*islice(others, 1)]]
     there = [question for question in of_library if question is not None]
     return there + list(_probing(engine, there))
@@ -69,7 +61,7 @@ def questions(engine: Engine) -> list[Question]:
 def _probing(engine: Engine, there: list[Question]) -> Iterator[Question]:
     met = {(kind, question.scene.dimension) for question in there for kind in part_types(question.scene)}
     for (kind, dimension), scene in probes().items():
-        if kind in engine.part_types and (kind, dimension) not in met and _is_taken(engine, scene):
+        if kind in engine.part_types and (kind, dimension) not in met and engine.able(scene):
             yield probe(kind, dimension)
 
 
@@ -84,10 +76,6 @@ def probe(kind: str, dimension: int) -> Question:
 def uncovered(engine: Engine, questions: list[Question]) -> tuple[str, ...]:
     """Return the types of parts that an engine declares and no question covers."""
     return tuple(sorted(engine.part_types.difference(*(part_types(question.scene) for question in questions))))
-
-
-def _is_taken(engine: Engine, scene: Scene) -> bool:
-    return any(takes(engine, method, scene) for method in engine.methods())
 
 
 def rungs(method: Method, times: np.ndarray, *, jumps: bool = False) -> list[Settings]:

@@ -97,8 +97,7 @@ def by_method(result: list[dict[str, Any]]) -> list[dict[str, Any]]:
     rows = []
     for engine, method in dict.fromkeys((one["engine"], one["method"]) for one in result):
         mine = [one for one in result if (one["engine"], one["method"]) == (engine, method) and not one["stopped"]]
-        rows.append({"engine": engine, "method": method, "runs": len(mine),
-                     "ways": [_way(way, mine) for way in WAYS]})  # fmt: skip
+        rows.append({"engine": engine, "method": method, "runs": len(mine), "ways": [_way(way, mine) for way in WAYS]})
     return rows
 
 

@@ -62,15 +62,13 @@ def _row(label: str, request: Request, figures: dict, translation: Translation, 
     return Measured(label, request.figures[label], figures.get(label), "; ".join(notes))
 
 
-def run(model: ContactModel, method: str, scene: Scene, step: float) -> Trajectory | str:
-    """Return the motion at every step (s), or the sentence why there is none."""
-    return stepped(model, method, scene, step, step * np.arange(round(scene.duration / step) + 1))
-
-
-def stepped(model: ContactModel, method: str, scene: Scene, step: float, times: np.ndarray) -> Trajectory | str:
-    """Return the motion at times (s) by steps (s), or the sentence why there is none."""
+def run(
+    model: ContactModel, method: str, scene: Scene, step: float, times: np.ndarray | None = None
+) -> Trajectory | str:
+    """Return the motion by steps (s) at times (s), every step unless given, or the sentence why there is none."""
     settings = Settings(method=method, step=step, reactions=False, initial_tolerance=1.0)
-    return motion(model.engine, scene, settings, times)
+    every = step * np.arange(round(scene.duration / step) + 1)
+    return motion(model.engine, scene, settings, every if times is None else times)
 
 
 def motion(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory | str:

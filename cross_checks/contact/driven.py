@@ -18,12 +18,12 @@ from cross_checks.contact.request import ContactModel, Refused, Request, Transla
 from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal, fixed
 from cross_checks.isolation.environments import python_of
 from cross_checks.linkage.links import Linkage, lifted, linkage_of
+from cross_checks.linkage.motion import Motion, poses_of
 from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is_half_space, pair_mass, spheres_of
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import Scene, Status
 from mbs_ref.scene import GROUND
 from mbs_ref.scene.contact import PinOnSprocket, RoundPair, SpringDamperLaw, StickSlip
-from mbs_ref.scene.euler_parameters import product
 from mbs_ref.scene.traits import part_types
 
 DRIVERS = Path(__file__).parent / "drivers"
@@ -91,10 +91,8 @@ class Driven(Engine):
 
     def poses(self, model: Linkage, plan: Plan, states: np.ndarray) -> Poses:
         position, turn, velocity, spin = np.split(states, (3, 7, 10), axis=2)
-        if model.scene.dimension == 3:
-            return position, product(turn, model.theta), velocity, spin
-        angle = np.unwrap(2.0 * np.arctan2(turn[..., 3], turn[..., 0]), axis=0) + model.angle
-        return position[..., :2], angle, velocity[..., :2], spin[..., 2]
+        angle = np.unwrap(2.0 * np.arctan2(turn[..., 3], turn[..., 0]), axis=0)
+        return poses_of(model, map(Motion, position, turn, velocity, spin, angle))
 
 
 def _limits_of_bullet(scene: Scene) -> Iterator[str]:

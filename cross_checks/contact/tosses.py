@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cross_checks import engines
-from cross_checks.contact.by_figure import motion, stepped
+from cross_checks.contact.by_figure import motion, run
 from cross_checks.contact.request import NOMINAL_SPEED, ContactModel, linear_law
 from cross_checks.isolation.workers import Report
 from cross_checks.judge.vocabulary import OURS
@@ -253,7 +253,7 @@ def _samples(scene: Scene) -> np.ndarray:
 
 def _sampled(model: ContactModel, method: str, steps: int) -> Callable[[Scene, int], Trajectory | str]:
     """Return runs with so many steps a sample, or STEPS times as many at each refinement."""
-    return lambda scene, k: stepped(model, method, scene, 1.0 / (RATE * steps * STEPS**k), _samples(scene))
+    return lambda scene, k: run(model, method, scene, 1.0 / (RATE * steps * STEPS**k), _samples(scene))
 
 
 @dataclass(frozen=True)

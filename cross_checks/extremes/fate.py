@@ -14,11 +14,10 @@ along one axis, stored as a line of JSON.
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from enum import StrEnum
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import posterior
 from cross_checks.judge.convergence.prediction import odds_below
 from cross_checks.judge.tried import facts_of
-from cross_checks.records import lines as record_file
+from cross_checks.records import lines
 from cross_checks.records.record import CANNOT
 from mbs_ref import Status, Trajectory
 
@@ -136,10 +135,6 @@ class Cell:
         """What comes beyond `last`; empty where all went right."""
         return next((point.reason for point in self.points if not point.handled), "")
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data for JSON."""
-        return asdict(self)
-
 
 def made_of(extreme: str, family: str, engine: str, method: str, full: bool, points: Iterable[Point]) -> Cell:
     """Return the cell of the points, mild first."""
@@ -155,20 +150,7 @@ def _worst(points: Sequence[Point]) -> Fate:
     return next(fate for fate in Fate if any(point.fate is fate for point in points))
 
 
-def from_dict(data: Any) -> Cell:
-    """Return the cell that to_dict() gave; TypeError or ValueError names what is wrong."""
-    if not isinstance(data, dict):
-        raise TypeError(f"a cell is an object, and this is {type(data).__name__}")
-    points = tuple(Point(**(point | {"fate": Fate(point["fate"])})) for point in data.get("points", ()))
-    return Cell(**(data | {"fate": Fate(data.get("fate")), "points": points}))
-
-
-def append(path: Path, cell: Cell) -> None:
-    """Add a cell to a file in one write."""
-    record_file.append_data(path, [cell.to_dict()])
-
-
 def read(path: Path) -> tuple[list[Cell], list[str]]:
     """Return the cells of a file, the last of each key, and a sentence for every line that is none."""
-    cells, problems = record_file.read_data(path, from_dict)
+    cells, problems = lines.read(path, Cell)
     return list({cell.key: cell for cell in cells}.values()), problems

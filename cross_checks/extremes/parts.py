@@ -1,17 +1,24 @@
 """Rods, sleds and closed forms of their motion that several families share."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 
 from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period
 from mbs_ref.scene import GROUND, Force, PlanarBody, Revolute, Scene
 from mbs_ref.scene.signals import Constant, HalfSine
+from mbs_ref.scene.toml import read_builder
 
 GRAVITY = 9.81  # m/s^2
 LENGTH, MASS = 1.0, 1.0  # m, kg, of a uniform rod
 INERTIA = MASS * LENGTH**2 / 12.0  # kg m^2, about its centre
 ROD_RATE = math.sqrt(1.5 * GRAVITY / LENGTH)  # rad/s: theta'' = -rate^2 sin(theta) of a rod hinged at its end
+
+
+def made(name: str, **parameters: float) -> Scene:
+    """Return the scene of a file of the folder `scenes`, with the parameters that it declares."""
+    return read_builder(Path(__file__).parent / "scenes" / f"{name}.toml")(**parameters)
 
 
 def rod(name: str, foot: tuple[float, float], angle: float, mass: float = MASS, **rates) -> PlanarBody:

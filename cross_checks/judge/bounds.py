@@ -11,8 +11,7 @@ AGREEMENT = 1e-6  # of the scene: an error at or below this is agreement
 # Thresholds. None refers to a scene or an engine; `python -m tests.cross_checks.convergence.searched` calibrates them.
 FAILING = 0.95  # odds of a failure from which a method is classified as wrong; a truth's uncertainty has them, too
 LIKELY = 0.3  # odds with which another run for a target already reached, or missed by LEVELS runs, is worth making
-DOUBTFUL = 0.1  # odds below which nothing is expected: no target, no failure
-PRICE = 0.1  # worth of a decade of steps, in odds of reaching a target
+DOUBTFUL = 0.1  # odds below which nothing is expected: no target, no failure; a decade of steps costs as much
 EVEN = 0.5  # odds from which a statement is more likely true than not: of a finding of conformance, of a run's fate
 LEVELS = 3  # of runs that determine the law's unknowns D, C and p; a failure rests on them, an approach on one more
 RESOLVED = 0.1  # of the scene: a larger error shows no approach

@@ -44,14 +44,6 @@ def tasks(engines: Iterable[str]) -> list[tuple[str, Method | None]]:
     return offered
 
 
-def judge_method(
-    runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth,
-    targets: Sequence[float] = TARGETS, most_steps: int = MOST_STEPS,
-) -> Cell:  # fmt: skip
-    """Search the method's settings and judge what they show."""
-    return judged(runs, scene, engine, method, truth, targets, most_steps)[0]
-
-
 def judged(
     runs: Runs, scene: Scene, engine: str, method: Method | None, truth: Truth | NoTruth,
     targets: Sequence[float] = TARGETS, most_steps: int = MOST_STEPS, settle: bool = True,

@@ -1,6 +1,5 @@
 """Certificates of truths, computed afresh and confirmed by the reference solver."""
 
-import math
 import platform
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -10,6 +9,7 @@ import numpy as np
 
 from cross_checks import engines
 from cross_checks.judge import ladder
+from cross_checks.judge.measure import gaps_as_none
 from cross_checks.judge.one_run import evaluate
 from cross_checks.truths import seek_truth, stored_poses
 from cross_checks.truths.certificate import Certificate
@@ -26,9 +26,10 @@ def certify(scene: Scene, confirm: bool = True) -> Certificate | NoTruth:
     if isinstance(truth, NoTruth):
         return truth
     by, to = _confirmation(scene) if confirm else ("", None)
+    end = {name: gaps_as_none(place) for name, place in zip(scene.body_names, truth.position[-1], strict=True)}
     return Certificate(
         scene.name, dict(scene.parameters), float(times[-1]), len(times), truth.kind, truth.how, truth.uncertainty,
-        truth.difference, _end(scene, truth), by, to, datetime.now(UTC).strftime("%Y-%m-%d"), _versions(),
+        truth.difference, end, by, to, datetime.now(UTC).strftime("%Y-%m-%d"), _versions(),
     )  # fmt: skip
 
 
@@ -54,14 +55,6 @@ def _confirmation(scene: Scene) -> tuple[str, float | None]:
     if record.error is None:
         return f"{by} does not finish: {record.message}", None
     return by, record.at_most("position_error")
-
-
-def _end(scene: Scene, truth: Truth) -> dict[str, list[float | None]]:
-    places = truth.position[-1].tolist()
-    return {
-        name: [x if math.isfinite(x) else None for x in place]
-        for name, place in zip(scene.body_names, places, strict=True)
-    }
 
 
 def _versions() -> dict[str, str]:

@@ -32,7 +32,6 @@ from cross_checks.judge.bounds import AGREEMENT, TARGETS
 from cross_checks.judge.convergence.prediction import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
-from cross_checks.records.store import SAMPLES
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.scene.scales import scales_of
@@ -257,9 +256,7 @@ def _at_own_times(runs: Runs, scene: Scene, engine: str, settings: Settings) -> 
     run = replace(runs, times=times).run(scene, engine, settings)
     if run.record.status != "success" or run.path is None or len(run.path.times) != len(times):
         return None
-    rows = np.isin(times, common)
-    samples = {name: getattr(run.path, name)[rows] for name in SAMPLES}
-    return replace(run.path, **samples, reactions={}, contacts={})
+    return replace(run.path.at(np.isin(times, common)), reactions={}, contacts={})
 
 
 def between(times: np.ndarray, step: float | None, random: np.random.Generator) -> np.ndarray:

@@ -8,7 +8,7 @@ from cross_checks import metrics
 from cross_checks.ephemerides import Observed, Unobserved, observe
 from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.metrics.drifts import worst_joint
-from cross_checks.metrics.errors import COMPONENTS, significant_figures
+from cross_checks.metrics.errors import significant_figures
 from cross_checks.metrics.metric import Absent, Judged, figures, known_to
 from cross_checks.records.record import Error
 from cross_checks.truths.truth import Truth
@@ -41,11 +41,6 @@ def _measured(judged: Judged) -> dict[str, Any]:
         "events": _declared_events(scene, path),
         "history": _history(path, curves, history),
     }
-
-
-def component_errors(judged: Judged) -> dict[str, dict[str, Any]]:
-    """Return `measures` and `bounds` of the components of the error, each in its own unit."""
-    return figures({metric.name: metric.curve(judged) for metric in COMPONENTS})
 
 
 def error_of(judged: Judged) -> tuple[Error | None, list[float | None] | None]:

@@ -2,7 +2,6 @@
 
 import platform
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from importlib.metadata import PackageNotFoundError
 from typing import Any
@@ -68,25 +67,16 @@ def checked_run(
     engine: Engine, scene: Scene, settings: Settings, requested: np.ndarray
 ) -> Trajectory | tuple[str, str]:
     """Run and check what the engine does not report; a status and a sentence where nothing came back."""
-    outcome = _attempt(lambda: engine.run(scene, settings, requested))
-    return _on_time(_finite(outcome), requested) if isinstance(outcome, Trajectory) else outcome
-
-
-def _attempt(run: Callable[[], Trajectory]) -> Trajectory | tuple[str, str]:
     try:
-        return run()
+        path = engine.run(scene, settings, requested)
     except MemoryError as error:
         return "out-of-memory", f"{out_of_memory(error)}, and repeat"
     except ENGINE_FAILURES as error:
         return str(Status.ENGINE_ERROR), f"{type(error).__name__}: {error}"
-    except ValueError as error:
-        return _refused_setting(error)
-
-
-def _refused_setting(error: ValueError) -> tuple[str, str]:
-    """A ValueError that names a setting refuses it (duty 7 of an engine); any other is a failure."""
-    named = any(re.search(rf"\b{name}\b", str(error)) for name in (*Settings.model_fields, "times"))
-    return (CANNOT, str(error)) if named else (str(Status.ENGINE_ERROR), f"ValueError: {error}")
+    except ValueError as error:  # one that names a setting refuses it (duty 7 of an engine); any other is a failure
+        named = any(re.search(rf"\b{name}\b", str(error)) for name in (*Settings.model_fields, "times"))
+        return (CANNOT, str(error)) if named else (str(Status.ENGINE_ERROR), f"ValueError: {error}")
+    return _on_time(_finite(path), requested)
 
 
 def _finite(path: Trajectory) -> Trajectory:
@@ -97,7 +87,7 @@ def _finite(path: Trajectory) -> Trajectory:
     if np.all(good):
         return path
     count = int(np.argmin(good))
-    cut = path.upto(count)
+    cut = path.at(slice(count))
     if not path.ok:
         return cut
     where = f"after t = {path.times[count - 1]:.6g} s" if count else "from the start"
@@ -114,7 +104,7 @@ def _on_time(path: Trajectory, requested: np.ndarray) -> Trajectory:
     if np.any(late):
         k = int(np.argmax(late))
         text = f"sample {k} is at t = {path.times[k]:.9g} s, which was not requested: the engine's clock jumped"
-        return replace(path.upto(k), status=Status.RESET, message=text, unreported=True)
+        return replace(path.at(slice(k)), status=Status.RESET, message=text, unreported=True)
     if path.ok and n < len(requested):
         text = f"{n} of {len(requested)} samples came back, though the engine reported success"
         return replace(path, status=Status.ENGINE_ERROR, message=text, unreported=True)
@@ -142,15 +132,14 @@ def final_state(scene: Scene, path: Trajectory) -> dict[str, dict[str, Any]]:
     """Return the last sample by body: m, rad, m/s, rad/s; a particle has no angle."""
     if not len(path.times):
         return {}
-    return {body.name: _state(path, k, body.type != "point_mass") for k, body in enumerate(scene.bodies)}
-
-
-def _state(path: Trajectory, k: int, turns: bool) -> dict[str, Any]:
-    state = {"position": path.position[-1, k].tolist(), "velocity": path.velocity[-1, k].tolist()}
-    if turns:
-        key = "angle" if path.orientation.ndim == 2 else "orientation"
-        state |= {key: path.orientation[-1, k].tolist(), "angular_velocity": path.angular_velocity[-1, k].tolist()}
-    return state
+    ways = {"position": path.position, "velocity": path.velocity}
+    turns = {"angle" if path.orientation.ndim == 2 else "orientation": path.orientation}
+    whole = ways | turns | {"angular_velocity": path.angular_velocity}
+    parts = [ways if body.type == "point_mass" else whole for body in scene.bodies]
+    return {
+        name: {part: values[-1, k].tolist() for part, values in own.items()}
+        for k, (name, own) in enumerate(zip(scene.body_names, parts, strict=True))
+    }
 
 
 def _versions(engine: Engine | None) -> dict[str, str]:

@@ -10,9 +10,10 @@ from cross_checks import engines
 from cross_checks.engines.elsewhere import processor_time
 from cross_checks.isolation.parent import Caller, Lost, direct
 from cross_checks.judge.ladder import grid
-from cross_checks.judge.measure import component_errors, error_of, unjudged
+from cross_checks.judge.measure import error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
-from cross_checks.metrics.metric import Judged, from_truth
+from cross_checks.metrics.errors import COMPONENTS
+from cross_checks.metrics.metric import Judged, figures, from_truth
 from cross_checks.records.machine import BUSY, WARMED, machine
 from cross_checks.records.record import Record, loop_time
 from cross_checks.records.store import Run, Store, run_name, truth_name
@@ -110,11 +111,10 @@ def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
         return replace(record, notes=(*record.notes, *why))
     judged = Judged(scene, path, truth)
     error, curve = error_of(judged)
-    history, figures = record.history | ({} if curve is None else {"error": curve}), component_errors(judged)
-    return replace(
-        record, error=error, history=history, notes=(*record.notes, *unjudged(error)),
-        measures=record.measures | figures["measures"], bounds=figures["bounds"],
-    )  # fmt: skip
+    history = record.history | ({} if curve is None else {"error": curve})
+    parts = figures({metric.name: metric.curve(judged) for metric in COMPONENTS})
+    parts["measures"] = record.measures | parts["measures"]
+    return replace(record, error=error, history=history, notes=(*record.notes, *unjudged(error)), **parts)
 
 
 def gap(scene: Scene, truth: Truth | NoTruth, first: Trajectory | None, second: Trajectory | Truth | None) -> float:

@@ -166,7 +166,7 @@ class Search(ABC):
             served.append(target)
         if not served:
             return None
-        best = int(np.argmax(np.where(able, worth - bounds.PRICE * steps, -np.inf)))
+        best = int(np.argmax(np.where(able, worth - bounds.DOUBTFUL * steps, -np.inf)))
         near = [t for t in served if odds_below(shown, knobs[best : best + 1], t)[0] > bounds.DOUBTFUL]
         return float(knobs[best]), near or served[:1]
 
@@ -305,7 +305,7 @@ class Search(ABC):
         ends = [self.finest] if self.kind == "adaptive" else []  # a tolerance's steps are extrapolated
         apart = np.abs(np.log(knobs)[:, None] - np.log(np.array([*self.knobs, *ends]))).min(axis=1)
         shows = np.minimum(apart / math.log(bounds.FINER[self.kind]), 1.0)
-        return float(knobs[int(np.argmax(shows - bounds.PRICE * np.log10(np.maximum(self.steps(knobs), 1.0))))])
+        return float(knobs[int(np.argmax(shows - bounds.DOUBTFUL * np.log10(np.maximum(self.steps(knobs), 1.0))))])
 
     def _has_new_reference(self) -> bool:
         """Run a reference method where runs are as far off as motions go; return whether there is one."""

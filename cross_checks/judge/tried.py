@@ -106,10 +106,6 @@ class Tried(Search):
                     return record.error.value
         return None
 
-    def is_within(self, point: Point) -> bool:
-        """Whether a run is within the work limit; a step is shortened to divide the outputs."""
-        return (self.kind == "fixed" and point.knob >= 0.99 * self.finest) or point.steps <= 1.01 * self.most_steps
-
     def representative(self) -> Record | None:
         """Return the run that represents the method: the finest in agreement, else the finest that succeeded."""
         good = self.good
@@ -128,14 +124,14 @@ def documented_order(method: Method, scene: Scene) -> float:
     return p if method.locates_events or is_smooth(scene) else min(p, 1.0)
 
 
-def expected_order(method: Method, scene: Scene) -> float:
-    """Return p of a step; of a tolerance p over the power of the step that its estimate follows."""
-    return (method.order or 5) / method.local_order if method.kind == "adaptive" else documented_order(method, scene)
-
-
 def facts_of(method: Method, scene: Scene, duration: float, uncertainty: float) -> dict:
-    """Return a ladder's facts for a method on a scene."""
-    return typical_facts(method.kind, method.order or 5, expected_order(method, scene), duration, uncertainty)
+    """Return a ladder's facts for a method on a scene.
+
+    It follows the order of a step, and of a tolerance that order over the power of the step that it controls.
+    """
+    order = method.order or 5
+    expected = order / method.local_order if method.kind == "adaptive" else documented_order(method, scene)
+    return typical_facts(method.kind, order, expected, duration, uncertainty)
 
 
 def typical_facts(kind: str, order: int, expected: float, duration: float, uncertainty: float) -> dict:
@@ -181,8 +177,8 @@ def first_knob(scene: Scene, method: Method) -> float:
 
 def _result(tried: Tried, target: float, settled: bool) -> TargetResult:
     """Return what became of a target, from all runs within the work limit and a verdict that is settled or not."""
-    good = tried.good
-    records = [tried.records[point.knob] for point in good if tried.is_within(point)]
+    good, most, least = tried.good, 1.01 * tried.most_steps, 0.99 * tried.finest if tried.kind == "fixed" else math.inf
+    records = [tried.records[point.knob] for point in good if point.knob >= least or point.steps <= most]
     if isinstance(tried.truth, NoTruth):
         return TargetResult(target, "unjudged", None, tried.truth.reason)
     record = next((r for r in records if r.error is not None and r.error.bound <= target), None)

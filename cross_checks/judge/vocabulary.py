@@ -3,9 +3,11 @@
 Pages, JSON, commands and documents refer to these definitions. Codes are stable: others may cite them.
 """
 
+import tomllib
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum
+from importlib.resources import files
 from typing import Any, Literal, NamedTuple
 
 from pydantic import computed_field
@@ -47,21 +49,8 @@ class Meaning(NamedTuple):
     sentence: str
 
 
-MEANINGS = {
-    Verdict.AGREES: Meaning("MBS.V01", "good", "the error falls to 1e-6 of the scene or less, and stays there"),
-    Verdict.BELOW_TRUTH: Meaning("MBS.V02", "good", "the error is too small to be resolved by this scene's truth"),
-    Verdict.CONVERGING: Meaning("MBS.V03", "fair", "the error falls at the expected order, and is above 1e-6 still"),
-    Verdict.NOT_SHOWN: Meaning("MBS.V04", "fair", "the runs within the work limit decide nothing"),
-    Verdict.WRONG_LIMIT: Meaning("MBS.V05", "bad", "the method converges to another motion than the truth"),
-    Verdict.LOST: Meaning("MBS.V06", "bad", "the error was 1e-6 or less, and grew again at finer settings"),
-    Verdict.DIVERGED: Meaning("MBS.V07", "bad", "the error does not fall with finer settings"),
-    Verdict.FAILED: Meaning("MBS.V08", "bad", "the engine stopped with an error before the end"),
-    Verdict.CRASHED: Meaning("MBS.V09", "bad", "the engine's process died"),
-    Verdict.TIMEOUT: Meaning("MBS.V10", "bad", "a run exceeded its time limit"),
-    Verdict.OUT_OF_MEMORY: Meaning("MBS.V11", "bad", "a run exceeded its memory limit, or no memory was left"),
-    Verdict.CANNOT: Meaning("MBS.V12", "plain", "the engine cannot model this scene, with the reason"),
-    Verdict.ENGINE_MISSING: Meaning("MBS.V13", "plain", "the engine is not installed"),
-}
+_STATED = tomllib.loads((files(__package__) / "verdicts.toml").read_text(encoding="utf-8"))
+MEANINGS = {verdict: Meaning(**_STATED[verdict]) for verdict in Verdict}
 WRONG = frozenset(verdict for verdict, meaning in MEANINGS.items() if meaning.tone == "bad")
 REFUSED = frozenset({Verdict.CANNOT, Verdict.ENGINE_MISSING})
 SILENT = frozenset({Verdict.WRONG_LIMIT, Verdict.LOST, Verdict.DIVERGED})  # the runs behind them report success

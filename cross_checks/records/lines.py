@@ -1,14 +1,18 @@
-"""Records on disk: JSON lines, appended whole, and a corrupt line costs only itself."""
+"""Dataclasses on disk: JSON lines, appended whole, and a corrupt line costs only itself."""
 
 import fcntl
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from cross_checks.records.record import Error, Record
+from pydantic import TypeAdapter, ValidationError
+
+from cross_checks.records.record import Record
 
 LONGEST_LINE = 64 * 2**20  # bytes; a longer line is no record
 
@@ -17,21 +21,22 @@ class Busy(RuntimeError):
     """Another process is writing the file."""
 
 
-def append(path: Path, records: Iterable[Record]) -> None:
-    """Append records, each in a single write that other processes cannot tear apart.
+@cache
+def adapter(kind: Any) -> TypeAdapter[Any]:
+    """Return what turns a dataclass into JSON and back."""
+    return TypeAdapter(kind)
 
-    ValueError where a record holds NaN or infinity: those have no place in JSON.
+
+def append(path: Path, items: Iterable[Any]) -> None:
+    """Append dataclasses, each in a single write that other processes cannot tear apart.
+
+    ValueError where one holds NaN or infinity: those have no place in JSON.
     """
-    append_data(path, (record.to_dict() for record in records))
-
-
-def append_data(path: Path, items: Iterable[dict[str, Any]]) -> None:
-    """Append plain data as `append` does records."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o644)
     try:
         for item in items:
-            line = json.dumps(item, allow_nan=False, separators=(",", ":")) + "\n"
+            line = json.dumps(asdict(item), allow_nan=False, separators=(",", ":")) + "\n"
             os.write(handle, ("\n" + line if _is_torn(handle) else line).encode())
         os.fsync(handle)
     finally:
@@ -44,40 +49,29 @@ def _is_torn(handle: int) -> bool:
     return size > 0 and os.pread(handle, 1, size - 1) != b"\n"
 
 
-def read(path: Path) -> tuple[list[Record], list[str]]:
-    """Return the records, and a sentence with file and line number for every line that is none."""
-    return read_data(path, from_dict)
-
-
-def read_data[Item](path: Path, build: Callable[[Any], Item]) -> tuple[list[Item], list[str]]:
-    """Return what `build` makes of each line's JSON, and a sentence for every line that it refuses.
-
-    It refuses by a ValueError or TypeError.
-    """
-    records, problems = [], []
+def read[Item](path: Path, kind: type[Item] = Record) -> tuple[list[Item], list[str]]:  # type: ignore[assignment]
+    """Return the dataclasses, and a sentence with file and line number for every line that is none."""
+    items, problems = [], []
     for number, line in enumerate(path.read_bytes().split(b"\n"), start=1):
         if not line.strip():
             continue
         try:
-            records.append(build(_parsed(line)))
-        except (ValueError, TypeError, RecursionError) as error:  # UnicodeDecode and JSONDecode are ValueErrors
-            problems.append(f"{path}:{number}: no record, skipped: {error}")
-    return records, problems
+            items.append(adapter(kind).validate_python(_parsed(line)))
+        except (ValueError, RecursionError) as error:  # UnicodeDecode and JSONDecode are ValueErrors
+            problems.append(f"{path}:{number}: no {kind.__name__.lower()}, skipped: {_why(error)}")
+    return items, problems
+
+
+def _why(error: Exception) -> str:
+    if not isinstance(error, ValidationError):
+        return str(error)
+    return "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}".lstrip(": ") for one in error.errors())
 
 
 def _parsed(line: bytes) -> Any:
     if len(line) > LONGEST_LINE:
         raise ValueError(f"the line is longer than {LONGEST_LINE // 2**20} MiB")
     return json.loads(line, parse_constant=_refuse)
-
-
-def from_dict(data: Any) -> Record:
-    """Return the record that to_dict() gave; TypeError names missing or unknown fields."""
-    if not isinstance(data, dict):
-        raise TypeError(f"a record is an object, and this is {type(data).__name__}")
-    error = data.get("error")
-    plain = data | {"error": Error(**error) if error else None, "notes": tuple(data.get("notes", ()))}
-    return Record(**plain)
 
 
 def key_of(record: Record) -> str:

@@ -26,7 +26,7 @@ import numpy as np
 
 from cross_checks import truths
 from cross_checks.engine import Engine
-from cross_checks.records.lines import from_dict
+from cross_checks.records.lines import adapter
 from cross_checks.records.record import Record
 from cross_checks.truths import of
 from cross_checks.truths.stored_poses import file_of, physics_of
@@ -149,7 +149,7 @@ class Store:
     def run(self, key: str) -> Run | None:
         """Return the run that is stored under a key."""
         return self._decoded(
-            "runs", "record, samples", key, lambda r: Run(from_dict(json.loads(r[0])), _unpacked(r[1]))
+            "runs", "record, samples", key, lambda r: Run(adapter(Record).validate_json(r[0]), _unpacked(r[1]))
         )
 
     def keep_run(self, key: str, run: Run) -> None:

@@ -120,18 +120,11 @@ def as_truth(scene: Scene, first: DescribedMotion, second: DescribedMotion, name
     common = np.abs(second.path.times[at] - first.path.times) <= near
     if np.count_nonzero(common & (first.path.times > 0.0)) == 0:
         raise FileError(f"{name}: no sample after the start is at a time that the first file has")
-    ours, theirs = samples_at(first.path, np.flatnonzero(common)), samples_at(second.path, at[common])
+    ours, theirs = first.path.at(common), second.path.at(at[common])
     how = f"{name}, at the {len(ours.times)} times that both files have"
     truth = Truth(theirs.position, theirs.orientation, 0.0, "published", how, velocity=theirs.velocity,
                   angular_velocity=theirs.angular_velocity, rate_uncertainty=np.zeros(len(ours.times)))  # fmt: skip
     return DescribedMotion(ours, (*first.missing, *(f"{sentence} ({name})" for sentence in second.missing))), truth
-
-
-def samples_at(path: Trajectory, rows: np.ndarray) -> Trajectory:
-    """Return the samples of a motion at some places (n,)."""
-    return Trajectory(
-        path.times[rows], path.position[rows], path.orientation[rows], path.velocity[rows], path.angular_velocity[rows]
-    )
 
 
 def truth_rows(truth: Truth, rows: np.ndarray) -> Truth:

@@ -11,7 +11,7 @@ from cross_checks.judge.consensus import working_truth
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store, default_path
 from cross_checks.trajectory_files.formats import OWN, FileError
-from cross_checks.trajectory_files.judgement import Judgement, judgement, samples_at, truth_rows
+from cross_checks.trajectory_files.judgement import Judgement, judgement, truth_rows
 from cross_checks.trajectory_files.mistakes import suspicions
 from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.motion import Read, read_motion
@@ -57,7 +57,7 @@ def judged(scene: Scene, read: Read, at: TruthAt, error: float) -> Judgement:
     times, worst = read.motion.path.times, [part.at for part in verdict.parts if part.at is not None]
     rows = np.linspace(0.0, len(times) - 1.0, min(len(times), MOST_EXPLAINED)).astype(int)
     rows = np.union1d(rows, np.searchsorted(times, worst))
-    path, columns = samples_at(read.motion.path, rows), read.columns.at(rows)
+    path, columns = read.motion.path.at(rows), read.columns.at(rows)
     return replace(
         verdict, suspicions=tuple(suspicions(Case(scene, columns, read.stated, path, truth_rows(truth, rows)), error))
     )

@@ -95,9 +95,14 @@ class Standing:
 
 def over_cheapest(listed: list[Entry]) -> dict[str, float]:
     """Return each engine's loop time over that of the cheapest ranked engine, by engine; empty where none is ranked."""
-    times = {entry.engine: loop_time(entry.best) for entry in listed if entry.best is not None}
-    least = min((time for engine, time in times.items() if engine != OURS), default=None)
-    return {} if least is None else {engine: time / least for engine, time in times.items()}
+    least = least_time(listed)
+    return {} if least is None else {one.engine: loop_time(one.best) / least for one in listed if one.best is not None}
+
+
+def least_time(listed: list[Entry]) -> float | None:
+    """Return the loop time (s) of the cheapest ranked engine; None where none is ranked."""
+    ranked = (one.best for one in listed if one.engine != OURS)
+    return min((loop_time(best) for best in ranked if best is not None), default=None)
 
 
 def standings(data: ReportData, target: float) -> list[Standing]:

@@ -1,6 +1,7 @@
 """Compile the solver's kernels before anything is run or timed: plane, space and particles side by side."""
 
-from typing import NamedTuple
+import tomllib
+from importlib.resources import files
 
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller
@@ -12,24 +13,7 @@ from mbs_ref.scene.traits import Coordinates
 from mbs_ref.simulate import simulate_scenes
 from reports.facts.stored import keep, recall
 
-
-class Core(NamedTuple):
-    """The smallest scene that needs a part of the compiled code, and how it is run."""
-
-    scene: str
-    coordinates: Coordinates = "cartesian"
-    every_method: bool = False  # their loops are compiled once for all cores, but for methods on the DAE itself
-
-
-# The largest to compile come first. Of those that begin together one compiles every method's loop: others would compile
-# the same, side by side.
-CORES = {
-    "space": Core("heavy_top"), "plane": Core("double_pendulum", every_method=True),
-    "loops in space": Core("spatial_n_four_bar"), "contacts in space": Core("rolling_sphere"),
-    "loops in the plane": Core("n_four_bar"), "contacts in the plane": Core("sliding_block"),
-    "particles": Core("kepler", every_method=True), "trees in space": Core("heavy_top", "relative"),
-    "trees in the plane": Core("double_pendulum", "relative"), "methods in space": Core("heavy_top", every_method=True),
-}  # fmt: skip
+CORES = tomllib.loads((files(__package__) / "cores.toml").read_text(encoding="utf-8"))  # scene, coordinates, ...
 LANES = "runs in lanes"  # for batches alone: a report makes none
 SOLVER = "mbs_ref"
 

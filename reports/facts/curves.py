@@ -2,7 +2,7 @@
 
 import base64
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -68,8 +68,7 @@ def plain(values: Any) -> tuple[float, ...]:
 
 def film(scene: Scene, path: Trajectory, every: int) -> Film:
     """Return the pictures of a motion, every so many samples."""
-    fields = ("times", "position", "orientation", "velocity", "angular_velocity")
-    few = replace(path, **{name: getattr(path, name)[::every] for name in fields})
+    few = path.at(slice(None, None, every))
     return Film(*(base64.b64encode(picture).decode() for picture in (gif(scene, few), filmstrip(scene, few))))
 
 

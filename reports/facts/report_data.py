@@ -70,6 +70,10 @@ class ReportData:
         """Return the cells of an engine's methods on one scene."""
         return self._by_place.get((scene, engine), [])
 
+    def modelled(self, engine: str) -> list[str]:
+        """Return the scenes that some method of the engine takes."""
+        return [s for s in self.scenes if any(not cell.is_refused for cell in self.cells_of(s, engine))]
+
     def once[Answer](self, key: tuple, compute: Callable[[], Answer]) -> Answer:
         """Return what was computed from these data under a key before, else what `compute` returns."""
         if key not in self._computed:
@@ -147,6 +151,6 @@ class Section:
 
     name: str  # the anchor
     title: str
-    lead: str  # one sentence in plain words
     context: Callable[[ReportData], dict[str, Any]]
+    lead: str = ""  # one sentence in plain words, where the template does not state it
     template: str = ""  # where it is not <name>.html

@@ -6,8 +6,6 @@ from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
 
-from pydantic import TypeAdapter
-
 from cross_checks import engines as registry
 from cross_checks.isolation.parent import Isolated
 from cross_checks.isolation.workers import TIMEOUT, Report
@@ -16,16 +14,11 @@ from cross_checks.judge.bounds import TARGETS, longest
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
 from cross_checks.judge.vocabulary import Cell
+from cross_checks.records.lines import adapter
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store, code_of, digest_of, engine_key, truth_name
 from cross_checks.truths.stored_poses import physics_of
 from mbs_ref import Scene, scenes
-
-
-@cache
-def adapter(kind: Any) -> TypeAdapter[Any]:
-    """Return what turns a dataclass into JSON and back."""
-    return TypeAdapter(kind)
 
 
 def recall[Fact](store: Store, key: str, kind: type[Fact]) -> Fact | None:

@@ -38,12 +38,6 @@ def _of_engine(data: ReportData, engine: str) -> Advice:
     )
 
 
-def modelled(data: ReportData, engine: str) -> list[str]:
-    """Return the scenes that some method of the engine takes."""
-    able = {c.label for c in data.cells if c.engine == engine and not c.is_refused}
-    return [scene for scene in data.scenes if scene in able]
-
-
 def reached(data: ReportData, engine: str, target: float) -> dict[str, Record]:
     """Return the engine's cheapest run at a target, by scene."""
     runs = {scene: reaching(data, scene, engine, target) for scene in data.scenes}
@@ -51,7 +45,7 @@ def reached(data: ReportData, engine: str, target: float) -> dict[str, Record]:
 
 
 def _trust(data: ReportData, engine: str) -> tuple[str, str]:
-    able = modelled(data, engine)
+    able = data.modelled(engine)
     if not able:
         return "It runs none of these scenes.", ""
     hits = {target: reached(data, engine, target) for target in TARGETS}
@@ -89,7 +83,7 @@ MISSED = {
 
 def _limit(data: ReportData, engine: str) -> str:
     """Return which scenes it does not solve to MIDDLE, and why."""
-    able = modelled(data, engine)
+    able = data.modelled(engine)
     if not able:
         return ""
     answers = {scene: next(e.answer for e in entries(data, scene, MIDDLE) if e.engine == engine) for scene in able}
@@ -119,5 +113,4 @@ def _pace(data: ReportData, engine: str) -> str:
     return f"{short(standing.median)} × the time of the cheapest ranked engine (median of {scenes})"
 
 
-LEAD = "An error of 1e-6 is a millionth of the scene's own size; times are of the integration loop at equal error."
-SECTION = Section("decisions", "What to use it for", LEAD, lambda data: {"advice": advice(data)})
+SECTION = Section("decisions", "What to use it for", lambda data: {"advice": advice(data)})

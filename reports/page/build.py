@@ -6,9 +6,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
 
+from cross_checks.records.lines import adapter
 from mbs_ref.atomic_file import write_atomic
 from reports.facts.report_data import ReportData
-from reports.facts.stored import adapter
 from reports.page.browser import drawn
 from reports.page.files import document, jsonl, record_columns
 from reports.page.render import ALL, INDEX, render, single

@@ -6,10 +6,10 @@ from typing import Any
 
 from cross_checks import metrics
 from cross_checks.metrics.errors import COMPONENTS
+from cross_checks.records.lines import adapter
 from cross_checks.records.numbers import ABSENT, setting
 from cross_checks.records.record import Record, is_busy
 from reports.facts.report_data import ReportData
-from reports.facts.stored import adapter
 from reports.page.advice import advice
 from reports.page.findings import findings
 from reports.page.render import templates

@@ -87,5 +87,5 @@ def context(data: ReportData, most: int | None = None) -> dict[str, Any]:
 
 
 RULES = (wrong_answers, silent_failures, low_orders)
-SECTION = Section("findings", "What went wrong", "", context)
-WORST = Section("worst", "What went wrong", "", lambda data: context(data, FIRST), "findings.html")
+SECTION = Section("findings", "What went wrong", context)
+WORST = Section("worst", "What went wrong", lambda data: context(data, FIRST), template="findings.html")

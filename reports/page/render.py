@@ -136,9 +136,9 @@ def _studies(data: ReportData) -> Iterator[Page]:
         yield Page(file, title, data, tuple(study.section for study in shared), "study")
 
 
-MECHANISM = Section("mechanism", "The mechanism", "", lambda data: {"mechanisms": data.mechanisms})
+MECHANISM = Section("mechanism", "The mechanism", lambda data: {"mechanisms": data.mechanisms})
 RECORDS = Section(
-    "records", "Records and commands", "",
+    "records", "Records and commands",
     lambda data: {"groups": {scene: runs for scene in data.scenes if (runs := data.of_scene(scene))}},
 )  # fmt: skip
 SCENE = (MECHANISM, prices.SECTION, matrix.SECTION, *plots.SECTIONS, method.TRUTHS, RECORDS)

@@ -6,9 +6,12 @@ import sys
 from collections.abc import Callable, Collection
 from pathlib import Path
 
+from cross_checks.judge.capabilities import capabilities
+from cross_checks.truths.certificate import every
 from mbs_ref import scenes
+from reports.facts.capability_tables import tables
 from reports.query import open_runs
-from reports.site.gallery import capability_page, gallery, truth_page
+from reports.site.gallery import gallery, rendered
 
 ROOT = Path(__file__).parents[2]
 PATIENCE = 2.0  # s that a run of the gallery's plots may take; they have a store of their own
@@ -28,8 +31,8 @@ def write_sources(target: Path, say: Callable[[str], None], only: Collection[str
         text = page.read_text(encoding="utf-8")
         page.write_text(re.sub(rf"\]\(\.\./({'|'.join(map(re.escape, BESIDE))})", r"](\1", text), encoding="utf-8")
     say("what engines can")
-    (target / "capabilities.md").write_text(capability_page(), encoding="utf-8")
-    (target / "truths.md").write_text(truth_page(), encoding="utf-8")
+    (target / "capabilities.md").write_text(rendered("capabilities", tables=tables(capabilities())), encoding="utf-8")
+    (target / "truths.md").write_text(rendered("truths", certificates=every()), encoding="utf-8")
     pictures = target / "gallery"
     pictures.mkdir()
     shown = scenes.names() if only is None else only

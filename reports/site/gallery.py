@@ -1,7 +1,10 @@
 """Pages of the site: the gallery of scenes, the capabilities of engines, and the truths."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cross_checks import engines
 from cross_checks.judge.capabilities import Capability, capabilities
@@ -11,41 +14,25 @@ from cross_checks.judge.runs import Runs
 from cross_checks.judge.tried import search
 from cross_checks.records.figures import work_precision
 from cross_checks.records.record import Record, usable
-from cross_checks.truths.certificate import every, stored
+from cross_checks.truths.certificate import stored
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, scenes
-from mbs_ref.scene.traits import PART_TYPES, traits
+from mbs_ref.scene.traits import traits
 from reports.facts.scene_facts import filmed
 from reports.film.files import as_gif, as_page, beside
 from reports.scene_summary import summary
 
-ABSENT = "-"
+TARGETS = (1e-3, 1e-6)  # over the scene's scales
+WORK = 50_000  # steps times bodies that a run of a plot may take
+TRUTH_WORK = 300_000  # the same of a run that stands for a truth where none is certified
+SCRIPT = "directory"  # plotly's script stands once beside the plots
+SECONDS = 4.0  # that a film plays for
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in Markdown; a bar in a cell does not end it."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
-
-
-def capability_page() -> str:
-    """Return which parts and scenes every installed engine takes, and why not where it refuses."""
-    result = [one for one in capabilities() if one.installed]
-    missing = [one for one in capabilities() if not one.installed]
-    names = [one.engine for one in result]
-    parts = ([f"`{kind}`", *("yes" if one.parts.get(kind) else ABSENT for one in result)] for kind in PART_TYPES)
-    scenes = sorted({scene for one in result for scene in one.scenes})
-    runs = ([f"`{scene}`", *("yes" if not one.scenes[scene] else ABSENT for one in result)] for scene in scenes)
-    methods = ([one.engine, one.version, ", ".join(method.name for method in one.methods)] for one in result)
-    return "\n".join(
-        [
-            "# What each engine can", "Derived from the adapters when these pages were built.\n",
-            "## Engines and methods", table(["engine", "version", "methods"], methods),
-            *(f"- `{one.engine}`: {one.reason}" for one in missing), "",
-            "## Parts", table(["part", *names], parts), "## Scenes as they come", table(["scene", *names], runs),
-            "`mbs-ref engines --engine NAME` says why a scene is refused.\n",
-        ]
-    )  # fmt: skip
+def rendered(name: str, **context: Any) -> str:
+    """Return a page of the site in Markdown: a template of this package, filled in."""
+    templates = Environment(loader=PackageLoader("reports.site"), undefined=StrictUndefined, trim_blocks=True)
+    return templates.get_template(f"{name}.md.j2").render(context)
 
 
 def who_can(scene: str, result: Iterable[Capability]) -> str:
@@ -53,56 +40,25 @@ def who_can(scene: str, result: Iterable[Capability]) -> str:
     return ", ".join(one.engine for one in result if one.installed and not one.scenes.get(scene, ("unknown",)))
 
 
-def truth_page() -> str:
-    """Return every stored certificate: how well a truth is known, and how that is known."""
-    rows = []
-    for one in every():
-        name = " ".join([f"`{one.scene}`", *(f"{key}={value}" for key, value in one.parameters.items())])
-        within = ABSENT if one.confirmed_to is None else f"{one.confirmed_to:.1e}"
-        rows.append([name, one.kind, f"{one.uncertainty:.1e}", within, one.how])
-    head = ["scene", "kind", "known to, m", "our solver within, m", "how"]
-    return (
-        "# Truths and how well they are known\n\nCertificates of the tree; `mbs-ref certify SCENE` computes one "
-        "again and exits with 1 where it differs. Scenes without one get their truth at its first use.\n\n"
-        + table(head, rows)
-    )
-
-
-TARGETS = (1e-3, 1e-6)  # over the scene's scales
-WORK = 50_000  # steps times bodies that a run of a plot may take
-TRUTH_WORK = 300_000  # the same of a run that stands for a truth where none is certified
-SCRIPT = "directory"  # plotly's script stands once beside the plots
-BOUNDS = (
-    f"A plot tries for errors of {TARGETS[0]:g} and {TARGETS[1]:g} with each engine's own choice of method, in runs of "
-    f"at most {WORK:,} steps times bodies; `mbs-ref sweep NAME --plot NAME.html` draws every method without that bound."
-)
-SECONDS = 4.0  # that it plays for
-LEAD = (
-    "# Gallery\n\nEvery scene as it comes. `mbs-ref scenes NAME` prints its parameters with their ranges, "
-    "`mbs-ref scenes NAME --files .` writes it as TOML, `mbs-ref check NAME` holds every engine against its truth. "
-    f"{BOUNDS}\n"
-)
-
-
 def gallery(runs: Runs, names: Collection[str], pictures: Path, say: Callable[[str], None]) -> str:
     """Return the page; films and plots go to `pictures`. What cannot be shown gives way to the reason."""
-    able, parts = capabilities(), [LEAD]
+    able, entries = capabilities(), []
     for name in sorted(names):
         say(f"filming and timing {name}")
-        parts.append(_entry(runs, scenes.make(name), able, pictures))
-    return "\n".join(parts)
+        scene = scenes.make(name)
+        entries.append((scene, _facts(runs, scene, able, pictures), _film(scene, pictures)))
+    return rendered("gallery", targets=[f"{target:g}" for target in TARGETS], work=WORK, entries=entries)
 
 
-def _entry(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Path) -> str:
+def _facts(runs: Runs, scene: Scene, able: Collection[Capability], pictures: Path) -> dict[str, str]:
     known = stored(scene)
-    truth = "computed at its first use" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m"
-    rows = [
-        ["made of", summary(scene).sentence()], ["traits", ", ".join(sorted(traits(scene))) or "none"],
-        ["who can", who_can(scene.name, able) or "nobody that is installed"], ["truth", truth],
-        ["what accuracy costs", _trade(runs, scene, pictures)], ["source", scene.source or "this project"],
-        ["again", f"`mbs-ref simulate {scene.name}`"],
-    ]  # fmt: skip
-    return f"## {scene.name}\n\n{scene.description}\n\n{_film(scene, pictures)}\n\n{table(['', ''], rows)}"
+    return {
+        "made of": summary(scene).sentence(), "traits": ", ".join(sorted(traits(scene))) or "none",
+        "who can": who_can(scene.name, able) or "nobody that is installed",
+        "truth": "computed at its first use" if known is None else f"{known.kind}, known to {known.uncertainty:.1e} m",
+        "what accuracy costs": _trade(runs, scene, pictures), "source": scene.source or "this project",
+        "again": f"`mbs-ref simulate {scene.name}`",
+    }  # fmt: skip
 
 
 def _trade(runs: Runs, scene: Scene, pictures: Path) -> str:

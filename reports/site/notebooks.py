@@ -14,6 +14,7 @@ from typing import Any
 
 LIMIT = 900  # s, of a cell
 SCRIPT = "plotly.min.js"
+DRAW = Path(__file__).parent / "templates" / "draw.html"
 FIGURE = "application/vnd.plotly.v1+json"
 
 
@@ -32,15 +33,8 @@ def page(notebook: Any, name: str) -> str:
     """Return an executed notebook as Markdown with HTML."""
     parts = [part for k, cell in enumerate(notebook.cells) for part in _cell(cell, f"{name}-{k}")]
     link = f"[This page as a notebook]({name}.ipynb)"
-    return "\n\n".join([*parts, link, f'<script src="{SCRIPT}"></script>', DRAW]) + "\n"
-
-
-DRAW = """<script>
-document.querySelectorAll("script[data-figure]").forEach((told) => {
-  const figure = JSON.parse(told.textContent);
-  Plotly.newPlot(told.dataset.figure, figure.data, figure.layout, {responsive: true});
-});
-</script>"""
+    draw = DRAW.read_text(encoding="utf-8")
+    return "\n\n".join([*parts, link, f'<script src="{SCRIPT}"></script>', draw])
 
 
 def _cell(cell: Any, name: str) -> Iterator[str]:

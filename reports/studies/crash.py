@@ -1,6 +1,8 @@
 """The crash of both androids, measured by one module for the studies of the crashes, the androids and the papers."""
 
+import tomllib
 from collections.abc import Sequence
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -19,12 +21,13 @@ SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
 IMPACTS = ("front", "rear")
 FINE = Settings(rtol=1e-8, samples=401, estimate="off")
 PAPER: dict[str, Any] = {"model": "paper"}
+RAN = tomllib.loads((files("reports.studies") / "papers" / "runs.toml").read_text(encoding="utf-8"))  # the papers
 COMPONENTS = (("x", "N"), ("y", "N"), ("torque", "N m"))
 
 
-def finished(scene: Scene, settings: Settings = FINE) -> Trajectory:
-    """Return the run of a scene. RuntimeError where it does not reach its end."""
-    path = simulate(scene, settings)
+def finished(scene: Scene, settings: Settings = FINE, times: np.ndarray | None = None) -> Trajectory:
+    """Return the run of a scene, at `times` (s) if given. RuntimeError where it does not reach its end."""
+    path = simulate(scene, settings, times)
     if not path.ok:
         raise RuntimeError(f"{scene.name}: {path.message}")
     return path
@@ -59,7 +62,7 @@ def forces(name: str, scene: Scene, times: np.ndarray, values: np.ndarray, bodie
             times, {body: values[:, scene.body_index(body), c] for body in bodies}, f"{part}, {unit}"
         )
         for c, (part, unit) in enumerate(COMPONENTS)
-    }  # fmt: skip
+    }
 
 
 def imbalance(result: CrashResults) -> np.ndarray:

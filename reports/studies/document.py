@@ -55,7 +55,7 @@ class Document:
     @property
     def section(self) -> Section:
         """The section that presents the study."""
-        return Section(self.name, self.heading, self.lead, self.context, "document.html")
+        return Section(self.name, self.heading, self.context, self.lead, "document.html")
 
     def context(self, data: ReportData) -> dict[str, Any]:
         """Return what the template shows: nothing where the study was not measured."""
@@ -152,8 +152,7 @@ def _overlay(facts: Measured, block: Block, figures: Figures) -> list[dict[str, 
 def _films(key: str) -> Callable[[Measured, Block, Figures], list[dict[str, Any]]]:
     def films(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
         named = _named(facts.films, block[key], figures)
-        return [{"title": title, "label": name, "film": film}
-                for name, (title, film) in named.items()]  # fmt: skip
+        return [{"title": title, "label": name, "film": film} for name, (title, film) in named.items()]
 
     return films
 

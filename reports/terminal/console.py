@@ -7,16 +7,17 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
+from pydantic_core import to_json
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from cross_checks.records import lines as record_file
+from cross_checks.records.lines import adapter
 from cross_checks.records.record import Record
 from mbs_ref.atomic_file import write_atomic
 
@@ -27,11 +28,8 @@ Report = Callable[[int, int, str], None]  # done, total, what comes next
 
 
 def json_text(data: Any, indent: int | None = 2) -> str:
-    """Return JSON; a number that is not finite becomes null."""
-    try:
-        return json.dumps(data, indent=indent, allow_nan=False)
-    except (TypeError, ValueError):  # arrays, or numbers that are not finite
-        return json.dumps(_plain(data), indent=indent, allow_nan=False)
+    """Return JSON of plain data, arrays and dataclasses; a number that is not finite becomes null."""
+    return to_json(data, indent=indent, inf_nan_mode="null", fallback=lambda array: array.tolist()).decode()
 
 
 def echo_json(data: Any, indent: int | None = 2) -> None:
@@ -149,18 +147,7 @@ class Lines:
 
 def finite_record(record: Record) -> Record:
     """Return the record with None for every number that is not finite."""
-    return record_file.from_dict(_plain(record.to_dict()))
-
-
-def _plain(value: Any) -> Any:
-    """Return what the JSON encoder takes."""
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple | set | frozenset):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return adapter(Record).validate_json(json_text(record.to_dict()))
 
 
 class Failed(click.ClickException):
@@ -193,16 +180,7 @@ class Defect(click.ClickException):
     exit_code = 6
 
 
-TABLE = """\b
-Exit codes:
-  0  all is well
-  1  a validation failed: a run did not succeed, a cell is wrong
-  2  usage: unknown name, bad value, bad scene file
-  3  a requested engine is not installed
-  4  incomplete: interrupted, or storage, memory or a package failed; what was computed is stored
-  5  nothing was selected
-  6  a defect of mbs-ref: please report it
-"""
+TABLE = "\b\n" + (files(__package__) / "exit_codes.txt").read_text(encoding="utf-8")  # as click leaves it
 
 
 ONLY = click.option("--only", metavar="TEXT", help="Only cases whose engine, method and scene hold this.")

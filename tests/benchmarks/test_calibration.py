@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from benchmarks.calibration import Trial, keep, proven, stored, table, trial, trials
+from benchmarks.calibration import Trial, proven, stored, table, trial
+from cross_checks.records.lines import append
 
 
 def made(error: float | None, estimate: float | None, uncertainty: float = 0.0, method: str = "m") -> Trial:
@@ -40,8 +41,7 @@ def test_the_table_counts_what_is_below_and_takes_the_median_of_what_is_above():
 def test_a_trial_is_always_the_same_and_what_other_sources_made_is_not_taken_for_kept(tmp_path):
     file, one, again = tmp_path / "runs.jsonl", trial(3), trial(3)
     assert (again.error, again.setting) == (one.error, one.setting)
-    keep(file, one)
-    keep(file, replace(one, seed=4, code="of older sources"))
+    append(file, [one, replace(one, seed=4, code="of older sources")])
     assert stored(file) == {3: one}
 
 
@@ -58,7 +58,7 @@ def test_a_run_of_a_proven_scene_is_judged_by_its_proof():
 @pytest.mark.slow
 def test_estimates_are_honest():
     """Of 300 random runs, other ones than the estimate was tuned on: two sigma above a share of 1 %."""
-    row = table(trials(range(10_001, 10_601, 2)))[0]
+    row = table(map(trial, range(10_001, 10_601, 2)))[0]
     assert row["judged"] > 150
     assert row["below"] <= 0.01 * row["judged"] + 2.0 * (0.01 * row["judged"]) ** 0.5
     assert row["overestimate_median"] < 10.0

@@ -11,12 +11,13 @@ import pytest
 
 from benchmarks import calibration, method_table
 from benchmarks.calibration import Trial, table
-from benchmarks.history import Entry, _strongest, append, from_benchmarks, from_records, new_levels, read, series
+from benchmarks.history import Entry, _strongest, from_benchmarks, from_records, new_levels, series
 from benchmarks.suites import bench_rhs, bench_timing
-from benchmarks.trees import regression, right_hand_side, slowed
+from benchmarks.trees import regression, slowed
 from benchmarks.trees.regression import CASES
 from cross_checks.isolation.parent import ONE_THREAD
 from cross_checks.prices.timing import Sample
+from cross_checks.records import lines
 from cross_checks.records.record import Error, Record
 
 JOB = ("job", "2026-01-01", "abc", "box")
@@ -28,8 +29,8 @@ def entries(values: list[float]) -> list[Entry]:
 
 def test_a_series_is_in_the_order_of_time(tmp_path):
     values = [3.0, 1.0, 2.0]
-    append(tmp_path / "h.jsonl", entries(values)[::-1])
-    stored, _ = read(tmp_path / "h.jsonl")
+    lines.append(tmp_path / "h.jsonl", entries(values)[::-1])
+    stored, _ = lines.read(tmp_path / "h.jsonl", Entry)
     assert [entry.value for entry in series(stored)["chain"]] == values
 
 
@@ -105,9 +106,9 @@ def test_a_choice_is_compared_with_the_cheapest_that_errs_no_more(monkeypatch):
 def test_right_hand_sides_of_two_trees_are_compared_pair_by_pair(monkeypatch):
     """The second tree takes thrice the first's time of the same round; rounds differ ten thousandfold."""
     rounds = 10 ** np.random.default_rng(3).uniform(-2, 2, 15)
-    monkeypatch.setattr(right_hand_side, "interleaved", lambda runs, count: [rounds, 3.0 * rounds])
+    monkeypatch.setattr(regression, "interleaved", lambda runs, count: [rounds, 3.0 * rounds])
     tree: Any = SimpleNamespace(rate=lambda **given: 1.0)
-    found = right_hand_side.paired(tree, tree, "andrews", {})
+    found = regression.rate_of(tree, tree, "andrews", {})
     assert found.ratio == pytest.approx(3.0)
     assert (found.old_ns_per_body, found.new_ns_per_body) == pytest.approx((rounds.min(), 3.0 * rounds.min()))
 

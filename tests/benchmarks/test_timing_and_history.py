@@ -8,10 +8,10 @@ import random
 import numpy as np
 import pytest
 
-from benchmarks.history import Entry, append, change_points, from_benchmarks, read, series
+from benchmarks.history import Entry, change_points, from_benchmarks, series
 from benchmarks.trees.regression import Finding, cheapest, confirmed, overall
 from cross_checks.prices.timing import Pace, Sample, compare, with_loops
-from cross_checks.records.lines import Busy, exclusive
+from cross_checks.records.lines import Busy, append, exclusive, read
 from cross_checks.records.record import Record
 
 
@@ -77,7 +77,7 @@ def test_series_follow_the_lines_and_skip_what_is_corrupt(tmp_path):
     with file.open("ab") as torn:
         torn.write(b'{"job": "cut off')
     append(file, [entry(1)])
-    entries, problems = read(file)
+    entries, problems = read(file, Entry)
     assert [e.value for e in series(entries)["ratio chain"]] == [1.0, 2.0]
     assert len(problems) == 1
     assert "history.jsonl:2" in problems[0]

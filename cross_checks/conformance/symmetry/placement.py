@@ -165,24 +165,17 @@ def moved(trajectory: Trajectory, placement: Placement) -> tuple[np.ndarray, np.
     return place, np.array([[from_matrix(axis) for axis in row] for row in axes])
 
 
-KNOWN = frozenset({
-    "planar", "point_mass", "spatial", "revolute", "spherical", "universal", "prismatic", "weld", "distance",
-    "spring_damper", "force", "circle_on_line", "circle_on_circle", "sphere_on_plane", "sphere_on_sphere", "newton",
-    "relativity", "oblateness", "epoch",
-})  # fmt: skip
-FORGETFUL = frozenset({"spring_damper_law", "progressive_law", "hunt_crossley_law", "rigid_law"})
-
-
 def cut_obstacle(scene: Scene, *, back: bool) -> str:
     """Return why a run of the scene cannot be cut (or turned back), or nothing."""
-    strange = sorted({p.type for p in chain(scene.bodies, scene.joints, scene.loads, scene.contacts)} - KNOWN)
+    carried, forgetful = TABLES["parts"]["carried"], TABLES["parts"]["forgetful"]
+    strange = sorted({p.type for p in chain(scene.bodies, scene.joints, scene.loads, scene.contacts)} - {*carried})
     if strange:
         return f"{', '.join(strange)} are not carried over a cut"
     if any(getattr(load, "pole", "fixed") != "fixed" or getattr(load, "tension_only", False) for load in scene.loads):
         return "dates, and ropes that may be slack, are not carried over a cut"
     if any(load.type == "force" and load.factor.type != "constant" for load in scene.loads):
         return "signals are not carried over a cut"
-    if any(c.law.type not in FORGETFUL or getattr(c.friction, "type", "") == "stick_slip" for c in scene.contacts):
+    if any(c.law.type not in forgetful or getattr(c.friction, "type", "") == "stick_slip" for c in scene.contacts):
         return "a contact that remembers its impact or its grip is not carried over a cut"
     return _loss(scene) if back else ""
 

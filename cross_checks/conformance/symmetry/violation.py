@@ -54,8 +54,9 @@ def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violati
     """Return what every symmetry leaves, in the order of SYMMETRIES. Raises NotRunError where the plain run fails."""
     times = np.linspace(0.0, settings.t_end or scene.duration, SAMPLES)
     plain = _run(engine, scene, settings, times)
-    noise, finer = _noise(engine, scene, settings, times, plain), _finer(engine, scene, settings, plain)
-    error, rate_error = _gap(scene, finer, plain)
+    noise = _noise(engine, scene, settings, times, plain)
+    finer = {"step": 0.5 * settings.step} if settings.step else {"rtol": 0.1 * (settings.rtol or RTOL)}
+    error, rate_error = _gap(scene, _run(engine, scene, settings.model_copy(update=finer), times), plain)
     # a way back starts from velocities, which may be worse than positions
     carried = error + plain.times[-1] * rate_error
 
@@ -68,12 +69,6 @@ def violations(engine: Engine, scene: Scene, settings: Settings) -> list[Violati
         return Violation(name, None, noise, own, size) if isinstance(size, str) else Violation(name, size, noise, own)
 
     return [violation(name) for name in SYMMETRIES]
-
-
-def _finer(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> Trajectory:
-    """Return the motion of half the step, or of a tenth of the tolerance."""
-    finer = {"step": 0.5 * settings.step} if settings.step else {"rtol": 0.1 * (settings.rtol or RTOL)}
-    return _run(engine, scene, settings.model_copy(update=finer), plain.times)
 
 
 def _run(engine: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:

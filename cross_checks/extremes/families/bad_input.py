@@ -10,10 +10,10 @@ import numpy as np
 
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Case, grid
-from cross_checks.extremes.parts import LENGTH, ROD_RATE, hanging, rod_chain, sled, swing
+from cross_checks.extremes.parts import LENGTH, ROD_RATE, hanging, made, rod_chain, sled, swing
 from cross_checks.truths.of import sky, tops
 from mbs_ref import scenes
-from mbs_ref.scene import GROUND, Distance, PointMass, Scene, UserForce
+from mbs_ref.scene import Scene, UserForce
 
 MASSES = (1.0, 1e-30, 1e30, 0.0, -1.0, math.nan, math.inf)  # kg
 SPEEDS = (0.0, math.nan, math.inf)  # m/s, rad/s
@@ -79,11 +79,7 @@ def _user(kind: float) -> Case:
 
 
 def _place(gap: float) -> Case:
-    """A bob that hangs `gap` beyond the end of its rod."""
-    start = (-1.0 - gap, 0.0)
-    bob = PointMass(name="bob", mass=1.0, position=start, velocity=(0.0, 0.0))
-    rod = Distance(name="rod", body_a=GROUND, body_b="bob", point_a=(0.0, 0.0), point_b=start, length=1.0)
-    return _broken(Scene(name="broken_pendulum", gravity=(0.0, -9.81), bodies=(bob,), joints=(rod,)), gap)
+    return _broken(made("broken_pendulum", gap=gap), gap)
 
 
 def _moving(gap: float) -> Case:

@@ -7,8 +7,6 @@ import numpy as np
 from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import Case, grid
 from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, ROD_RATE, hanging, pin, rod, swing, tip
-from cross_checks.truths.of import linkages
-from mbs_ref import scenes
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.signals import Constant
 from mbs_ref.scenes.slider_cranks import crank_rod_slider
@@ -98,11 +96,7 @@ def _driven(length: float) -> Scene:
 CASES = {
     "repeated-pins": _pins,
     "parallel-cranks": lambda count: _parallelogram("many_cranks", round(count), float(round(count)), 1.0, 2.0),
-    "n-four-bar": lambda n: Case(
-        scenes.make("n_four_bar", loops=round(n)), grid(2.0), measures.truth(linkages.n_four_bar)
-    ),
     "near-flat-start": _near_flat,
     "dead-centre": _dead_centre,
     "driven-lock": _lock,
-    "bricard": lambda t_end: Case(scenes.make("bricard"), grid(t_end, 2e-3), measures.invariants, 2e-3),
 }

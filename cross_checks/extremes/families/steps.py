@@ -1,29 +1,26 @@
 """Steps from below roundoff to seconds, clocks that stand still, short pulses, and tolerances nobody can meet."""
 
 import math
-from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import STEP, Case, Measure, grid
+from cross_checks.extremes.extreme import Case, Measure, grid
 from cross_checks.extremes.parts import GRAVITY, half_sine_push, sled
-from cross_checks.truths.of import linkages, pendulums, sky
+from cross_checks.truths.of import pendulums
 from mbs_ref import scenes
 from mbs_ref.scene.signals import HalfSine
 
 SWING_TIME = 2.0  # s
-PENDULUM = measures.truth(pendulums.pendulum)
 
 
-def _fixed(step: float, t_end: float, samples: int = 21, measure: Measure = PENDULUM) -> Case:
-    return Case(scenes.make("pendulum"), grid(t_end, step, samples), measure, step, None)
+def _fixed(step: float, t_end: float, measure: Measure) -> Case:
+    return Case(scenes.make("pendulum"), grid(t_end, step), measure, step, None)
 
 
 def _tiny(step: float) -> Case:
     falling = measures.rates(lambda times: measures.in_plane(0.0, -GRAVITY * times), GRAVITY * 20.0 * step)
-    return _fixed(step, 20.0 * step, measure=falling)
+    return _fixed(step, 20.0 * step, falling)
 
 
 def _pulse(name: str, acceleration: float, duration: float, at: float, after: float) -> tuple:
@@ -46,24 +43,9 @@ def _late(start: float) -> Case:
     return Case(scene, np.array([0.0, 0.5 * start, start + 1.0]), pushed, step=None)
 
 
-def _tolerance(name: str, t_end: float, truth: Measure, **parameters: Any) -> Callable[[float], Case]:
-    """Return what runs a scene to its end (s) at a tolerance alone."""
-    return lambda rtol: Case(scenes.make(name, **parameters), grid(t_end, STEP), truth, None, rtol)
-
-
-PENDULUM_AT = _tolerance("pendulum", 5.0, PENDULUM)
-ORBIT_AT = _tolerance("kepler", 6.0 * math.pi, measures.truth(sky.kepler), orbits=3.0)
-FOUR_BAR_AT = _tolerance("n_four_bar", 3.0, measures.truth(linkages.n_four_bar), loops=1)
 CASES = {
     "crash-pulse": _crash,
-    "large-steps": lambda step: _fixed(step, max(SWING_TIME, 4.0 * step)),
+    "large-steps": lambda step: _fixed(step, max(SWING_TIME, 4.0 * step), measures.truth(pendulums.pendulum)),
     "tiny-steps": _tiny,
-    "countless-steps": lambda step: _fixed(step, 1.0, 3),
     "late-clock": _late,
-    "tolerance-pendulum": PENDULUM_AT,
-    "tolerance-orbit": ORBIT_AT,
-    "tolerance-singular": FOUR_BAR_AT,
-    "loose-pendulum": PENDULUM_AT,
-    "loose-orbit": ORBIT_AT,
-    "loose-singular": FOUR_BAR_AT,
 }

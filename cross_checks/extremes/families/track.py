@@ -15,7 +15,8 @@ from cross_checks.extremes.extreme import Case, Measured, grid
 from cross_checks.extremes.parts import GRAVITY
 from mbs_ref import Trajectory, scenes
 from mbs_ref.observables import kinetic_energy
-from mbs_ref.scene import PlanarBody, Scene, SpringDamper
+from mbs_ref.observables.momentum import angular_momentum, linear_momentum, spins
+from mbs_ref.scene import Scene, SpringDamper
 
 END, STEP, RTOL = 0.03, 1e-4, 1e-7  # s, s
 OPEN = measures.open_joints(0.154)  # m: the track's pitch
@@ -57,13 +58,10 @@ def _middle(scene: Scene, choose: Callable) -> int:
 def momentum(scene: Scene, path: Trajectory) -> Measured:
     """Return the largest momentum over sum m |v|, and angular momentum over its own sum of sizes."""
     mass = np.array([body.mass for body in scene.bodies])
-    inertia = np.array([body.inertia for body in scene.bodies if isinstance(body, PlanarBody)])
-    x, v, w = path.position, path.velocity, path.angular_velocity
-    linear = np.linalg.norm(np.einsum("b,tbi->ti", mass, v), axis=1)
-    angular = np.abs((mass * (x[..., 0] * v[..., 1] - x[..., 1] * v[..., 0]) + inertia * w).sum(axis=1))
-    speed, arm = np.linalg.norm(v, axis=2), np.linalg.norm(x, axis=2)
-    share = max(_share(linear, speed @ mass), _share(angular, (speed * arm) @ mass + np.abs(w) @ inertia))
-    return Measured(share)
+    speed, arm = np.linalg.norm(path.velocity, axis=2), np.linalg.norm(path.position, axis=2)
+    linear, angular = np.linalg.norm(linear_momentum(scene, path), axis=1), np.abs(angular_momentum(scene, path))
+    turning = (speed * arm) @ mass + np.abs(spins(scene, path)).sum(axis=1)
+    return Measured(max(_share(linear, speed @ mass), _share(angular, turning)))
 
 
 def _share(part: np.ndarray, whole: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from cross_checks.judge.measure import error_of
 from cross_checks.metrics.metric import Judged
 from cross_checks.trajectory_files.column_map import ColumnMap
 from cross_checks.trajectory_files.formats import Columns
-from cross_checks.trajectory_files.judgement import samples_at, truth_rows
+from cross_checks.trajectory_files.judgement import truth_rows
 from cross_checks.truths.truth import Truth
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.distance import turn_between, units_of
@@ -74,7 +74,7 @@ class Case:
 
     def at(self, rows: np.ndarray) -> "Case":
         """Return the case of some samples, given by their places."""
-        return replace(self, path=samples_at(self.path, rows), truth=truth_rows(self.truth, rows))
+        return replace(self, path=self.path.at(rows), truth=truth_rows(self.truth, rows))
 
     def rerun(self, **changed: object) -> "Case | None":
         """Return the case with another `assumed` scene or lag, compared with a run of it; None where that fails.
@@ -91,7 +91,7 @@ class Case:
             return None
         if not run.ok or len(run.times) < len(times):
             return None
-        poses, rates = (samples_at(run, np.searchsorted(times, when)) for when in wanted)
+        poses, rates = (run.at(np.searchsorted(times, when)) for when in wanted)
         parts = (poses.position, poses.orientation, rates.velocity, rates.angular_velocity)
         for part, when, lag in zip(parts, np.repeat(wanted, 2, axis=0), np.repeat(late, 2), strict=True):
             part[when != case.path.times - lag] = np.nan

@@ -2,16 +2,15 @@
 
 import json
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 
 import click
 
 from cross_checks.conformance.finding import Report
 from reports import inputs
-from reports.terminal.console import Failed
+from reports.terminal.console import Failed, number, show_table
 
-COLUMNS = f"{'scene':<26} {'method':<22} {'order':>6} {'asked':>6} {'error':>9} {'loop':>10}"
+HEAD = ("scene", "method", "order", "documented", "error", "loop, s")
 
 
 @click.command(name="conformance", epilog="Example: mbs-ref conformance small_.py")
@@ -43,8 +42,7 @@ def command(engine: str, file: Path | None, badge: Path | None, timeout: float |
         file.write_text(json.dumps(report.to_dict(), indent=1))
     if badge is not None:
         badge.write_text(json.dumps(_badge(report)))
-    for line in _lines(report):
-        click.echo(line)
+    _show(report)
     if not report.conforms:
         raise Failed(f"{engine} does not conform")
 
@@ -55,30 +53,28 @@ def _progress(text: str) -> None:
     click.echo(f"\r{text:<60}", nl=False, err=True)
 
 
-def _lines(report: Report) -> Iterable[str]:
-    """Yield the table of figures, what is exempt, what failed, and the sum."""
-    yield f"{report.engine} {report.version}"
-    yield COLUMNS
-    for row in report.rows:
-        order = "" if row.order is None else f"{row.order:.2f}"
-        error = "none ends" if row.error is None else f"{row.error:.1e}"
-        loop = "" if row.loop_s is None else f"{1e3 * row.loop_s:.3g} ms"
-        yield f"{row.scene:<26} {row.method:<22} {order:>6} {row.documented or '':>6} {error:>9} {loop:>10}"
+def _show(report: Report) -> None:
+    """Print the table of figures, what is exempt, what failed, and the sum."""
+    rows = ((r.scene, r.method, *map(number, (r.order, r.documented, r.error, r.loop_s))) for r in report.rows)
+    show_table(f"{report.engine} {report.version}", HEAD, rows)
     for finding in report.of("exempt"):
-        yield f"exempt: {finding.question}: {finding.scene} by {finding.method}: {finding.detail}"
+        click.echo(f"exempt: {finding.question}: {finding.scene} by {finding.method}: {finding.detail}")
     for method, exemption in sorted({(f.method, f.exemption) for f in report.of("exempt")}):
-        yield f"  {method} declares: {exemption}"
+        click.echo(f"  {method} declares: {exemption}")
     for finding in report.of("failed"):
-        yield f"FAILED: {finding.question}: {finding.scene} {finding.method}: {finding.detail}"
+        click.echo(f"FAILED: {finding.question}: {finding.scene} {finding.method}: {finding.detail}")
     if report.uncovered:
-        yield f"declared, and in no scene that is asked here: {', '.join(report.uncovered)}"
-    counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "exempt", "failed")}
-    yield ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+        click.echo(f"declared, and in none of the scenes: {', '.join(report.uncovered)}")
+    click.echo(", ".join(f"{count} {outcome}" for outcome, count in _counts(report).items()))
+
+
+def _counts(report: Report) -> dict[str, int]:
+    return {outcome: len(report.of(outcome)) for outcome in ("passed", "exempt", "failed")}
 
 
 def _badge(report: Report) -> dict[str, object]:
     """Return a badge in the form that shields.io reads from an endpoint."""
-    counts = {outcome: len(report.of(outcome)) for outcome in ("passed", "exempt", "failed")}
+    counts = _counts(report)
     message = ", ".join(f"{count} {outcome}" for outcome, count in counts.items() if count)
     colour = "red" if counts["failed"] else "yellow" if counts["exempt"] else "brightgreen"
     return {"schemaVersion": 1, "label": "mbs-ref conformance", "message": message, "color": colour}

@@ -11,7 +11,7 @@ from cross_checks.isolation.environments import home_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import inputs
 from reports.facts.environment import engine_versions, package_version
-from reports.terminal.console import Failed, echo_json, number, show, table
+from reports.terminal.console import Failed, echo_json, number, show_table
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
 LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: two digits of room
@@ -52,14 +52,11 @@ def _sanity() -> dict[str, Any]:
 
 
 def _show(result: dict[str, Any]) -> None:
-    listing = table("", "", "")
-    listing.add_row("Python", f"{result['python']}, {result['machine']}")
-    for kind in ("packages", "engines"):
-        for name, state in result[kind].items():
-            listing.add_row(name, state)
-    cache = result["numba_cache"]
+    cache, sanity = result["numba_cache"], result["sanity"]
     trouble = "" if cache["writable"] else " (not writable: every start compiles anew)"
-    listing.add_row("compiled kernels", f"{cache['folder']}{trouble}")
-    sanity = result["sanity"]
-    listing.add_row("pendulum", f"{'right' if sanity['ok'] else 'WRONG'}, error {number(sanity['error'])} m")
-    show(listing)
+    rows = [
+        ("Python", f"{result['python']}, {result['machine']}"), *result["packages"].items(), *result["engines"].items(),
+        ("compiled kernels", f"{cache['folder']}{trouble}"),
+        ("pendulum", f"{'right' if sanity['ok'] else 'WRONG'}, error {number(sanity['error'])} m"),
+    ]  # fmt: skip
+    show_table("", ("", ""), rows)

@@ -1,9 +1,6 @@
 """mbs-ref engines: who can simulate what, and environments for those whose packages do not go with ours."""
 
 import re
-from collections import Counter
-from collections.abc import Sequence
-from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, metadata, requires, version
 from pathlib import Path
 
@@ -11,13 +8,10 @@ import click
 
 from cross_checks import engines
 from cross_checks.isolation import environments
-from cross_checks.judge.capabilities import Capability, capabilities
-from mbs_ref.scene.traits import PART_TYPES
+from cross_checks.judge.capabilities import capabilities
 from reports import inputs
-from reports.terminal.console import Failed, echo_json, show, table
-
-LACKS = re.compile(r"not yet support the part type '?(\w+)")
-
+from reports.facts.capability_tables import tables
+from reports.terminal.console import Failed, echo_json, show_table
 
 EXTRA = re.compile(r"^(?P<what>[^;]+);.*extra == [\"'](?P<extra>[\w-]+)[\"']")
 OF_ALL = "engines"  # the extra of the engines that are usual
@@ -35,11 +29,10 @@ def command(context: click.Context, as_json: bool) -> None:
         return
     result = capabilities()
     if as_json:
-        echo_json([asdict(item) for item in result])
+        echo_json(result)
         return
-    show(_methods(result))
-    show(_parts(result))
-    show(_scenes(result))
+    for title, head, rows in tables(result):
+        show_table(f"\n{title}", head, rows)
 
 
 @command.command()
@@ -100,46 +93,3 @@ def _requirements(name: str) -> list[str]:
     result = [match for line in requires("mbs-ref") or [] if (match := EXTRA.match(line))]
     wanted = name if name in extras else OF_ALL if engines.is_ours(name) else ""
     return [match["what"].strip() for match in result if match["extra"] == wanted]
-
-
-def _methods(result: Sequence[Capability]):
-    listing = table("Engines", "engine", "version", "method", "kind", "order", "about")
-    for item in result:
-        if not item.installed:
-            listing.add_row(item.engine, "missing", "", "", "", item.reason)
-        for k, method in enumerate(item.methods):
-            head = (item.engine, item.version) if k == 0 else ("", "")
-            listing.add_row(*head, method.name, method.kind, str(method.order or "varies"), method.description)
-    return listing
-
-
-def _parts(result: Sequence[Capability]):
-    here = [item for item in result if item.installed]
-    listing = table("\nParts of a scene", "part", *(item.engine for item in here))
-    for kind in PART_TYPES:
-        listing.add_row(kind, *("yes" if item.parts[kind] else "not yet" for item in here))
-    return listing
-
-
-def _scenes(result: Sequence[Capability]):
-    here = [item for item in result if item.installed]
-    listing = table("\nScenes", "scene", *(item.engine for item in here))
-    for scene in here[0].scenes if here else ():
-        listing.add_row(scene, *(summary(list(item.scenes[scene])) or "runs" for item in here))
-    return listing
-
-
-def summary(reasons: list[str]) -> str:
-    """Return the part types that are lacking, and of other reasons the most frequent with its count."""
-    lacking = list(dict.fromkeys(result[1] for reason in reasons if (result := LACKS.search(reason))))
-    counts = Counter(_kind(reason) for reason in reasons if not LACKS.search(reason))
-    text = [f"lacks {', '.join(lacking)}"] if lacking else []
-    if not lacking:
-        text += [f"{kind} ({count} times)" if count > 1 else kind for kind, count in counts.most_common(1)]
-    more = len(counts) - (0 if lacking else 1)
-    return "; ".join([*text, f"{more} more" if more == 1 else f"{more} others"] if more > 0 and text else text)
-
-
-def _kind(reason: str) -> str:
-    """Return a reason without the names of its parts: what stands in quotes, and the numbers of names."""
-    return re.sub(r"\b([A-Za-z]+)(?:_?\d+)+(?:_\w+)*\b", r"\1…", re.sub(r"'[^']*'", "…", reason))

@@ -1,10 +1,12 @@
 """mbs-ref extremes: up to where each engine and method can be trusted."""
 
 from contextlib import ExitStack
+from dataclasses import asdict
 
 import click
 
 from cross_checks.extremes.fate import Cell, Fate
+from cross_checks.records import lines
 from reports import inputs
 from reports.query import SCHEDULER, begun, cluster
 from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
@@ -44,12 +46,12 @@ def command(
         stack.enter_context(interruptible(lambda: f"{len(result)} cells"))
         for one in run.matrix(extremes, names, full=full, known=tuple(result), progress=report, call=call):
             if target is not None:
-                fate.append(target, one)
+                lines.append(target, [one])
             result.append(one)
     names = {e.name for e in extremes}
     shown = [c for c in result if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]
     for one in shown if as_json else ():
-        echo_json(one.to_dict(), indent=None)
+        echo_json(asdict(one), indent=None)
     if not as_json:
         _show(shown)
     ours = [c for c in shown if c.engine == "mbs_ref" and c.fate is Fate.SILENTLY_WRONG]

@@ -99,26 +99,14 @@ def _show(cells: list[Cell]) -> None:
     kinds = sorted({cell.truth for cell in cells if cell.truth})
     if kinds:
         click.echo(f"Errors are over each scene's own length and time; truths are {', '.join(kinds)}.", err=True)
-    _show_omitted(cells)
-    _show_contact([cell for cell in cells if cell.contact])
-
-
-def _show_omitted(cells: list[Cell]) -> None:
-    """List what the runs that were left out would have cost and shown."""
-    rows = [
-        (cell.label, cell.engine, cell.method, number(result.target), str(result.omitted))
-        for cell in cells
-        for result in cell.targets
-        if result.answer == "not-tried"
-    ]
-    if rows:
-        show_table("\nNot tried", ("scene", "engine", "method", "target", "what a run would take and show"), rows)
-
-
-def _show_contact(cells: list[Cell]) -> None:
-    """List what contact did in the run that speaks for each cell."""
-    if not cells:
-        return
-    figures = ("; ".join(f"{name} {number(value)}" for name, value in cell.contact.items()) for cell in cells)
-    rows = ((cell.label, cell.engine, cell.method, text) for cell, text in zip(cells, figures, strict=True))
-    show_table("\nContact", ("scene", "engine", "method", "figures"), rows)
+    who = ("scene", "engine", "method")
+    omitted, contact = [], []  # what runs that were left out would show, and figures of the run that speaks for a cell
+    for cell in cells:
+        name = (cell.label, cell.engine, cell.method)
+        omitted += [(*name, number(r.target), str(r.omitted)) for r in cell.targets if r.answer == "not-tried"]
+        figures = "; ".join(f"{figure} {number(value)}" for figure, value in cell.contact.items())
+        contact += [(*name, figures)] if figures else []
+    if omitted:
+        show_table("\nNot tried", (*who, "target", "what a run would take and show"), omitted)
+    if contact:
+        show_table("\nContact", (*who, "figures"), contact)

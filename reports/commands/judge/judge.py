@@ -100,20 +100,16 @@ def _answer(result: Judgement, as_json: bool) -> None:
 
 
 def _show(result: Judgement) -> None:
-    facts = console.table(f"{result.scene}", "", "")
-    facts.add_row("verdict", f"{result.verdict}: {result.reason}")
+    facts = [("verdict", f"{result.verdict}: {result.reason}")]
     if result.error is not None:
-        facts.add_row("compared with", result.error.truth)
-        known = f"{console.number(result.error.uncertainty)} of the scene"
-        facts.add_row("known to", f"{known}; the scene's length is {console.number(result.error.length)} m")
-    for sentence in result.suspicions:
-        facts.add_row("suspicion", sentence)
-    for name, metric in metrics.every().items():
-        if result.measures.get(name) is not None:
-            facts.add_row(metric.label, console.amount(result.measures[name], metric.unit))
-    for sentence in (*result.missing, *result.notes):
-        facts.add_row("note", sentence)
-    console.show(facts)
+        known, length = map(console.number, (result.error.uncertainty, result.error.length))
+        facts.append(("compared with", result.error.truth))
+        facts.append(("known to", f"{known} of the scene; the scene's length is {length} m"))
+    facts += [("suspicion", sentence) for sentence in result.suspicions]
+    known_ones = ((metric, result.measures.get(name)) for name, metric in metrics.every().items())
+    facts += [(metric.label, console.amount(value, metric.unit)) for metric, value in known_ones if value is not None]
+    facts += [("note", sentence) for sentence in (*result.missing, *result.notes)]
+    console.show_table(result.scene, ("", ""), facts)
     rows = []
     for part in result.parts:
         size = console.amount(part.largest, part.unit, part.below) or "unknown"

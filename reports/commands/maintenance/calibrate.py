@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from cross_checks.records import lines
 from reports import inputs
 from reports.terminal import console
 from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
@@ -42,7 +43,7 @@ def command(
             report(len(result), len(seeds), f"seed {seed}")
             result.append(calibration.trial(seed, among))
             if keep:
-                calibration.keep(keep, result[-1])
+                lines.append(keep, [result[-1]])
     rows, below = calibration.table(result), [one for one in result if one.is_below]
     if target:
         text = [calibration.to_dict(one) for one in below]

@@ -4,7 +4,6 @@ import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,8 +23,9 @@ if TYPE_CHECKING:
 @click.option("--only", metavar="TEXT", default="", help="Only the cases whose name holds this.")
 @click.option("--slowed", type=click.FloatRange(0.0, 1000.0), metavar="PERCENT",
               help="Take as B a copy of this tree whose planar kernel is slower on the first case.")  # fmt: skip
+@click.option("--rates", is_flag=True, help="Time single right-hand sides instead, in turns; no verdict.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def command(baseline: str, current: str, only: str, slowed: float | None, as_json: bool) -> None:
+def command(baseline: str, current: str, only: str, slowed: float | None, rates: bool, as_json: bool) -> None:
     """Time version B against version A at equal error. Both run in this one job.
 
     Each is a folder or a git revision.
@@ -39,16 +39,31 @@ def command(baseline: str, current: str, only: str, slowed: float | None, as_jso
     if files:
         _compare_files(files, only, as_json)
         return
+    if rates:
+        _compare_rates(baseline, current, only, as_json)
+        return
     cases = [case for case in regression.CASES if only in case.name]
     if not cases:
         raise click.UsageError(f"--only {only!r} fits none of: {', '.join(c.name for c in regression.CASES)}")
     findings = findings_of("compare", baseline, current, cases, slowed)
     verdict = regression.overall(findings)
     if as_json:
-        console.echo_json({"verdict": verdict, "cases": list(map(asdict, findings))})
+        console.echo_json({"verdict": verdict, "cases": findings})
     else:
         console.show_table("", ("case", "verdict", ""), ((f.case, f.verdict, f.sentence) for f in findings))
     end(findings)
+
+
+def _compare_rates(baseline: str, current: str, only: str, as_json: bool) -> None:
+    from benchmarks.trees.regression import STATED, Rate, Tree, rate_of
+
+    with tree(baseline) as before, tree(current) as after, Tree(before) as old, Tree(after) as new:
+        found = [rate_of(old, new, scene, parameters) for scene, parameters in STATED["rates"] if only in scene]
+    if as_json:
+        console.echo_json([one._asdict() for one in found])
+    else:
+        rows = ((*one[:2], *map(console.number, one[2:])) for one in found)
+        console.show_table("Processor time of a right-hand side", Rate._fields, rows)
 
 
 def findings_of(
@@ -101,7 +116,7 @@ def _compare_files(files: list[Path], only: str, as_json: bool) -> None:
     left, right = record_changes.alone(before, after)
     if as_json:
         facts = {"verdict": verdict, "median_time_ratio": ratio, "only_in_a": left, "only_in_b": right}
-        console.echo_json(facts | {"runs": list(map(asdict, result))})
+        console.echo_json(facts | {"runs": result})
     else:
         changed = [(c.run, c.move, c.sentence, console.number(c.ratio)) for c in result if c.move is not Move.SAME]
         console.show_table("", ("run", "verdict", "", "loop, B/A"), changed)

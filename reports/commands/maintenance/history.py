@@ -7,6 +7,7 @@ import click
 
 from benchmarks import history
 from benchmarks.history import Entry
+from cross_checks.records import lines
 from cross_checks.records.plots.plot import new_figure
 from mbs_ref.atomic_file import write_atomic
 from reports import inputs
@@ -21,7 +22,7 @@ from reports.terminal.console import NothingSelected, complain, echo_json, numbe
 def command(file: Path, text: str, as_json: bool, output: str | None) -> None:
     """Show every series over time with its change points."""
     target = inputs.output(output, (".html",))
-    entries, problems = history.read(file)
+    entries, problems = lines.read(file, Entry)
     complain(problems)
     result = history.series(entries, text)
     if not result:

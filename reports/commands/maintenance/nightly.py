@@ -58,7 +58,7 @@ def command(baseline: str, bench: Path | None, file: Path, sweeps: Path | None, 
     if sweeps is not None:
         swept, changes = _sweep(sweeps, only, where)
         entries += swept
-    history.append(file, entries)
+    record_file.append(file, entries)
     _report_history(file, trends)
     worse = [change for change in changes if change.move is Move.WORSE]
     for change in worse:
@@ -88,7 +88,7 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
 
 def _report_history(file: Path, trends: Path | None) -> None:
     """Print which series reached a new level these nights, and draw them all."""
-    entries, problems = history.read(file)
+    entries, problems = record_file.read(file, Entry)
     complain(problems)
     result = history.series(entries)
     for name, entry in history.new_levels(result).items():

@@ -1,7 +1,5 @@
 """mbs-ref rerun: make a cell of the report again, whatever the store holds."""
 
-from dataclasses import asdict
-
 import click
 
 from cross_checks import engines
@@ -9,7 +7,7 @@ from cross_checks.extremes import every, named
 from cross_checks.extremes.fate import Fate
 from cross_checks.extremes.run import cell_of
 from cross_checks.isolation.parent import Isolated
-from cross_checks.judge.cell import judge_method, truth_of
+from cross_checks.judge.cell import judged, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.numbers import setting
@@ -33,7 +31,7 @@ def command(cell: str, as_json: bool) -> None:
     """
     parts = cell.split("/")
     if cell in studies():
-        echo_json(asdict(measure(cell)))
+        echo_json(measure(cell))
     elif len(parts) != 3:
         raise click.UsageError(f"cell {cell!r} must be SCENE[,NAME=VALUE...]/ENGINE/METHOD, EXTREME/ENGINE/METHOD or "
                                f"one of {', '.join(studies())}")  # fmt: skip
@@ -49,7 +47,7 @@ def _extreme(name: str, engine: str, method: str) -> None:
     chosen = solver.method(inputs.method(solver, method))
     with Isolated() as call:
         results = cell_of(named(name), solver, chosen, False, call)
-    echo_json(results.to_dict())
+    echo_json(results)
     if results.fate == Fate.SILENTLY_WRONG:
         raise Failed(f"{name}/{engine}/{method}: {results.fate}")
 
@@ -62,7 +60,7 @@ def _judge(cell: str, as_json: bool) -> None:
     chosen = engines.get(engine).method(inputs.method(solver, method))
     with isolated((scene,)) as call:
         runs = Runs(Store(), call)
-        results = judge_method(runs, scene, engine, chosen, truth_of(runs, scene))
+        results, _ = judged(runs, scene, engine, chosen, truth_of(runs, scene))
     if as_json:
         echo_json(results.to_dict())
     else:

@@ -36,7 +36,7 @@ def command(
     assert target is not None
     settings = inputs.settings(
         t_end=t_end, samples=frames, reactions=False, estimate="off", project_initial=project_initial
-    )  # fmt: skip
+    )
 
     from reports.film.files import as_gif, as_mp4, as_page, beside, filmstrip, video_library
 

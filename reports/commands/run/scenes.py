@@ -1,6 +1,5 @@
 """mbs-ref scenes: what can be simulated."""
 
-from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -33,7 +32,7 @@ def command(
         _write([info.name for info in result], parameters, folder)
         return
     if as_json:
-        echo_json([asdict(info) for info in result])
+        echo_json(result)
         return
     rows = ((one.name, " ".join(f"{k}={v}" for k, v in one.parameters.items()), one.summary) for one in result)
     show_table("", ("scene", "parameters (default)", "about"), rows)

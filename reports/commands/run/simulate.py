@@ -1,11 +1,10 @@
 """mbs-ref simulate: one run, judged."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import click
 import numpy as np
-from rich.table import Table
 
 from cross_checks import metrics
 from cross_checks.metrics.errors import COMPONENTS
@@ -103,20 +102,18 @@ MOST_TIMES = 12  # of a declared event that are printed; --json has them all
 
 
 def _show(record: Record) -> None:
-    facts = console.table(f"{record.scene} by {record.engine}, {record.method}", "", "")
-    facts.add_row("status", f"{record.status} {record.message}".rstrip())
-    facts.add_row("reached", f"{record.t_end:g} s in {record.steps} steps, {record.rhs_calls} right-hand sides")
-    if record.estimate is not None:
-        facts.add_row("estimated error", _estimate(record.estimate))
-    _add_figures(facts, record, metrics.every().values())
-    facts.add_row("times", ", ".join(f"{key} {console.number(value)}" for key, value in record.times.items()))
-    for name, value in record.contact.items():
-        facts.add_row(name, console.number(value))
-    for name, times in record.events.items():
-        facts.add_row(f"event {name}", f"{len(times)}: {_digits(times[:MOST_TIMES])} s" if times else "never")
-    for note in record.notes:
-        facts.add_row("note", note)
-    console.show(facts)
+    rows = [
+        ("status", f"{record.status} {record.message}".rstrip()),
+        ("reached", f"{record.t_end:g} s in {record.steps} steps, {record.rhs_calls} right-hand sides"),
+        *([] if record.estimate is None else [("estimated error", _estimate(record.estimate))]),
+        *_figures(record, metrics.every().values()),
+        ("times", ", ".join(f"{key} {console.number(value)}" for key, value in record.times.items())),
+        *((name, console.number(value)) for name, value in record.contact.items()),
+        *((f"event {name}", f"{len(times)}: {_digits(times[:MOST_TIMES])} s" if times else "never")
+          for name, times in record.events.items()),
+        *(("note", note) for note in record.notes),
+    ]  # fmt: skip
+    console.show_table(f"{record.scene} by {record.engine}, {record.method}", ("", ""), rows)
     states = record.final.items()
     poses = ((body, s.get("position"), s.get("angle", s.get("orientation")), s.get("velocity")) for body, s in states)
     head = ("body", "position, m", "angle or orientation", "velocity, m/s")
@@ -125,26 +122,21 @@ def _show(record: Record) -> None:
 
 def _show_error(record: Record, notes: tuple[str, ...]) -> None:
     """Show what the truth tells of the run, with the notes that came of it."""
-    facts, error = console.table("\nAgainst the truth", "", ""), record.error
-    if error is None:
-        facts.add_row("error", "no truth known")
-    else:
+    error, rows = record.error, [("error", "no truth known")]
+    if error is not None:
         off = console.amount(error.value if error.is_judged else None, "of the scene", error.bound)
-        facts.add_row("error", f"{off} ({error.worst})")
         known = f"{console.number(error.uncertainty)} of the scene, whose length is {console.number(error.length)} m"
-        facts.add_row("truth", f"{error.truth}, known to {known}")
-    _add_figures(facts, record, COMPONENTS)
-    for note in notes:
-        facts.add_row("note", note)
+        rows = [("error", f"{off} ({error.worst})"), ("truth", f"{error.truth}, known to {known}")]
+    rows += [*_figures(record, COMPONENTS), *(("note", note) for note in notes)]
     if error is None:
-        facts.add_row("next", "mbs-ref check computes a consensus truth from unlike engines, and judges by it")
-    console.show(facts)
+        rows.append(("next", "mbs-ref check computes a consensus truth from unlike engines, and judges by it"))
+    console.show_table("\nAgainst the truth", ("", ""), rows)
 
 
-def _add_figures(facts: Table, record: Record, listed: Iterable[Metric]) -> None:
+def _figures(record: Record, listed: Iterable[Metric]) -> Iterator[tuple[str, str]]:
     for metric in listed:
         if figure := console.amount(record.measure(metric.name), metric.unit, record.bounds.get(metric.name)):
-            facts.add_row(metric.label, figure)
+            yield metric.label, figure
 
 
 def _estimate(estimate: dict[str, Any]) -> str:

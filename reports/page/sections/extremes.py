@@ -108,7 +108,7 @@ def _silent(cells: list[Cell]) -> list[dict[str, str]]:
     return result
 
 
-SECTION = Section("extremes", "Extremes", LEAD, context)
+SECTION = Section("extremes", "Extremes", context, LEAD)
 
 
 LEFT, WIDTH, ROW, TOP, RIGHT = 250, 560, 19, 8, 34  # px: names, axis, row height, margins

@@ -38,7 +38,7 @@ def context(data: ReportData) -> dict[str, Any]:
     }  # fmt: skip
 
 
-SECTION = Section("matrix", "Verdicts by method", "", context)
+SECTION = Section("matrix", "Verdicts by method", context)
 
 
 WORDS = {"can": ("good", "can"), "some": ("fair", "some methods"), "not-yet": ("plain", "not yet"),
@@ -65,4 +65,4 @@ def capabilities_context(data: ReportData) -> dict[str, Any]:
     return {"engines": [one.engine for one in able], "groups": groups, "absent": absent}
 
 
-CAPABILITIES = Section("capabilities", "Capabilities", "", capabilities_context)
+CAPABILITIES = Section("capabilities", "Capabilities", capabilities_context)

@@ -13,7 +13,6 @@ from cross_checks.records.record import is_busy, is_timed
 from reports.facts.cheapest import INSIDE
 from reports.facts.report_data import ReportData, Section
 
-LEAD = "How a verdict follows from the runs of a method, how often verdicts are right, and what a time holds."
 CONSTANT = re.compile(r"^([A-Z_]+) = (.+?)  # (.+)$", re.MULTILINE)  # name, value and meaning
 
 
@@ -29,20 +28,6 @@ def context(data: ReportData) -> dict[str, Any]:
     }  # fmt: skip
 
 
-SECTION = Section("method", "How it is judged and timed", LEAD, context)
-
-
-ENVIRONMENT_LEAD = "Times compare only within one machine and one report; versions are those of the installed packages."
-
-
-ENVIRONMENT = Section("environment", "Environment", ENVIRONMENT_LEAD, lambda data: {"environment": data.environment})
-
-
-TRUTHS_LEAD = (
-    "What the errors are measured from. The exact motion is within a truth's uncertainty with a probability of 95 %; "
-    "no error below it is judged. A truth is proven (enclosed by a proof; mbs-ref proofs repeats it), certified (two "
-    "unlike ways agree; mbs-ref certify recomputes it), or what engines agree on."
-)
-
-
-TRUTHS = Section("truths", "Truths", TRUTHS_LEAD, lambda data: {"rows": data.truths})
+SECTION = Section("method", "How it is judged and timed", context)
+ENVIRONMENT = Section("environment", "Environment", lambda data: {"environment": data.environment})
+TRUTHS = Section("truths", "Truths", lambda data: {"rows": data.truths})

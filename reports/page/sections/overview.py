@@ -9,7 +9,7 @@ from cross_checks.judge.vocabulary import OURS, SILENT, Verdict
 from cross_checks.records.numbers import count, duration, of_scene, short
 from cross_checks.records.plots.plot import add_series, lines, new_figure, style_of, to_data
 from cross_checks.records.record import known_error, loop_time, usable
-from reports.facts.cheapest import MIDDLE, entries
+from reports.facts.cheapest import MIDDLE, entries, least_time
 from reports.facts.report_data import ReportData, Section
 from reports.page.slug import engine_file, scene_file
 
@@ -31,7 +31,7 @@ def _cell(data: ReportData, scene: str, engine: str) -> dict[str, Any]:
     errors = [known_error(run) for run in data.of_scene(scene) if run.engine == engine and usable(run)]
     if not errors:
         why = next((cell.reason for cell in cells), "not run")
-        return {"error": "", "why": why, "can": _models(data, scene, engine)}
+        return {"error": "", "why": why, "can": scene in data.modelled(engine)}
     entry = next(e for e in entries(data, scene, MIDDLE) if e.engine == engine)
     digits = min(max(-math.log10(max(min(errors), 1e-99)), 0.0), DIGITS)
     wrong = [f"{c.method}: {of_scene(c.error)} off{' (documented)' if c.exemption else ''}"
@@ -40,10 +40,6 @@ def _cell(data: ReportData, scene: str, engine: str) -> dict[str, Any]:
         "error": short(min(errors)), "share": round(100.0 * digits / DIGITS), "wrong": "; ".join(wrong),
         "time": duration(loop_time(entry.best)) if entry.best else "", "method": entry.method,
     }  # fmt: skip
-
-
-def _models(data: ReportData, scene: str, engine: str) -> bool:
-    return not all(cell.is_refused for cell in data.cells_of(scene, engine))
 
 
 def counted(data: ReportData) -> str:
@@ -55,15 +51,15 @@ def counted(data: ReportData) -> str:
     return f"{count(len(data.cells), 'cell')} of {count(len(data.scenes), 'scene')} and every method: {parts}."
 
 
-SECTION = Section("landscape", "Engine by scene", "", context)
+SECTION = Section("landscape", "Engine by scene", context)
 
 
 def frontier_plot(data: ReportData) -> dict[str, Any] | None:
     """Return the figure of the error over the median cost of every engine; None where no ranked engine was timed."""
-    base = {scene: time for scene in data.scenes if (time := _cheapest(data, scene)) is not None}
+    base = {scene: time for scene in data.scenes if (time := least_time(entries(data, scene, MIDDLE))) is not None}
     figure = new_figure("loop time over that of the cheapest ranked engine at 1e-6", "error over the scene's scales")
     for engine in data.installed:
-        costs = {scene: _costs(data, scene, engine, base[scene]) for scene in base if _models(data, scene, engine)}
+        costs = {scene: _costs(data, scene, engine, base[scene]) for scene in data.modelled(engine) if scene in base}
         if not costs:
             continue
         at = {level: [min((c for c, error in own if error <= level), default=math.inf) for own in costs.values()]
@@ -77,11 +73,6 @@ def frontier_plot(data: ReportData) -> dict[str, Any] | None:
     return to_data(figure) if figure.data else None
 
 
-def _cheapest(data: ReportData, scene: str) -> float | None:
-    times = [loop_time(e.best) for e in entries(data, scene, MIDDLE) if e.best is not None and e.engine != OURS]
-    return min(times, default=None)
-
-
 def _costs(data: ReportData, scene: str, engine: str, base: float) -> list[tuple[float, float]]:
     """Return cost and error of each finished run of an engine."""
     own = [run for run in data.of_scene(scene) if run.engine == engine and usable(run)]
@@ -93,4 +84,4 @@ def frontier_context(data: ReportData) -> dict[str, Any]:
     return {"plot": frontier_plot(data), "absent": absent, "counted": counted(data)}
 
 
-FRONTIER = Section("frontier", "What accuracy costs, over all scenes", "", frontier_context)
+FRONTIER = Section("frontier", "What accuracy costs, over all scenes", frontier_context)

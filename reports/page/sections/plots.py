@@ -26,30 +26,11 @@ def _convergence(data: ReportData) -> dict[str, Any]:
 
 
 SECTIONS = (
-    Section(
-        "compliance", "Compliance over time",
-        "How far the joints gape while the mechanism moves, measured by one code from every engine's poses; and beside "
-        "it the distance from the truth, because closed joints do not prove a right answer.",
-        lambda data: {"compliance": _per_scene(data, compliance), "error": _per_scene(data, error_history)},
-    ),
-    Section(
-        "energy", "Energy drift",
-        "Energy that the integration created or lost, work of drives counted. Small drift alone does not prove "
-        "accuracy.",
-        lambda data: {"plots": _per_scene(data, energy)},
-    ),
-    Section(
-        "convergence", "Convergence order",
-        "A method of order p gains a factor 2^p when its step is halved: its line runs parallel to that order's "
-        "triangle. A line that goes flat has met its limit: roundoff, or a wrong answer.",
-        _convergence,
-    ),
-    Section(
-        "time_split", "Time split",
-        "Building the model, the first call and the loop apart, at each engine's cheapest setting within 1e-6 of the "
-        "scene.",
-        lambda data: {"plots": _per_scene(data, time_split)},
-    ),
+    Section("compliance", "Compliance over time",
+            lambda data: {"compliance": _per_scene(data, compliance), "error": _per_scene(data, error_history)}),
+    Section("energy", "Energy drift", lambda data: {"plots": _per_scene(data, energy)}),
+    Section("convergence", "Convergence order", _convergence),
+    Section("time_split", "Time split", lambda data: {"plots": _per_scene(data, time_split)}),
 )  # fmt: skip
 
 

@@ -86,4 +86,4 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"plots": plots, "tables": tables, "never": never, "pick_rows": pick_rows(data), "inside": inside(data)}
 
 
-SECTION = Section("prices", "Cost at equal error", "", context)
+SECTION = Section("prices", "Cost at equal error", context)

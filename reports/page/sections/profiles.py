@@ -35,7 +35,7 @@ def context(data: ReportData) -> dict[str, Any]:
     return {"blocks": [_block(data, target) for target in data.targets]}
 
 
-SECTION = Section("profiles", "Performance profiles", "", context)
+SECTION = Section("profiles", "Performance profiles", context)
 
 
 BEYOND = 2.0  # times the largest factor: where the axis ends

@@ -1,9 +1,9 @@
 """The androids under the papers' integrators and others: compliance, work, stable steps, convergence, engines."""
 
-from collections.abc import Sequence
+import tomllib
+from importlib.resources import files
 from importlib.util import find_spec
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -27,33 +27,16 @@ from mbs_ref.observables.distance import distances
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
 from reports.facts.curves import Curves, Measured, Row, curves, plain
-from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, VERTEBRAL, with_test
+from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, with_test
 
-PAPER_STEP = 1e-4  # s, Fox 1999
 PAPER_CRASH = f"{SIMPLIFIED}, front"
-PAPERS: dict[str, Any] = {"stabilization": "none"}  # without stabilization, as they ran
-OURS: dict[str, Any] = {}
-# the papers' step where these data bear it; RK4 bears 7.1e-5 s and Euler 5.1e-5 s on the vertebral android
-STEPS = {
-    SIMPLIFIED: (("rk4", PAPER_STEP, PAPERS), ("euler", PAPER_STEP, PAPERS), ("generalized_alpha", 2.5e-4, OURS)),
-    VERTEBRAL: (("rk4", 5e-5, PAPERS), ("euler", 2.5e-5, PAPERS), ("generalized_alpha", 2.5e-4, OURS)),
-}
-BEYOND = {SIMPLIFIED: 8e-3, VERTEBRAL: PAPER_STEP}  # s, steps that RK4 cannot bear
+RUNS = tomllib.loads((files(__package__) / "runs.toml").read_text(encoding="utf-8"))
 FINE = 1e-9  # rtol at which two unlike methods are compared
-MANY = {"lsodar": (1e-4, 1e-6, 1e-8), "dassl": (1e-4,), "dop853": (1e-4, FINE), "radau": (1e-4, FINE)}
-FEW = {"lsodar": (1e-6,), "dassl": (1e-4,), "dop853": (FINE,), "radau": (FINE,)}  # dassl alone takes seconds a run
-RTOLS = {(SIMPLIFIED, "front"): MANY}  # FEW in the other crashes
 MOST_STEPS = 20_000  # of a run; the longest that is meant to end takes 8 000
 TESTED = ("rk4", "euler", "lsodar")  # the papers' methods, whose compliance test is run, too
 UNLIKE = ("dop853", "radau")  # explicit of order 8, implicit of order 5
 WATCHED = {"head": "head", "hip": "bottom"}
-ADAPTIVE = {("pinocchio", "dop853")}
 PEER_TARGETS = {"adaptive": (1e-3, 1e-6), "fixed": (1e-3,)}  # over the scene's scales; finer takes minutes
-SHOWN = {  # on 48 bodies what takes seconds
-    (SIMPLIFIED, "rear"): ADAPTIVE | {("exudyn", "tree_dopri5")},
-    (VERTEBRAL, "front"): ADAPTIVE,
-    (VERTEBRAL, "rear"): ADAPTIVE,
-}
 
 
 def measure(full: bool = False) -> Measured:
@@ -61,7 +44,9 @@ def measure(full: bool = False) -> Measured:
     measured = Measured()
     scenes_run = [scenes.make(name, impact=impact, **PAPER) for name, impact in product(NAMES, IMPACTS)]
     for scene in scenes_run:
-        add_convergence(measured, scene, _fine(add_numerics(measured, scene)))
+        runs = add_numerics(measured, scene)
+        fine = {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE}
+        add_convergence(measured, scene, fine)
     for name in NAMES:
         add_stable(measured, scenes.make(name, **PAPER))
     with Store(default_path()) as store:
@@ -85,33 +70,23 @@ def _add(measured: Measured, table: str, row: Row) -> None:
 
 def add_numerics(measured: Measured, scene: Scene) -> list[tuple[Settings, Trajectory]]:
     """Run the papers' methods without stabilization, and the others as they come; return the runs."""
-    fixed = [Settings(method=method, step=step, **more) for method, step, more in STEPS[scene.name]]
-    adaptive = [
-        Settings(method=method, rtol=rtol, stabilization="none" if method == "lsodar" else None)
-        for method, rtols in RTOLS.get((scene.name, str(scene.parameters["impact"])), FEW).items()
-        for rtol in rtols
-        if _is_installed(method)
-    ]
+    stated = (*RUNS["fixed"][scene.name], *RUNS["adaptive"].get(label(scene), RUNS["adaptive"]["others"]))
+    packages = {name: method.package for name, method in integrators().items()}
+    settings = [Settings(**one) for one in stated if (need := packages[one["method"]]) is None or find_spec(need)]
     _add(measured, "androids", {"android": label(scene)})
-    return [(settings, add_run(measured, scene, _with_events(settings))) for settings in (*fixed, *adaptive)]
-
-
-def _is_installed(method: str) -> bool:
-    package = integrators()[method].package
-    return package is None or find_spec(package) is not None
-
-
-def _with_events(settings: Settings) -> Settings:
-    """A method that locates no events takes the forces as the state clips them."""
-    located = integrators()[str(settings.method)].locates_events
-    return settings if located else settings.model_copy(update={"events": "none"})
+    return [(one, add_run(measured, scene, one)) for one in settings]
 
 
 def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
-    """Add one setting: the papers' methods under the papers' test, and again without it where it stops them."""
-    settings = settings.model_copy(update={"reactions": False, "estimate": "off", "max_steps": MOST_STEPS})
-    tested = settings.method in TESTED
+    """Add one setting: the papers' methods under the papers' test, and again without it where it stops them.
+
+    A method that locates no events takes the forces as the state clips them.
+    """
+    events = {} if integrators()[str(settings.method)].locates_events else {"events": "none"}
+    common = {"reactions": False, "estimate": "off", "max_steps": MOST_STEPS}
+    settings, tested = settings.model_copy(update=common | events), settings.method in TESTED
     path, test, error = with_test(scene, settings, tested)
+    kept = "kept to the end" if test.ok else "not reached"
     method = f"{settings.method}, {setting({'step': settings.step, 'rtol': settings.rtol})}"
     gaps = path.step_compliance if path.step_compliance is not None and len(path.step_compliance) else None
     compliance = None if gaps is None else _finite(float(np.max(gaps[:, 1])))
@@ -120,7 +95,8 @@ def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
         "end": "reached 0.2 s" if path.ok else f"{path.status}: {path.message}", "error": error,
         "compliance": compliance, "steps": int(path.steps), "rejected": int(path.rejected_steps),
         "rhs_calls": int(path.rhs_calls), "switches": path.method_switches, "events": int(path.events),
-        "loop_s": float(path.timing.loop_s), "test": _test_result(test) if tested else "not requested",
+        "loop_s": float(path.timing.loop_s),
+        "test": "not requested" if not tested else test.message if test.status is Status.COMPLIANCE else kept,
     })  # fmt: skip
     if label(scene) == PAPER_CRASH and settings.step:
         measured.figures[f"androids.{settings.method}.compliance"] = compliance
@@ -129,10 +105,6 @@ def add_run(measured: Measured, scene: Scene, settings: Settings) -> Trajectory:
         lines = curves(good[:, 0], {"|C|": good[:, 1]}, "largest |C| since the last sample, m", log=True)
         measured.curves[f"compliance: {label(scene)}: {method}"] = lines
     return path
-
-
-def _test_result(test: Trajectory) -> str:
-    return test.message if test.status is Status.COMPLIANCE else "kept to the end" if test.ok else "not reached"
 
 
 def _finite(value: float) -> float | None:
@@ -146,7 +118,7 @@ def add_stable(measured: Measured, scene: Scene) -> None:
     """Linearise the motion at the start, request a step that is too long, and take it all the same."""
     result = stiffness_at_start(scene)
     limits = {name: _finite(float(result.step_limit(m.stability))) for name, m in integrators().items() if m.stability}
-    beyond = BEYOND[scene.name]
+    beyond = RUNS["beyond"][scene.name]
     refused = Settings(method="rk4", step=beyond, samples=26, reactions=False)
     forced = simulate(scene, refused.model_copy(
         update={"stabilization": "none", "estimate": "off", "refuse_unstable": False, "max_steps": MOST_STEPS}
@@ -168,11 +140,9 @@ def add_stable(measured: Measured, scene: Scene) -> None:
 # --- convergence ------------------------------------------------------------------------------------------
 
 
-def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajectory] | None = None) -> Row:
+def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajectory]) -> Row:
     """Compare the head's and the hip's path by two unlike integrators (`paths`, by method), and with the truth."""
     times = ladder.grid(scene)
-    fine: dict[str, Any] = {"rtol": FINE, "reactions": False, "estimate": "off"}
-    paths = paths or {m: simulate(scene, Settings(method=m, **fine), times) for m in UNLIKE}
     one, other = (paths[method] for method in UNLIKE)
     apart = distances(scene, one, other)[..., 0]
     gaps = {label: apart[:, scene.body_index(body)] for label, body in WATCHED.items()}
@@ -189,26 +159,20 @@ def add_convergence(measured: Measured, scene: Scene, paths: dict[str, Trajector
     return row
 
 
-def _fine(runs: Sequence[tuple[Settings, Trajectory]]) -> dict[str, Trajectory]:
-    """Return the paths of the two methods at FINE."""
-    return {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE}
-
-
 # --- engines ----------------------------------------------------------------------------------------------
 
 
-def entrants(scene: Scene, names: Sequence[str] | None = None) -> list[tuple[str, Method]]:
+def entrants(scene: Scene) -> list[tuple[str, Method]]:
     """Return the methods of every other engine that can run the scene: all in the first crash, few in the others."""
-    crash = scene.name, str(scene.parameters["impact"])
-    others = (engine for engine in engines.installed(names) if engine.name != "mbs_ref")
-    able = [(engine.name, method) for engine in others for method in engine.able(scene)]
-    return [(name, method) for name, method in able if crash not in SHOWN or (name, method.name) in SHOWN[crash]]
+    others = (engine for engine in engines.installed() if engine.name != "mbs_ref")
+    able, few = [(one.name, method) for one in others for method in one.able(scene)], RUNS["engines"].get(label(scene))
+    return [(name, method) for name, method in able if few is None or f"{name} {method.name}" in few]
 
 
-def peers(runs: Runs, scene: Scene, names: Sequence[str] | None = None) -> list[Row]:
+def peers(runs: Runs, scene: Scene) -> list[Row]:
     """Judge the methods of the other engines."""
     truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
-    return [peer(runs, scene, *entrant, truth, ours) for entrant in entrants(scene, names)]
+    return [peer(runs, scene, *entrant, truth, ours) for entrant in entrants(scene)]
 
 
 def parts() -> list[tuple[str, str, str, str]]:

@@ -17,6 +17,7 @@ from mbs_ref.observables.energy import is_conservative, kinetic_energy, potentia
 from mbs_ref.observables.powers import powers
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Curves, Measured, Row, curves, film, plain
+from reports.studies.crash import finished
 
 STEPS = (375, 750, 1500, 3000, 6000)  # over the ball's 0.4 s
 LAWS = {
@@ -37,7 +38,7 @@ def measure(full: bool = False) -> Measured:
     tosses = stored()
     shown = tosses if full else tosses[::FEW_TOSSES]
     vehicle = scenes.make("tracked_vehicle")
-    path = _good(simulate(vehicle, VEHICLE_RUN))
+    path = finished(vehicle, VEHICLE_RUN)
     energy = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1, estimate="off"), longest=2e-4)
     orders = tuple(ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located"))
     figures = {f"order.{row['law']}.{row['events']}": row["order"] for row in orders} | {
@@ -127,11 +128,9 @@ def vehicle_curves(scene: Scene, path: Trajectory, energy: Balance) -> dict[str,
         "Ground forces": curves(t, {"normal, all feet": feet, "thrust, all feet": push}, "N"),
         "Largest force of a sprocket tooth": curves(t, {"tooth": driven}, "N"),
         "Track tension": curves(t, {"largest": tension.max(axis=0), "mean": tension.mean(axis=0)}, "N"),
-        "Constraint compliance": curves(
-            compliance[:, 0], {"dop853": compliance[:, 1]}, "largest |C|, m", log=True
-        ),
+        "Constraint compliance": curves(compliance[:, 0], {"dop853": compliance[:, 1]}, "largest |C|, m", log=True),
         "Energy less the work done": curves(energy.times, {"energy less work": energy.drift}, "J"),
-    }  # fmt: skip
+    }
 
 
 POINTS = 3  # of Gauss and Legendre in a panel: exact for a power of degree 5
@@ -153,8 +152,8 @@ class Balance:
 
 
 def balance(scene: Scene, settings: Settings, longest: float) -> Balance:
-    """Run twice and balance the energy; panels are `longest` (s) at most. ValueError where a run fails."""
-    run = _good(simulate(scene, settings.model_copy(update={"reactions": False})))
+    """Run twice and balance the energy; panels are `longest` (s) at most. RuntimeError where a run fails."""
+    run = finished(scene, settings.model_copy(update={"reactions": False}))
     end = float(run.times[-1])
     events = np.zeros(0) if run.event_times is None else run.event_times[:, 0]
     cuts = np.concatenate((events, scene.breakpoints(), np.linspace(0.0, end, int(np.ceil(end / longest)) + 1)))
@@ -165,7 +164,7 @@ def balance(scene: Scene, settings: Settings, longest: float) -> Balance:
     width = np.diff(edges)
     inside = edges[:-1, None] + 0.5 * width[:, None] * (1.0 + points)
     every = np.unique(np.concatenate((edges, inside.ravel())))
-    path = _good(simulate(scene, settings.model_copy(update={"reactions": True}), every))  # with contact forces
+    path = finished(scene, settings.model_copy(update={"reactions": True}), every)  # with contact forces
     power = powers(Motion(scene, path), is_conservative)
     if power is None:
         power = np.zeros(len(path.times))
@@ -174,9 +173,3 @@ def balance(scene: Scene, settings: Settings, longest: float) -> Balance:
     energy = (kinetic_energy(scene, path) + potential_energy(scene, path))[np.searchsorted(path.times, edges)]
     exchanged = float(np.sum(0.5 * width * (np.abs(power[at]) @ weights)))
     return Balance(edges, energy, np.concatenate(([0.0], np.cumsum(steps))), exchanged)
-
-
-def _good(path: Trajectory) -> Trajectory:
-    if not path.ok:
-        raise ValueError(f"no energy balance: {path.message}")
-    return path

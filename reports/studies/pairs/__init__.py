@@ -8,6 +8,7 @@ the sky are compared with the ephemeris that Astropy contains, without any downl
 import importlib
 import tomllib
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
@@ -54,53 +55,45 @@ def sky_places() -> Tables:
         astropy = importlib.import_module("cross_checks.ephemerides.astropy_")
     except ModuleNotFoundError:
         return {}
-    planets, moons = (_planets(astropy, days) for days in DAYS), (_sun_and_moon(astropy, d) for d in SATELLITE_DAYS)
-    return {title: rows for tables in (*planets, *moons) for title, rows in tables.items()}
+    planets, moons = "planets of our run against Astropy's built-in ephemeris", "Sun and Moon of the satellites' forces"
+    tables = {f"places: {planets}, day {days:g}": _compared(_planets(astropy, days)) for days in DAYS}
+    return tables | {
+        f"places: {moons} against Astropy's, day {days:g}": _compared(_sun_and_moon(astropy, days), by_angle=True)
+        for days in SATELLITE_DAYS
+    }
 
 
-def _places(what: str, days: float, apart: dict[str, float], figures: dict[str, float], unit: str) -> Tables:
-    """Return one table, of distances (m) or angles (rad)."""
-    written = metres if unit == "m" else lambda value: f"{short(value)} {unit}"
-    rows = ({"body": name, "apart": written(gap), "figures": figures[name]} for name, gap in apart.items())
-    return {f"places: {what}, day {days:g}": tuple(rows)}
+def _compared(places: dict[str, tuple[np.ndarray, np.ndarray]], by_angle: bool = False) -> tuple[Row, ...]:
+    """Return a row for each body: the distance of our place from theirs, both (3,), m, or the angle between them."""
+    rows = []
+    for name, (ours, theirs) in places.items():
+        gap, size = np.linalg.norm(ours - theirs), np.linalg.norm(theirs)
+        cosine = ours @ theirs / (np.linalg.norm(ours) * size)
+        apart = f"{short(float(np.arccos(min(cosine, 1.0))))} rad" if by_angle else metres(gap)
+        rows.append({"body": name, "apart": apart, "figures": float(-np.log10(gap / size))})
+    return tuple(rows)
 
 
-def _planets(astropy, days: float) -> Tables:
+def _planets(astropy: Any, days: float) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return the planets at the end of our run from DE440's start, from the Sun; the Moon from the Earth."""
     scene = scenes.make("solar_system", days=days, start=START)
-    path = simulate(scene, FINE, grid(scene)[[0, -1]])
-    jd = julian_date(START) + days
-    ours = {name: path.position[-1, k] for k, name in enumerate(scene.body_names)}
-    apart, figures = {}, {}
-    for name in ours:
+    ends, jd = simulate(scene, FINE, grid(scene)[[0, -1]]).position[-1], julian_date(START) + days
+    ours, places = dict(zip(scene.body_names, ends, strict=True)), {}
+    for name in (name for name in ours if name not in ("sun", "pluto")):
         center = "earth" if name == "moon" else "sun"
-        if name in ("sun", "pluto") or not _has(astropy, name, jd):
-            continue
-        theirs = astropy.place(BUILTIN, name, jd) - astropy.place(BUILTIN, center, jd)
-        apart[name] = float(np.linalg.norm(ours[name] - ours[center] - theirs))
-        figures[name] = float(-np.log10(apart[name] / np.linalg.norm(theirs)))
-    return _places("planets of our run against Astropy's built-in ephemeris", days, apart, figures, "m")
+        with suppress(KeyError):  # a body that the ephemeris lacks
+            theirs = astropy.place(BUILTIN, name, jd) - astropy.place(BUILTIN, center, jd)
+            places[name] = ours[name] - ours[center], theirs
+    return places
 
 
-def _has(astropy, name: str, jd: float) -> bool:
-    try:
-        astropy.place(BUILTIN, name, jd)
-    except KeyError:
-        return False
-    return True
-
-
-def _sun_and_moon(astropy, days: float) -> Tables:
-    """Return the Sun's and the Moon's direction in the satellites' forces, from the Earth."""
-    apart, figures = {}, {}
+def _sun_and_moon(astropy: Any, days: float) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return the Sun's and the Moon's place in the satellites' forces, from the Earth."""
+    earth, result = astropy.place(BUILTIN, "earth", J2000 + days), {}
     for name, place in (("sun", sun_place), ("moon", moon_place)):
-        ours = np.zeros(3)
-        place(days, ours)
-        theirs = astropy.place(BUILTIN, name, J2000 + days) - astropy.place(BUILTIN, "earth", J2000 + days)
-        cosine = ours @ theirs / (np.linalg.norm(ours) * np.linalg.norm(theirs))
-        apart[name] = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
-        figures[name] = float(-np.log10(np.linalg.norm(ours - theirs) / np.linalg.norm(theirs)))
-    return _places("Sun and Moon of the satellites' forces against Astropy's", days, apart, figures, "rad")
+        place(days, ours := np.zeros(3))
+        result[name] = ours, astropy.place(BUILTIN, name, J2000 + days) - earth
+    return result
 
 
 @dataclass(frozen=True)

@@ -16,19 +16,13 @@ from mbs_ref.observables.distance import farthest
 from mbs_ref.scene.traits import Coordinates
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Measured, Value
-from reports.studies.crash import PAPER
+from reports.studies.crash import RAN
 from reports.studies.papers.crash_figures import measure_crash, outline_pictures
 from reports.studies.papers.formulations import euler_angles, multipliers
 from reports.studies.papers.lessons import measure_lessons
 from reports.studies.papers.track_figures import measure_track
 from reports.studies.sky import observed
 
-TREES = {  # name, its scene, and how long (s) the motions are compared
-    "chain": ("pendulum_chain", {"links": 10}, 1.0),
-    "balls": ("spatial_chain", {"links": 10}, 1.0),
-    "simplified": ("android_simplified", PAPER, 0.2),
-    "vertebral": ("android_vertebral", PAPER, 0.2),
-}
 FINE = 1e-11  # rtol
 CALLS = 2000  # of bodies' right-hand sides in one sample: about a millisecond
 TILTS = (0.1, 1e-3, 1e-8)  # rad, by which an axis misses the pole
@@ -44,10 +38,10 @@ def _repeat(model, work, y, dy, count):
 def coordinates() -> dict[str, float | str]:
     """Return how far apart the motions are (m), the time relative to Cartesian, and the numbers of coordinates."""
     figures: dict[str, float | str] = {}
-    for name, (kind, parameters, t_end) in TREES.items():
-        scene = scenes.make(kind, **parameters)
+    for name, tree in RAN["trees"].items():
+        scene = scenes.make(tree["scene"], **tree["parameters"])
         cartesian, relative = (_loop(scene, coordinates) for coordinates in ("cartesian", "relative"))
-        settings = Settings(rtol=FINE, t_end=t_end, samples=21, estimate="off", reactions=False)
+        settings = Settings(rtol=FINE, t_end=tree["t_end"], samples=21, estimate="off", reactions=False)
         runs = [
             simulate(scene, settings.model_copy(update={"coordinates": kind})) for kind in ("cartesian", "relative")
         ]
@@ -125,10 +119,6 @@ def satellites() -> dict[str, float | str]:
 
 
 DAYS = (200.0, 360.0)
-DAY = 86_400.0  # s
-METHODS: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("euler", {"step": 0.1 * DAY}), ("rk4", {"step": DAY}), ("lsodar", {"rtol": 1e-9}), ("dop853", {"rtol": 1e-12}),
-)  # fmt: skip
 RIGID: dict[str, Any] = {"formulation": "euler_parameters", "spin": True}
 
 
@@ -136,7 +126,7 @@ def measure_sky() -> dict[str, float | str]:
     """Return the figures of all bodies' least exact one, and |theta^T theta - 1|."""
     figures: dict[str, float | str] = {}
     for days in DAYS:
-        for method, more in METHODS:
+        for method, more in RAN["methods"]["sky"].items():
             settings = Settings(method=method, samples=2, estimate="off", max_steps=10**6, **more)
             figures[f"sky.{method}.{days:g}"] = _figures("lumped", days, settings)
         for model in ("lumped", "full"):

@@ -14,36 +14,22 @@ from mbs_ref.scene import PointBushing, Revolute, Scene, SpringDamper, TorsionSp
 from mbs_ref.scene.contact import CircleOnLine
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Film, Measured, Row, Value, film
-from reports.studies.crash import FINE, IMPACTS, PAPER, deepest, finished, forces, largest_gap, with_test
+from reports.studies.crash import FINE, IMPACTS, PAPER, RAN, deepest, finished, forces, largest_gap, with_test
 
 PICTURES = 9  # 0.025 s apart to 0.2 s
-SHOWN = {
-    "simplified": ("head", "thorax", "lumbar", "bottom", "seat_base", "seat_back"),
-    "vertebral": ("head", "C1", "C2", "C3", "C4", "C5", "C6", "T6", "L3"),
-}
-FIGURES = {  # of Fox 1999: android, kind of force, caption
-    "Fig. 3": ("simplified", "external", "external forces Q_e"),
-    "Fig. 4": ("simplified", "constraint", "constraint forces and torques Q_c"),
-    "Fig. 5": ("vertebral", "constraint", "head and neck constraint forces Q_c"),
-}
 AS_THEY_RAN: dict[str, Any] = {"stabilization": "none", "reactions": False, "estimate": "off", "samples": 201}
-# of the papers, on each android; without located events, as they had none
-METHODS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
-    "simplified": (("rk4", {"step": 1e-4}), ("euler", {"step": 1e-4}), ("lsodar", {"rtol": 1e-6})),
-    "vertebral": (("rk4", {"step": 5e-5}),),
-}
 
 
 def measure_crash() -> Measured:
     """Run both androids from the front, and what the claims name beside what the studies of the crashes measure."""
-    built = {kind: scenes.make(f"android_{kind}", **PAPER) for kind in SHOWN}
+    built = {kind: scenes.make(f"android_{kind}", **PAPER) for kind in RAN["shown"]}
     paths = {kind: finished(scene) for kind, scene in built.items()}
     results = {kind: crash_results(built[kind], paths[kind]).forces for kind in built}
     figures: dict[str, Value] = {}
     for kind, scene in built.items():
         figures |= _believable(kind)
-        for method, more in METHODS[kind]:
-            figures |= method_figures(scene, method, more)
+        for method, more in RAN["methods"][kind].items():
+            figures |= method_figures(f"{kind}.{method}", scene, method, more)
     figures |= _touching(built["simplified"], paths["simplified"])
     figures |= _parts(built["vertebral"]) | _rising(built, paths, results)
     figures["vertebral.rk4.refusal"] = simulate(built["vertebral"], Settings(method="rk4", step=1e-4)).message
@@ -53,9 +39,9 @@ def measure_crash() -> Measured:
         "Fig. 2, joints that stop and parts that touch": _film("vertebral", 15_000.0),
     }  # fmt: skip
     drawn = {}
-    for name, (kind, field, caption) in FIGURES.items():
-        values = getattr(results[kind], field)
-        drawn |= forces(f"{name}, {caption}", built[kind], paths[kind].times, values, SHOWN[kind])
+    for name, one in RAN["figures"].items():
+        kind, values = one["android"], getattr(results[one["android"]], one["kind"])
+        drawn |= forces(f"{name}, {one['caption']}", built[kind], paths[kind].times, values, RAN["shown"][kind])
     return Measured(figures, {}, drawn, films)
 
 
@@ -144,13 +130,13 @@ def _believable(kind: str) -> dict[str, Value]:
     return figures
 
 
-def method_figures(scene: Scene, method: str, more: dict[str, Any]) -> dict[str, Value]:
-    """Run a method of the papers under their own test |C| < h, and to the end."""
+def method_figures(name: str, scene: Scene, method: str, more: dict[str, Any]) -> dict[str, Value]:
+    """Run a method of the papers under their own test |C| < h, and to the end; the figures begin with the name."""
     settings = Settings(method=method, **more, **AS_THEY_RAN, events="located" if method == "lsodar" else "none")
     path, test, error = with_test(scene, settings)
-    name = f"{scene.name.removeprefix('android_')}.{method}"
+    ended = "fails" if test.status is Status.COMPLIANCE else "keeps" if test.ok else str(test.status)
     return {
-        f"{name}.status": str(path.status), f"{name}.test": "fails" if test.status is Status.COMPLIANCE else "keeps",
+        f"{name}.status": str(path.status), f"{name}.test": ended,
         f"{name}.until": float(test.times[-1]), f"{name}.compliance": largest_gap(path),
         f"{name}.error": path.message if error is None else error,
         f"{name}.switches": float(path.method_switches or 0), f"{name}.steps": float(path.steps),
@@ -159,20 +145,14 @@ def method_figures(scene: Scene, method: str, more: dict[str, Any]) -> dict[str,
 
 MOMENTS = 8  # 0.025 s apart
 ARMS = ("upper_arm", "lower_arm", "hand")
-DRAWN: dict[str, tuple[str, dict[str, Any]]] = {
-    "48 bodies, front, bare": ("vertebral", PAPER),
-    "48 bodies, front, stops and contacts": ("vertebral", {}),
-    "13 bodies, rear, bare": ("simplified", {"impact": "rear", **PAPER}),
-    "13 bodies, rear, stops and contacts": ("simplified", {"impact": "rear"}),
-    "13 bodies, rear, no head restraint": ("simplified", {"impact": "rear", "head_restraint": "none"}),
-}
 # a shape: time (s), kind (body | arm | seat), both ends and the radius (m)
 RUN = Settings(rtol=1e-7, samples=MOMENTS + 1, estimate="off", reactions=False)
 
 
 def outline_pictures() -> dict[str, tuple[Row, ...]]:
     """Return the crashes in which bare and believable models differ: the lines to draw at each time."""
-    built = {title: scenes.make(f"android_{kind}", **more) for title, (kind, more) in DRAWN.items()}
+    drawn = {title: {**given} for title, given in RAN["drawn"].items()}
+    built = {title: scenes.make(f"android_{given.pop('android')}", **given) for title, given in drawn.items()}
     return {f"outlines: {title}": _moments(scene) for title, scene in built.items()}
 
 

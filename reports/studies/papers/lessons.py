@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref import Settings, Status, scenes
+from mbs_ref import Settings, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.crash.results import crash_results
@@ -18,8 +18,8 @@ from mbs_ref.scene.euler_parameters import parameter_matrix
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
 from reports.facts.curves import Curves, Measured, Value, plain
-from reports.studies.crash import PAPER, finished, largest_gap, with_test
-from reports.studies.papers.crash_figures import AS_THEY_RAN
+from reports.studies.crash import PAPER, finished
+from reports.studies.papers.crash_figures import method_figures
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 RK4 = integrators()["rk4"].stability or ()
@@ -36,16 +36,7 @@ def lsodar_series() -> Measured:
     """Run LSODAR on the vertebral android at ever finer tolerances, under the papers' test |C| < h and without it."""
     scene, figures = scenes.make("android_vertebral", **PAPER), {}
     for rtol in TOLERANCES:
-        settings = Settings(method="lsodar", rtol=rtol, **AS_THEY_RAN)
-        test = simulate(scene, settings.model_copy(update={"stop_on_compliance": True}))
-        path, _, error = with_test(scene, settings, tested=False)
-        ended = "fails" if test.status is Status.COMPLIANCE else "keeps" if test.ok else str(test.status)
-        figures |= {
-            f"lsodar.{rtol:g}.until": float(test.times[-1]), f"lsodar.{rtol:g}.test": ended,
-            f"lsodar.{rtol:g}.status": str(path.status), f"lsodar.{rtol:g}.switches": float(path.method_switches or 0),
-            f"lsodar.{rtol:g}.compliance": largest_gap(path),
-            f"lsodar.{rtol:g}.error": str(path.status) if error is None else error,
-        }  # fmt: skip
+        figures |= method_figures(f"lsodar.{rtol:g}", scene, "lsodar", {"rtol": rtol})
     reached = plain([figures[f"lsodar.{rtol:g}.until"] for rtol in TOLERANCES])
     line = Curves(TOLERANCES, {"until": reached}, "time reached under the papers' test, s", "rtol", x_log=True,
                   marks="lines+markers")  # fmt: skip

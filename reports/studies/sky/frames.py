@@ -1,12 +1,15 @@
 """Frames, light time, clocks and velocities by short formulas, compared with Astropy's complete ones."""
 
 import time
+import tomllib
 from collections.abc import Callable, Iterator
 from importlib import import_module
+from importlib.resources import files
 from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from mbs_ref import Settings, ephemeris, scenes
 from mbs_ref.scene.celestial import C_SI
@@ -16,17 +19,7 @@ from reports.facts.curves import Row
 START, J2000, DAY, CENTURY = 2_450_814.5, 2_451_545.0, 86_400.0, 36_525.0  # JD TDB, JD TDB, s, days
 TAI_UTC = 31.0  # s, then
 ARC = np.radians(1.0 / 3600.0)  # rad
-# Fukushima-Williams angles of precession and frame bias, IAU 2006: arcseconds, per century, per century^2
-PRECESSION = (
-    (-0.052928, 10.556378, 0.4932044), (84_381.412819, -46.811016, 0.0511268),
-    (-0.041775, 5038.481484, 1.5584175), (84_381.406, -46.836769, -0.0001831),
-)  # fmt: skip
-SIDEREAL = (0.014506, 4612.156534, 1.3915817)  # mean sidereal time less the Earth's rotation angle, likewise
-# four terms of nutation (Meeus 1998): argument at J2000 and its rate (degrees), parts in longitude and obliquity
-NUTATION = (
-    (125.04452, -1934.136261, -17.20, 9.20), (560.9330, 72_001.5396, -1.32, 0.57),
-    (436.6330, 962_535.7626, -0.23, 0.10), (250.08904, -3868.272522, 0.21, -0.09),
-)  # fmt: skip
+SERIES = tomllib.loads((files(__package__) / "frames.toml").read_text(encoding="utf-8"))
 TRACKS = (("rotation angle alone", 0, False), ("and precession", 1, False), ("and four terms of nutation", 2, False),
           ("and UT1 - UTC", 2, True))  # fmt: skip
 STATION, MASK = (np.radians(11.28), np.radians(48.09)), np.radians(10.0)  # longitude, latitude; least elevation, rad
@@ -123,16 +116,16 @@ def turned(places: np.ndarray, ut1: np.ndarray, level: int, turn: float) -> np.n
     """
     since = ut1 - J2000
     t = since / CENTURY
-    gamma, phi, psi, eps = (ARC * (a + b * t + c * t * t) * (level > 0) for a, b, c in PRECESSION)
-    angles = [np.radians(a + b * t) for a, b, _, _ in NUTATION]
+    gamma, phi, psi, eps = (ARC * (a + b * t + c * t * t) * (level > 0) for a, b, c in SERIES["precession"])
+    angles = [np.radians(a + b * t) for a, b, _, _ in SERIES["nutation"]]
     dpsi, deps = (
-        ARC * (level > 1) * sum(term[k] * f(x) for x, term in zip(angles, NUTATION, strict=True))
+        ARC * (level > 1) * sum(term[k] * f(x) for x, term in zip(angles, SERIES["nutation"], strict=True))
         for k, f in ((2, np.sin), (3, np.cos))
     )
     angle = 2.0 * np.pi * (0.7790572732640 + 1.00273781191135448 * since)
-    sidereal = angle + ARC * (SIDEREAL[0] + SIDEREAL[1] * t + SIDEREAL[2] * t * t) * (level > 0)
-    place = _about(0, -eps - deps, _about(2, -psi - dpsi, _about(0, phi, _about(2, gamma, places))))
-    return _about(2, turn * sidereal + dpsi * np.cos(eps), place)
+    sidereal = angle + ARC * np.polynomial.polynomial.polyval(t, SERIES["sidereal"]) * (level > 0)
+    place = _about("x", -eps - deps, _about("z", -psi - dpsi, _about("x", phi, _about("z", gamma, places))))
+    return _about("z", turn * sidereal + dpsi * np.cos(eps), place)
 
 
 def elevations(places: np.ndarray, longitude: float, latitude: float) -> np.ndarray:
@@ -151,9 +144,6 @@ def passes(elevation: np.ndarray, times: np.ndarray) -> np.ndarray:
     return CubicSpline(times, elevation - MASK).roots(extrapolate=False)[:, None]
 
 
-def _about(axis: int, angle: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return components (n, 3) in axes turned by an angle (n,), rad, about x (0), y (1) or z (2)."""
-    one, other = (axis + 1) % 3, (axis + 2) % 3
-    out, c, s = places.copy(), np.cos(angle), np.sin(angle)
-    out[:, one], out[:, other] = c * places[:, one] + s * places[:, other], c * places[:, other] - s * places[:, one]
-    return out
+def _about(axis: str, angle: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return components (n, 3) in axes turned by an angle (n,), rad, about x or z."""
+    return Rotation.from_euler(axis, -angle[:, None]).apply(places)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cross_checks.engines import ADAPTERS, get
-from cross_checks.judge.cell import judge_method
+from cross_checks.judge.cell import judged
 from cross_checks.judge.ladder import settings_at
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Verdict
@@ -80,7 +80,7 @@ def test_runs_of_the_toy_engine_are_as_far_off_as_their_states(engine):
 def test_a_toy_engine_is_judged_through_the_public_interface(engine):
     scene = scenes.make("pendulum")
     (plain,) = [m for m in engine.methods() if m.description == "plain" and m.order == 4 and m.kind == "fixed"][:1]
-    cell = judge_method(Runs(), scene, "toy_engine", plain, Runs().truth(scene))
+    cell, _ = judged(Runs(), scene, "toy_engine", plain, Runs().truth(scene))
     assert cell.verdict is Verdict.AGREES
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from cross_checks.engine import End, Engine, Loop, Method
 from cross_checks.engines import ADAPTERS
-from cross_checks.judge.cell import judge_method
+from cross_checks.judge import cell as judging
 from cross_checks.judge.runs import Runs
 from cross_checks.records.store import Store
 from cross_checks.truths import truth_for
@@ -122,7 +122,7 @@ def judged(runs: Runs, method: Method) -> Judged:
     """Return what `check` states of a method of the engine, on a scene that suits it."""
     toy = drawn(method.name)
     scene = scenes.make(SMOOTH[int(method.name[1:]) % len(SMOOTH)] if toy.is_smooth else WITH_CONTACT)
-    cell = judge_method(runs, scene, ToyEngine.name, method, runs.truth(scene))
+    cell, _ = judging.judged(runs, scene, ToyEngine.name, method, runs.truth(scene))
     good = [float(run["setting"].partition("=")[2]) for run in cell.runs if run["status"] == "success"]
     finest = toy.run(good[-1] * (toy.duration / scene.duration if toy.kind == "fixed" else 1.0)) if good else None
     return Judged(toy, cell.verdict, len(cell.runs), finest, reason=cell.reason)

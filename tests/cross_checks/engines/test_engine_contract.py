@@ -111,7 +111,7 @@ def test_initial_velocities_of_a_moving_mechanism_are_reproduced(name, method):
         assert result.velocity[0, k] == pytest.approx(body.velocity, abs=1e-13)
         assert isinstance(body, PlanarBody)
         assert result.angular_velocity[0, k] == pytest.approx(body.angular_velocity, abs=1e-13)
-    assert np.abs(rows(scene, result.upto(1)).rate).max() < 1e-13
+    assert np.abs(rows(scene, result.at(slice(1))).rate).max() < 1e-13
 
 
 @each_engine

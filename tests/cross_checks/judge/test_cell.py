@@ -10,7 +10,7 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.judge.answers import check
-from cross_checks.judge.cell import judge_method, judged, truth_of
+from cross_checks.judge.cell import judged, truth_of
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Verdict
 from cross_checks.metrics.metric import from_truth
@@ -73,7 +73,7 @@ def test_unknown_engines_are_refused(swing):
 def test_wrong_velocities_do_not_agree(swing):
     """An engine whose positions are right and whose velocities are not was once said to agree."""
     swing(lambda path: replace(path, velocity=-3.0 * path.velocity))
-    cell = judge_method(Runs(), PENDULUM, "swing", engines.get("swing").method("second"), truth_of(Runs(), PENDULUM))
+    cell, _ = judged(Runs(), PENDULUM, "swing", engines.get("swing").method("second"), truth_of(Runs(), PENDULUM))
     assert cell.verdict not in (Verdict.AGREES, Verdict.CONVERGING)
 
 
@@ -101,7 +101,7 @@ def test_a_body_that_turns_about_a_resting_centre_is_not_settled():
     """Gaps once were measured by positions alone, which do not move here: every coarse run had 'settled'."""
     scene = scenes.make("torque_free_top", turns=10.0)
     runs = Runs()
-    cell = judge_method(runs, scene, "mbs_ref", engines.get("mbs_ref").method("euler"), truth_of(runs, scene))
+    cell, _ = judged(runs, scene, "mbs_ref", engines.get("mbs_ref").method("euler"), truth_of(runs, scene))
     assert cell.verdict in (Verdict.CONVERGING, Verdict.NOT_SHOWN), cell.reason
     assert "order 1" in cell.reason
 
@@ -110,7 +110,7 @@ def test_a_copy_under_another_name_has_the_truth_and_the_verdict_of_the_original
     scene = scenes.make("slider_crank")
     copy = scene.model_copy(update=CRANK)
     runs, method = Runs(), engines.get("mujoco").method("rk4")
-    known, found = (judge_method(runs, one, "mujoco", method, truth_of(runs, one)) for one in (scene, copy))
+    known, found = (judged(runs, one, "mujoco", method, truth_of(runs, one))[0] for one in (scene, copy))
     assert known.verdict is Verdict.WRONG_LIMIT
     assert (found.verdict, found.error, found.reason) == (known.verdict, known.error, known.reason)
     assert known.exemption

@@ -71,7 +71,7 @@ def test_unknown_names_are_the_callers_mistake(swing):
         (spoiled(50), "non-finite", "after t = 4.9 s"),
         (spoiled(0), "non-finite", "from the start"),
         (lambda path: replace(path, times=path.times % 5.0), "reset", "clock jumped"),
-        (lambda path: path.upto(30), "engine-error", "30 of 101"),
+        (lambda path: path.at(slice(30)), "engine-error", "30 of 101"),
     ],
 )
 def test_failures_are_statuses_with_sentences(swing, trouble, status, words):

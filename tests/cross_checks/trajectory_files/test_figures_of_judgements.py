@@ -11,7 +11,7 @@ from cross_checks.trajectory_files import library
 from cross_checks.trajectory_files.column_map import ColumnMap
 from cross_checks.trajectory_files.columns import _marked
 from cross_checks.trajectory_files.formats import Columns
-from cross_checks.trajectory_files.judgement import as_truth, judgement, samples_at
+from cross_checks.trajectory_files.judgement import as_truth, judgement
 from cross_checks.trajectory_files.library import judged
 from cross_checks.trajectory_files.mistakes.terms import _moved
 from cross_checks.trajectory_files.motion import DescribedMotion, Read, described_motion
@@ -68,7 +68,7 @@ def test_every_part_of_a_judgement(seed):
 
 def test_two_files_are_compared_at_the_times_of_both():
     path, _, _ = irregular(4)
-    other = samples_at(path, np.array([0, 2, 3, 7]))
+    other = path.at(np.array([0, 2, 3, 7]))
     first, truth = as_truth(SCENE, DescribedMotion(path, ()), DescribedMotion(other, ("no spin",)), "b.csv")
     np.testing.assert_array_equal(first.path.times, other.times)
     np.testing.assert_array_equal(truth.position, other.position)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import cross_checks
-from cross_checks.judge.cell import judge_method, truth_of
+from cross_checks.judge.cell import judged, truth_of
 from cross_checks.judge.one_run import evaluate
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import Verdict
@@ -92,7 +92,7 @@ def test_the_truth_judges_the_solver_and_the_ephemeris_the_model():
 
 def test_a_method_agrees_with_the_truth_of_a_satellite():
     scene, runs = scenes.make("satellite", days=0.2), Runs()
-    cell = judge_method(runs, scene, "mbs_ref", _method("gauss"), truth_of(runs, scene))
+    cell, _ = judged(runs, scene, "mbs_ref", _method("gauss"), truth_of(runs, scene))
     assert cell.verdict is Verdict.AGREES, cell.reason
 
 

@@ -15,7 +15,7 @@ from benchmarks import history
 from cross_checks.conformance import cases, repeatability
 from cross_checks.conformance.repeatability import WAYS
 from cross_checks.prices import sweep
-from cross_checks.records.lines import read
+from cross_checks.records.lines import append, read
 from reports import query
 from reports.cli import main
 from reports.studies.models import choice
@@ -51,7 +51,7 @@ def test_one_way_in_which_our_bits_differ_is_a_failure(monkeypatch, engine, way,
 
 def test_a_change_is_named_by_its_own_job(monkeypatch, tmp_path):
     made = entries([1.0, 2.0, 3.0, 4.0])
-    history.append(tmp_path / "h.jsonl", made)
+    append(tmp_path / "h.jsonl", made)
     monkeypatch.setattr(history, "change_points", lambda values: [2])
     printed = json.loads(run("history", "--file", str(tmp_path / "h.jsonl"), "--json").stdout)
     assert printed["chain"]["changes"] == [asdict(made[2])["made"]]

@@ -27,5 +27,5 @@ def test_every_method_runs_on_some_core():
     from mbs_ref import scenes
 
     solver = engines.get(compiling.SOLVER)
-    made = [scenes.make(core.scene) for core in compiling.CORES.values() if core.every_method]
+    made = [scenes.make(scene) for scene, _, every_method in compiling.CORES.values() if every_method]
     assert all(any(not solver.method_refusals(scene, method) for scene in made) for method in solver.methods())

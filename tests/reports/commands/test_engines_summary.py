@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from reports.commands.engines.engines import summary
+from reports.facts.capability_tables import summary
 
 
 def test_part_types_that_lack_are_listed_once():

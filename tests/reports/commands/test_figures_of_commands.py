@@ -17,6 +17,7 @@ from benchmarks.trees import regression
 from cross_checks.extremes.fate import Fate
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
+from cross_checks.records import lines
 from cross_checks.records.record import Error, Record
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
@@ -94,7 +95,7 @@ def test_a_machine_is_sane_where_a_run_ends_and_is_right(monkeypatch, status, er
 def test_the_last_job_of_a_series_is_the_last_one(monkeypatch, tmp_path):
     values = [3.0, 5.0, 7.0]
     made = [SimpleNamespace(value=v, unit=f"u{v:g}", verdict=f"v{v:g}", made=f"day {k}") for k, v in enumerate(values)]
-    monkeypatch.setattr(history, "read", lambda file: (made, []))
+    monkeypatch.setattr(lines, "read", lambda file, kind: (made, []))
     monkeypatch.setattr(history, "series", lambda entries, text: {"one": entries})
     monkeypatch.setattr(history, "change_points", lambda values: [1])
     (tmp_path / "file").write_text("")
@@ -138,7 +139,7 @@ def test_an_emptied_cache_is_compiled_again(monkeypatch, tmp_path):
 
 def test_every_cell_lists_its_own_contact_figures(capsys):
     cells = [Cell("pendulum", {}, "exudyn", "m", Verdict.AGREES, "", contact={f"depth {k}": 0.1 + k}) for k in (1, 2)]
-    check._show_contact(cells)
+    check._show(cells)
     shown = capsys.readouterr().out
     assert "depth 1 1.1" in shown
     assert "depth 2 2.1" in shown
@@ -315,7 +316,7 @@ def test_certificates_fail_where_a_truth_departs(monkeypatch, verdicts, code):
 def test_changes_of_trends_are_those_of_the_series_in_time(monkeypatch, tmp_path):
     drawn: list[Any] = []
     entries = [SimpleNamespace(value=v) for v in (1.0, 2.0, 7.0)]
-    monkeypatch.setattr(nightly.history, "read", lambda file: (entries, []))
+    monkeypatch.setattr(lines, "read", lambda file, kind: (entries, []))
     monkeypatch.setattr(nightly.history, "series", lambda entries: {"one": entries})
     monkeypatch.setattr(nightly.history, "new_levels", lambda result: {})
     monkeypatch.setattr(nightly.history, "change_points", list)
@@ -346,7 +347,7 @@ def test_coordinates_are_compared_by_places_and_by_time(monkeypatch):
     monkeypatch.setattr(papers, "compare", lambda one, other: SimpleNamespace(ratio=f"{other} over {one}"))
     monkeypatch.setattr(papers, "compile_scene", lambda scene, kind: SimpleNamespace(n_positions=len(kind)))
     found = papers.coordinates()
-    for name in papers.TREES:
+    for name in papers.RAN["trees"]:
         assert found[f"coordinates.{name}.apart"] == 0.1
         assert found[f"coordinates.{name}.time"] == "relative over cartesian"
         assert (found[f"coordinates.{name}.cartesian"], found[f"coordinates.{name}.relative"]) == (9, 8)

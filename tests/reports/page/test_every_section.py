@@ -319,7 +319,9 @@ def test_the_overview_counts_scenes_and_cells(seed):
     for line in figure["data"]:
         engine = line["meta"]["engine"]
         for level, text in zip(line["y"], line["text"], strict=True):
-            base = [s for s in data.scenes if overview._cheapest(data, s) is not None]
+            base = [
+                s for s in data.scenes if cheapest.least_time(cheapest.entries(data, s, cheapest.MIDDLE)) is not None
+            ]
             runs = {s: [r for r in data.of_scene(s) if r.engine == engine and r.error and r.status == "success"]
                     for s in base}  # fmt: skip
             hit = [s for s in base if any(r.error and r.error.bound <= level for r in runs[s])]

@@ -7,6 +7,7 @@ import pytest
 from cross_checks.extremes import fate
 from cross_checks.extremes.extreme import Axis
 from cross_checks.extremes.fate import Fate
+from cross_checks.records import lines
 from cross_checks.records.store import Store
 from reports.gather import Gathering
 from reports.page.sections.extremes import LEFT, WIDTH, context, place
@@ -61,9 +62,8 @@ def test_parts_kept_by_several_nights_are_shown_together_and_full_cells_before_q
         return fate.Cell(name, "made up", "mbs_ref", "rk4", full, Fate.SURVIVED, None, (), "full" if full else "quick")
 
     first, second = tmp_path / "extremes-1.jsonl", tmp_path / "extremes-2.jsonl"
-    fate.append(first, one("a", True))
-    for each in (one("a", False), one("b", False)):
-        fate.append(second, each)
+    lines.append(first, [one("a", True)])
+    lines.append(second, [one("a", False), one("b", False)])
     with Store(tmp_path / "runs.sqlite") as store:
         found = Gathering(store, files=(first, second)).extreme_cells()
     assert {c.extreme: c.reason for c in found} == {"a": "full", "b": "quick"}

@@ -10,7 +10,8 @@ import pytest
 
 from cross_checks.judge.capabilities import Ability
 from cross_checks.judge.one_run import evaluate
-from cross_checks.records import lines as record_file
+from cross_checks.records.lines import adapter
+from cross_checks.records.record import Record
 from mbs_ref.scene.toml import SceneFileError, loads
 from mbs_ref.settings import Settings
 from reports.facts.report_data import ReportData
@@ -89,7 +90,7 @@ def test_hostile_records_add_no_element(tmp_path):
 def test_a_hostile_scene_file_is_read_judged_and_shown_as_text(tmp_path):
     record = evaluate(loads(SCENE), "mbs_ref", Settings(samples=5))
     assert record.status == "success"
-    again = record_file.from_dict(json.loads(json.dumps(record.to_dict())))
+    again = adapter(Record).validate_json(json.dumps(record.to_dict()))
     page = page_of(ReportData((), (again,)), tmp_path / "out")
     assert page.bad == []
     source = source_of(tmp_path / "out")

@@ -57,7 +57,7 @@ def test_an_android_is_as_far_from_the_truth_as_its_places_are(monkeypatch):
 def test_every_method_enters_the_first_crash_and_those_listed_the_others(monkeypatch):
     methods = [SimpleNamespace(name=name) for name in ("dop853", "rk4")]
     able = [SimpleNamespace(name=name, able=lambda scene: methods) for name in (OURS, "pinocchio", "strange")]
-    monkeypatch.setattr(androids.engines, "installed", lambda names: able)
+    monkeypatch.setattr(androids.engines, "installed", lambda: able)
     for impact, count in (("front", 4), ("rear", 1)):
         scene: Any = SimpleNamespace(name="android_simplified", parameters={"impact": impact})
         found = [(name, method.name) for name, method in androids.entrants(scene)]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from cross_checks import engines
-from cross_checks.judge.cell import judge_method, tasks
+from cross_checks.judge.cell import judged, tasks
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records.record import Error, Record
@@ -40,7 +40,7 @@ def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monke
         runs = Runs(store)
         (scene,) = request.built()
         truth = runs.truth(scene)
-        cells = [judge_method(runs, scene, *who, truth, request.targets) for who in request.entrants()]
+        cells = [judged(runs, scene, *who, truth, request.targets)[0] for who in request.entrants()]
         rows = pair(runs, request)
     assert [row.target for row in rows] == [FEW, 1e-11]
     for row in rows:
