@@ -157,7 +157,7 @@ class Consensus:
             self._pool.drop(lambda name: name in self._open)
             self._open = []
         elif not self._open:
-            again, self._late = [late for late in self._late if self._decides(late)], []
+            again, self._late = sorted(filter(self._decides, self._late), key=self._moved), []
             self._open = [self._requested(late, again=True) for late in again]
 
     def _decides(self, late: Request) -> bool:
@@ -165,6 +165,11 @@ class Consensus:
         pair = self._closest.get(min(2, self._packages))
         names = [] if pair is None else [(one.engine, one.method) for one in (pair.first, pair.second)]
         return not self._is_known(WORST) or (late.engine, late.method.name) in names
+
+    def _moved(self, request: Request) -> float:
+        """Return how far a method moved at its last level: what is nearly settled is waited for first."""
+        witness = self._witnesses.get((request.engine, request.method.name))
+        return math.inf if witness is None else witness.moved
 
     def _requested(self, request: Request, seconds: float = 0.0, again: bool = False) -> Request:
         self._pool.add(request, partial(_timed, self._runs, request), seconds, again)

@@ -261,6 +261,13 @@ def test_a_slow_member_of_the_closest_pair_is_waited_for_until_the_scene_is_know
     assert made.requested.count((OTHER[0], 1)) == 2
 
 
+def test_of_slow_methods_that_is_waited_for_first_which_is_nearly_settled(script):
+    nearly, far = [(0.0, 1e-4), Late("slow"), (0.0, 1e-9)], [Late("slow"), (0.5, 1e-2)]
+    made = script({THIRD: far, ONE: [(0.1, 1e-4), (0.0, 1e-9)], OTHER: nearly})
+    assert isinstance(_received(made), Truth)
+    assert made.requested.count(("pinocchio", 0)) == 1
+
+
 def test_a_method_with_a_documented_weakness_agrees_with_a_sound_one_alone(script):
     levels = {ONE: [(0.0, 1e-9)], OTHER: [(0.0, 1e-9)], THIRD: [(0.5, 1e-9)]}
     weak = {ONE[0], OTHER[0]}
