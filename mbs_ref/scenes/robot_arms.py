@@ -38,7 +38,8 @@ def _driven(name: str, described: str, rate: float, acceleration: float, gravity
     pattern, slides = np.array(arm["pattern"]), sliding(name)
     pose = pose_at(name, 0.0, rate, acceleration)
     frames = frames_at(name, pose)
-    bodies, joints = [], []
+    bodies: list[SpatialBody] = []
+    joints: list[Joint] = []
     names = [GROUND, *(f"link{k}" for k in range(1, len(pose) + 1))]
     for k, link in enumerate(arm["links"]):
         centre = dot(frames[k + 1, :3], (*link["centre"], 1.0))
@@ -52,7 +53,7 @@ def _driven(name: str, described: str, rate: float, acceleration: float, gravity
                 velocity=tuple(dot(np.cross(axes, centre - origins).T, turning) + dot(axes.T, sliding_rate)),
             )
         )  # fmt: skip
-        ends = {"body_a": names[k], "body_b": names[k + 1]}
+        ends: dict[str, Any] = {"body_a": names[k], "body_b": names[k + 1]}
         moved = (float(x) for x in (pose[k], rates[k], acceleration * pattern[k]))
         joints += (_slide if slides[k] else _hinge)(k + 1, ends, origins[k], axes[k], *moved)
     return Scene(
@@ -61,14 +62,14 @@ def _driven(name: str, described: str, rate: float, acceleration: float, gravity
     )  # fmt: skip
 
 
-def _hinge(k: int, ends: dict[str, str], point, axis, start: float, rate: float, acceleration: float) -> list[Joint]:
+def _hinge(k: int, ends: dict[str, Any], point, axis, start: float, rate: float, acceleration: float) -> list[Joint]:
     """Return a hinge and its drive."""
     motion = Table(times=(0.0, DURATION), values=(rate, rate + acceleration * DURATION))
     drive = RotationDrive(name=f"drive{k}", motion=motion, level="velocity", axis=tuple(axis), **ends)
     return [Revolute(name=f"joint{k}", point=tuple(point), axis=tuple(axis), **ends), drive]
 
 
-def _slide(k: int, ends: dict[str, str], point, axis, start: float, rate: float, acceleration: float) -> list[Joint]:
+def _slide(k: int, ends: dict[str, Any], point, axis, start: float, rate: float, acceleration: float) -> list[Joint]:
     """Return a slide and its drive: how far apart two points of its axis are, `start` (m) at t = 0."""
     reach = "sqrt((b.x - a.x) ** 2 + (b.y - a.y) ** 2 + (b.z - a.z) ** 2)"
     drive = UserConstraint(

@@ -11,6 +11,7 @@ from mbs_ref.crash.stops import tension
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.observables.distance import distances, farthest
+from mbs_ref.scene import SpringDamper
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Curves, Measured, Value, curves, film
 from reports.studies.crash import largest_gap
@@ -90,9 +91,9 @@ def _own_contacts(scene: Scene, ours: Trajectory) -> dict[str, Value]:
 def _ride(scene: Scene, path: Trajectory) -> dict[str, Value]:
     """Return what a drive comes to; slip and tension are means over its second half."""
     late, hull, idler = len(path.times) // 2, scene.body_index("chassis"), scene.body_index("idler")
-    radius = next(part.radius for part in scene.contacts if part.body_a == "idler")
+    radius = next(part.radius for part in scene.contacts if part.body_a == "idler" and part.type == "circle_on_line")
     rim, speed = -radius * path.angular_velocity[late:, idler], path.velocity[late:, hull, 0]
-    push = next(load for load in scene.loads if load.name == "idler.tensioner")
+    push = next(one for one in scene.loads if isinstance(one, SpringDamper) and one.name == "idler.tensioner")
     return {
         "travelled": float(path.position[-1, hull, 0] - path.position[0, hull, 0]), "speed": float(speed[-1]),
         "idler_slip": float(np.mean(rim) / np.mean(speed) - 1.0),

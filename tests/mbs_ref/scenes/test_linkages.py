@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -59,8 +61,9 @@ def test_a_four_bar_on_its_spring_rests_and_swings_as_its_potential_says():
     def slope(theta: float) -> float:
         return weight * np.cos(theta) + stiffness * (2.0 * np.sin(0.5 * theta) - rest) * np.cos(0.5 * theta)
 
-    theta = brentq(slope, 0.5, 2.5, xtol=1e-15)
-    assert scene.bodies[0].angle == pytest.approx(theta, abs=1e-12)
+    theta: Any = brentq(slope, 0.5, 2.5, xtol=1e-15)
+    crank: Any = scene.bodies[0]
+    assert crank.angle == pytest.approx(theta, abs=1e-12)
     curvature = stiffness * (np.cos(0.5 * theta) ** 2 - (np.sin(0.5 * theta) - 0.5 * rest) * np.sin(0.5 * theta))
     omega = np.sqrt((curvature - weight * np.sin(theta)) / (5.0 / 3.0))
     assert np.abs(steady_motion_at_start(scene).eigenvalues.imag).max() == pytest.approx(omega, rel=1e-8)
