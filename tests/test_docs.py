@@ -76,6 +76,13 @@ def test_blocks_of_code_are_what_they_say(page):
         yaml.safe_load(text)
 
 
+def test_every_published_problem_names_a_test_that_exists():
+    rows = re.findall(r"`(tests/[\w/]+\.py)::(\w+)` \|", (ROOT / "docs" / "published-problems.md").read_text())
+    assert len(rows) > 20
+    for file, name in rows:
+        assert f"def {name}(" in (ROOT / file).read_text(encoding="utf-8"), name
+
+
 def test_made_pages_show_a_scene_and_who_can_run_it(tmp_path, monkeypatch):
     monkeypatch.setattr(trade, "entrants", lambda: ["mbs_ref"])
     write_sources(tmp_path / "site", lambda text: None, ["pendulum"])

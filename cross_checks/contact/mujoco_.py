@@ -17,14 +17,15 @@ from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request
 from cross_checks.engine import Method, Plan, Refusal, fixed
 from cross_checks.engines.mujoco_ import Built, MuJoCo
 from cross_checks.engines.mujoco_.build import METHODS, add_loads, at_start, specify_links
-from cross_checks.engines.mujoco_.contact import add_pair, effective_mass
-from cross_checks.engines.mujoco_.forces import force_refusals, shared_forces, takes_shared_forces
+from cross_checks.engines.mujoco_.contact import add_pairs, effective_mass
+from cross_checks.engines.mujoco_.forces import Callback, force_refusals, shared_forces, takes_shared_forces
 from cross_checks.linkage.forces import LOCATED
-from cross_checks.linkage.links import closure_refusals, linkage_of
+from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.surfaces import friction_refusals
 from mbs_ref import Scene
-from mbs_ref.scene.contact import Friction, PinOnSprocket, RegularisedCoulomb, SpringDamperLaw
+from mbs_ref.scene.contact import Friction, RegularisedCoulomb, SpringDamperLaw
 from mbs_ref.scene.joints import Drive
+from mbs_ref.scene.signals import Constant, piece_at
 
 STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's defaults, pinned
 SLOW = 0.1  # of the speed of sliding, below which friction is in proportion to slip: 1 % of the distance
@@ -50,25 +51,24 @@ class OwnContact(MuJoCo):
     extra: ClassVar[frozenset[str]] = frozenset(part.model_fields["type"].default for part in LOCATED)
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
-        bare = linkage_of(scene.model_copy(update={"contacts": ()}))
+        bare, _ = _without_contacts(scene)
         reasons = closure_refusals(self.name, scene, self.closes) + force_refusals(bare)
         reasons += [Refusal(why, False) for one in scene.contacts for why in friction_refusals(self.name, one)]
-        if any(isinstance(contact, PinOnSprocket) for contact in scene.contacts):
-            reasons.append(Refusal("the gaps between teeth are not convex, and MuJoCo's geoms are", True))
         if any(isinstance(joint, Drive) for joint in scene.joints):
             reasons.append(Refusal("MuJoCo prescribes motions of mocap bodies alone, which contacts see at rest", True))
         return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
-        linkage, bare = linkage_of(scene), linkage_of(scene.model_copy(update={"contacts": ()}))
+        linkage, (bare, signals) = linkage_of(scene), _without_contacts(scene)
         spec, frames = specify_links(linkage, replace(plan, method=EULER))
         shared = takes_shared_forces(bare)
         add_loads(spec, frames, bare, shared)
         for option, value in OPTIONS[plan.method.name].items():
             setattr(spec.option, option, value)
         stock = plan.method.name.startswith("stock")
-        for contact in scene.contacts:
-            pair = add_pair(spec, frames, linkage, contact)
+        pairs = [(pair, one) for one in scene.contacts for pair in add_pairs(spec, frames, linkage, one)]
+        names = [(pair.name, pair.geomname2, pair.geomname1, contact.law) for pair, contact in pairs]
+        for pair, contact in pairs:
             pair.solref, pair.solimp = STOCK_SOLREF, STOCK_SOLIMP
             if not stock:  # solref follows when the effective mass is known
                 pair.solimp = (IMPEDANCE, IMPEDANCE, *STOCK_SOLIMP[2:])
@@ -76,11 +76,38 @@ class OwnContact(MuJoCo):
         model = spec.compile()
         data = at_start(model, linkage)
         mujoco.mj_forward(model, data)
-        for contact in () if stock else scene.contacts:
-            mass = effective_mass(model, data, contact)
-            law = _resolved(own_law(contact.law, mass, plan.step, "force"), mass, plan.step)
-            model.pair_solref[model.pair(contact.name).id] = (-law.stiffness / mass, -law.damping / mass)
-        return Built(linkage, model, at_start(model, linkage), shared_forces(model, bare) if shared else None)
+        for name, pin, other, scene_law in () if stock else names:
+            mass = effective_mass(model, data, pin, other)
+            law = _resolved(own_law(scene_law, mass, plan.step, "force"), mass, plan.step)
+            model.pair_solref[model.pair(name).id] = (-law.stiffness / mass, -law.damping / mass)
+        act = shared_forces(model, bare) if shared else _varying(signals)
+        return Built(linkage, model, at_start(model, linkage), act)
+
+
+def _without_contacts(scene: Scene) -> tuple[Linkage, dict[str, Any]]:
+    """Return a scene's linkage without contacts, and the segments of loads that vary in time, which it has constant.
+
+    A tree keeps them: there the shared force code may act.
+    """
+    bare = linkage_of(scene.model_copy(update={"contacts": ()}))
+    varying = [load for load in scene.loads if not isinstance(getattr(load, "factor", Constant()), Constant)]
+    if not bare.closures or not varying:
+        return bare, {}
+    loads = tuple(load.model_copy(update={"factor": Constant()}) if load in varying else load for load in scene.loads)
+    signals = {load.name: load.factor.segments() for load in varying}  # type: ignore[union-attr]
+    return linkage_of(scene.model_copy(update={"contacts": (), "loads": loads})), signals
+
+
+def _varying(signals: dict[str, Any]) -> Callback | None:
+    """Return what sets the actuators of loads that vary in time; None without such loads."""
+    if not signals:
+        return None
+
+    def act(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        for name, segments in signals.items():
+            model.actuator(name).biasprm[0] = piece_at(segments, data.time).value(data.time)
+
+    return act
 
 
 def _resolved(law: SpringDamperLaw, mass: float, step: float) -> SpringDamperLaw:

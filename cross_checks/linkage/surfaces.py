@@ -1,11 +1,15 @@
-"""The shapes of a contact, for engines with shapes of their own: spheres, half-spaces and boxes in space."""
+"""The shapes of a contact, for engines with shapes of their own: spheres, half-spaces, boxes and cylinders in space."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from cross_checks.linkage.links import Z, lifted
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.part import normals, unit
-from mbs_ref.scene.contact import RollingFriction, RoundPair, SphereOnPlane
+from mbs_ref.scene.contact import PinOnSprocket, RollingFriction, RoundPair, SphereOnPlane
 
 CORNER = 1e-9  # m, radius of the sphere that stands for a corner
 REACH, THICK = 100.0, 1.0  # m: half length of an endless surface on a body, and depth of a box without a thickness
@@ -37,6 +41,40 @@ def frame_of(contact) -> tuple[np.ndarray, np.ndarray, tuple[float, float]]:
 def is_half_space(contact) -> bool:
     """Whether the flat surface of a contact is endless, without a thickness, and fixed to the world."""
     return contact.body_b == GROUND and frame_of(contact)[2] == ENDLESS and contact.thickness is None
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A convex shape on which a pin presses."""
+
+    name: str
+    shape: str  # box, whose last axis is its outer normal, or cylinder about its last axis
+    middle: np.ndarray  # (3,) m, world, t = 0
+    axes: np.ndarray  # (3, 3), world, t = 0, as columns
+    size: tuple[float, float, float]  # m: half sides, or radius and half length
+
+
+def gap_walls(contact: PinOnSprocket) -> Iterator[Wall]:
+    """Yield the root of a sprocket and both flanks of each gap: each touches the arc that the gap has for its seat."""
+    axis = Z if contact.axis is None else unit(contact.axis)
+    first = np.array([1.0, 0.0, 0.0]) if contact.seat is None else unit(contact.seat)
+    radius, clearance, axle = contact.pitch_radius, contact.clearance, lifted(contact.axle)
+    thick, wide = 0.1 * radius, contact.addendum_radius
+    root = (radius - clearance, wide, 0.0)
+    yield Wall("root", "cylinder", axle, np.column_stack((*normals(axis), axis)), root)
+    sine, cosine = math.sin(contact.flank_angle), math.cos(contact.flank_angle)
+    for gap in range(contact.teeth):
+        angle = contact.first_seat + 2.0 * math.pi * gap / contact.teeth
+        radial = math.cos(angle) * first + math.sin(angle) * np.cross(axis, first)
+        for side in (-1.0, 1.0):
+            ahead = side * np.cross(axis, radial)
+            along, normal = cosine * radial + sine * ahead, sine * radial - cosine * ahead
+            start = radius * radial - clearance * normal  # from the axle, where the seat's arc ends
+            inward = float(along @ start)
+            length = math.sqrt(inward**2 - float(start @ start) + contact.addendum_radius**2) - inward
+            middle = axle + start + 0.5 * (length - thick) * along - 0.5 * thick * normal
+            axes = np.column_stack((along, np.cross(normal, along), normal))
+            yield Wall(f"gap{gap}{side:+.0f}", "box", middle, axes, (0.5 * (length + thick), wide, 0.5 * thick))
 
 
 def friction_refusals(engine: str, contact) -> list[str]:

@@ -89,12 +89,26 @@ def figures(scene: Scene, path: Trajectory, result: CrashResults) -> dict[str, V
     }  # fmt: skip
 
 
+def _t1(scene: Scene, motion: Motion) -> tuple[str, np.ndarray]:
+    """Return the body of the first thoracic vertebra, and the place (n_t, 2), m, of its joint with the neck."""
+    chest, neck = ("thorax", "neck") if "thorax" in scene.body_names else ("T1", "C6")
+    joint: Any = next(j for j in scene.joints if j.name == f"{chest}-{neck}")
+    return chest, motion.point(chest, joint.point)[0]
+
+
+def forward(scene: Scene, path: Trajectory) -> dict[str, float]:
+    """Return how far (m) head, first and eighth thoracic vertebra and hip move ahead in the vehicle at most."""
+    trunk = "T8" if "T8" in scene.body_names else "thorax"
+    ahead = {name: path.position[:, scene.body_index(body), 0]
+             for name, body in (("head", "head"), ("T8", trunk), ("hip", "bottom"))}  # fmt: skip
+    ahead["T1"] = _t1(scene, Motion(scene, path))[1][:, 0]
+    return {name: float((x - x[0]).max()) for name, x in ahead.items()}
+
+
 def _trunk(scene: Scene, path: Trajectory) -> dict[str, Value]:
     """Return T1's excursion (m), how far (deg) head and trunk bend, and what the shoulder belt pulls (N)."""
     motion = Motion(scene, path)
-    chest, neck = ("thorax", "neck") if "thorax" in scene.body_names else ("T1", "C6")
-    joint: Any = next(j for j in scene.joints if j.name == f"{chest}-{neck}")
-    t1 = motion.point(chest, joint.point)[0]
+    chest, t1 = _t1(scene, motion)
     turned = {name: np.degrees(motion.angle(name)) for name in ("head", chest, "bottom")}
     flexion, bend = turned[chest] - turned["head"], turned["bottom"] - turned[chest]
     belt = [tension(motion, load) for load in scene.loads if load.name.startswith("belt.thorax")]  # type: ignore[arg-type]

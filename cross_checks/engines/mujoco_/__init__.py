@@ -23,7 +23,7 @@ class Built:
     linkage: Linkage
     model: mujoco.MjModel
     data: mujoco.MjData
-    act: Callback | None
+    act: Callback | None  # of a tree the shared forces, else loads that vary in time
 
 
 class MuJoCo(LinkageEngine):
@@ -72,14 +72,14 @@ class MuJoCo(LinkageEngine):
 
     def reactions(self, model: Built, plan: Plan, states: np.ndarray, poses: Poses) -> dict[str, np.ndarray]:
         """Return none where MuJoCo's own tendons and actuators act: cfrc_int leaves them out."""
-        if model.linkage.loaded and model.act is None:
+        if model.linkage.loaded and (model.act is None or model.linkage.closures):
             return {}
         with passive(model.act):
             wrench = Observer(model.model, model.linkage).wrenches(plan.times[: len(states)], states)
         return tree_reactions(model.linkage, poses, wrench)
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
-        return (SHARED,) if model.act else ()
+        return (SHARED,) if model.act and not model.linkage.closures else ()
 
 
 ENGINE = MuJoCo

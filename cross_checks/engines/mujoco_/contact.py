@@ -11,26 +11,56 @@ import mujoco
 import numpy as np
 
 from cross_checks.linkage.links import Linkage
-from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is_half_space, pair_mass, spheres_of
+from cross_checks.linkage.surfaces import (
+    CORNER,
+    THICK,
+    frame_of,
+    friction_refusals,
+    gap_walls,
+    is_half_space,
+    pair_mass,
+    spheres_of,
+)
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene import contact as laws
 from mbs_ref.scene.base.part import unit
-from mbs_ref.scene.contact import CircleOnLine, RoundPair, SphereOnPlane
+from mbs_ref.scene.contact import PinOnSprocket, RoundPair
 from mbs_ref.scene.euler_parameters import from_matrix
 
+SPHERE = mujoco.mjtGeom.mjGEOM_SPHERE
+SHAPES = {"box": mujoco.mjtGeom.mjGEOM_BOX, "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER}
 
-def add_pair(spec, frames, linkage: Linkage, contact):
-    """Add the two geoms of a contact and return their pair, apart from which neither touches anything."""
+
+def add_pairs(spec, frames, linkage: Linkage, contact) -> list:
+    """Add the geoms of a contact and return their pairs, apart from which none touches anything."""
+    if isinstance(contact, PinOnSprocket):
+        return _in_gaps(spec, frames, linkage, contact)
     for end, (body, center, radius) in zip("ab", spheres_of(contact), strict=False):
         size = (radius, 0.0, 0.0)
-        _add_geom(frames, linkage, f"{contact.name}/{end}", body, center, mujoco.mjtGeom.mjGEOM_SPHERE, size=size)
+        _add_geom(frames, linkage, f"{contact.name}/{end}", body, center, SPHERE, size=size)
     if not isinstance(contact, RoundPair):
         _add_surface(frames, linkage, contact)
-    pair = spec.add_pair(name=contact.name, geomname1=f"{contact.name}/b", geomname2=f"{contact.name}/a")
+    return [_pair(spec, contact, contact.name, f"{contact.name}/b")]
+
+
+def _pair(spec, contact, name: str, other: str):
+    pair = spec.add_pair(name=name, geomname1=other, geomname2=f"{contact.name}/a")
     pair.margin, pair.gap, pair.condim = 0.0, 0.0, 1
     if contact.friction is not None:
         pair.condim, pair.friction = 3, (contact.friction.coefficient, contact.friction.coefficient, 0.0, 0.0, 0.0)
     return pair
+
+
+def _in_gaps(spec, frames, linkage: Linkage, contact: PinOnSprocket) -> list:
+    """Add a pin, and for the first one the walls of the sprocket's gaps: convex, where the gaps are not."""
+    size, walls = (CORNER, 0.0, 0.0), []
+    _add_geom(frames, linkage, f"{contact.name}/a", contact.body_a, contact.center, SPHERE, size=size)
+    for wall in gap_walls(contact):
+        walls.append(f"{contact.body_b}/{wall.name}")
+        if spec.geom(walls[-1]) is None:
+            more = {"size": wall.size, "quat": from_matrix(wall.axes)}
+            _add_geom(frames, linkage, walls[-1], contact.body_b, wall.middle, SHAPES[wall.shape], **more)
+    return [_pair(spec, contact, f"{contact.name}/{k}", wall) for k, wall in enumerate(walls)]
 
 
 def _add_geom(frames, linkage: Linkage, name: str, body: str, point, kind, **more) -> None:
@@ -51,15 +81,15 @@ def _add_surface(frames, linkage: Linkage, contact) -> None:
     _add_geom(*place, middle, kind, size=size, quat=from_matrix(axes))
 
 
-def effective_mass(model: mujoco.MjModel, data: mujoco.MjData, contact) -> float:
-    """Return 1/(J M^-1 J^T) (kg) of a contact's normal at the pose of the data; closed loops are not considered."""
-    geoms = [data.geom(f"{contact.name}/{end}") for end in "ab"]
-    flat = isinstance(contact, CircleOnLine | SphereOnPlane)
-    normal = frame_of(contact)[0][:, 2] if flat else unit(geoms[0].xpos - geoms[1].xpos)
+def effective_mass(model: mujoco.MjModel, data: mujoco.MjData, geom: str, other: str) -> float:
+    """Return 1/(J M^-1 J^T) (kg) of a sphere's normal on another geom at the pose of the data, loops left open."""
+    geoms = [data.geom(name) for name in (geom, other)]
+    flat = model.geom(other).type in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX)
+    normal = geoms[1].xmat.reshape(3, 3)[:, 2] if flat else unit(geoms[0].xpos - geoms[1].xpos)
     place = geoms[0].xpos - model.geom(geoms[0].id).size[0] * normal
     row, jacobian, solved = np.zeros((1, model.nv)), np.empty((3, model.nv)), np.empty((1, model.nv))
-    for geom, sign in zip(geoms, (1.0, -1.0), strict=True):
-        mujoco.mj_jac(model, data, jacobian, None, place, model.geom_bodyid[geom.id])
+    for one, sign in zip(geoms, (1.0, -1.0), strict=True):
+        mujoco.mj_jac(model, data, jacobian, None, place, model.geom_bodyid[one.id])
         row += sign * normal @ jacobian
     mujoco.mj_solveM(model, data, solved, row)
     return 1.0 / float((row @ solved.T).item())
@@ -71,7 +101,7 @@ PENALTY_SOLIMP = (1e-4, 1e-4, 0.001, 0.5, 2.0)
 
 def add_contact(spec, frames, linkage: Linkage, contact: laws.Contact) -> None:
     """A sphere against a plane or another sphere, by the scene's law."""
-    pair = add_pair(spec, frames, linkage, contact)
+    (pair,) = add_pairs(spec, frames, linkage, contact)
     mass = pair_mass(linkage.scene, contact)  # no pose changes it: bodies are free
     law: Any = contact.law
     pair.solref = (-law.stiffness / mass, -law.damping / mass)

@@ -13,7 +13,7 @@ from cross_checks.truths.truth import EPS, Truth
 from mbs_ref.scene import Scene, SpatialBody, Universal
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, rotation_matrices
 from mbs_ref.scenes.linkages import LINKAGES, SWING
-from mbs_ref.scenes.puma560 import DATA, PATTERN, frames_at
+from mbs_ref.scenes.robot_arms import ARMS, frames_at, pose_at
 from mbs_ref.scenes.slider_cranks import PIVOT
 
 SIZES = {  # m: D, AB, BC, CD of four-bars; the rods of Peaucellier's cell
@@ -169,6 +169,23 @@ def slider_crank(scene: Scene, times: np.ndarray) -> Truth:
     return agree_on(scene, poses, float(given["crank_angle"]), float(given["crank_speed"]), times, WAYS)
 
 
+def four_bar_with_spring(scene: Scene, times: np.ndarray) -> Truth:
+    """Both cranks turn alike, and the coupler goes along; the diagonal is 2 sin(theta/2)."""
+    stiffness, rest = float(scene.parameters["stiffness"]), float(scene.parameters["rest"])
+
+    def poses(theta: Jet) -> tuple[Jet, Jet]:
+        tip = jet.stack([jet.cos(theta), jet.sin(theta)])
+        places = [tip * 0.5, tip + jet.lift(np.array([0.5, 0.0])), tip * 0.5 + jet.lift(np.array([1.0, 0.0]))]
+        return jet.stack(places), jet.stack([theta, theta * 0, theta])
+
+    def stored(theta: Jet) -> Jet:
+        stretch = jet.sin(theta * 0.5) * 2 - rest
+        return stretch * stretch * (0.5 * stiffness)
+
+    start = np.radians(np.longdouble(scene.parameters["angle"]))
+    return agree_on(scene, poses, start, np.longdouble(0), times, WAYS, stored=stored)
+
+
 def spatial_slider_crank(scene: Scene, times: np.ndarray) -> Truth:
     """Crank about x from upright; the rod from its pin to the slider, turned as the universal joint lets it."""
     crank, rod = float(scene.parameters["crank_length"]), float(scene.parameters["rod_length"])
@@ -194,11 +211,14 @@ def spatial_slider_crank(scene: Scene, times: np.ndarray) -> Truth:
 
 
 def puma560(scene: Scene, times: np.ndarray) -> Truth:
-    """Multiply the arm's Denavit-Hartenberg frames at the prescribed angles."""
+    """Multiply the arm's Denavit-Hartenberg frames at the prescribed coordinates."""
     rate, acceleration = float(scene.parameters["rate"]), float(scene.parameters["acceleration"])
-    turned = np.outer(rate * times + 0.5 * acceleration * times**2, PATTERN)
-    frames = np.array([frames_at(np.radians(DATA["nominal_pose_deg"]) + one)[1:] for one in turned])
-    centres = np.array([(*link["centre"], 1.0) for link in DATA["links"]])
-    error = 20.0 * EPS * (1.0 + float(np.abs(turned).max()))
+    poses = pose_at(scene.name, times, rate, acceleration)
+    frames = np.array([frames_at(scene.name, pose)[1:] for pose in poses])
+    centres = np.array([(*link["centre"], 1.0) for link in ARMS[scene.name]["links"]])
+    error = 20.0 * EPS * (1.0 + float(np.abs(poses - poses[0]).max()))
     orientation = np.array([[from_matrix(frame[:3, :3]) for frame in row] for row in frames])
     return Truth(np.einsum("tbij,bj->tbi", frames, centres)[..., :3], orientation, error, "exact", "forward kinematics")
+
+
+TRUTHS = {"stanford_arm": puma560}

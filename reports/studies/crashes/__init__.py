@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,16 @@ from reports.studies import crash
 SHOWN = {crash.SIMPLIFIED: ("head", "thorax", "bottom", "thigh"), crash.VERTEBRAL: ("head", "C1", "C3", "C6")}
 KINDS = {"External forces Q_e": "external", "Constraint forces Q_c": "constraint"}
 FILMED = 10  # samples a picture
+# Sled tests at 40 km/h, 12 to 15 g, belts without slack or limiter, of eight men's cadavers (mean 75.5 kg): Shaw et
+# al., Stapp Car Crash Journal 53 (2009) 1-48. Largest travel ahead, m: mean, and least and most of the corridor of one
+# deviation, as digitised in the validation catalogue of the SAFER HBM (github.com/saferhbm/validation at 53cd691)
+SLED: dict[str, Any] = {"speed_change_km_h": 40.0, "slack": 0.0, "belt_limit": 0.0}
+SLED_TESTS = {
+    "head": (0.387, 0.322, 0.455),
+    "T1": (0.257, 0.226, 0.281),
+    "T8": (0.206, 0.175, 0.236),
+    "hip": (0.026, -0.007, 0.063),
+}
 
 
 def measure() -> Measured:
@@ -22,7 +33,22 @@ def measure() -> Measured:
         bare, solid = scenes.make(name, impact=impact, **crash.PAPER), scenes.make(name, impact=impact)
         add_crash(measured, bare, crash.finished(bare))
         add_figures(measured, solid, crash.finished(solid), ".solid")
+    measured.tables["sled"] = sled_rows()
     return measured
+
+
+def sled_rows() -> tuple[Row, ...]:
+    """Return how far (m) parts of cadavers moved ahead on a sled, and those of both believable androids here."""
+    sleds = {name: scenes.make(name, **SLED) for name in crash.NAMES}
+    moved = {name: crash.forward(sled, crash.finished(sled)) for name, sled in sleds.items()}
+    return tuple(
+        {"part": part, "mean": mean, "least": least, "most": most}
+        | {
+            name.removeprefix("android_"): f"{found[part]:.3f}" + ("" if least <= found[part] <= most else ", outside")
+            for name, found in moved.items()
+        }
+        for part, (mean, least, most) in SLED_TESTS.items()
+    )
 
 
 def add_figures(measured: Measured, scene: Scene, path: Trajectory, kind: str = "") -> CrashResults:

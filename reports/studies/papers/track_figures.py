@@ -5,10 +5,13 @@ from typing import Any
 import numpy as np
 
 from cross_checks import engines
-from mbs_ref import Settings, Status, scenes
+from cross_checks.contact import own_engine
+from mbs_ref import Scene, Settings, Status, Trajectory, scenes
+from mbs_ref.crash.stops import tension
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.observables.distance import distances, farthest
+from mbs_ref.scene import SpringDamper
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Curves, Measured, Value, curves, film
 from reports.studies.crash import RAN, largest_gap
@@ -20,6 +23,7 @@ BRIEF, SHORT, LONG = 0.05, 0.5, 2.0  # s: for DASSL, which takes seconds; for en
 REFERENCE = Settings(method="rk4", step=5e-5, reactions=False, estimate="off")
 TESTED = ("rk4", "euler", "lsodar")  # the papers' own
 DRIVERS = (("pinocchio", "rk4", 1e-4), ("exudyn", "generalized_alpha", 1e-4))
+OWN_STEP = 2e-4  # s, of MuJoCo's Euler with its own contacts
 
 
 def measure_track() -> Measured:
@@ -68,6 +72,31 @@ def _held(times: np.ndarray) -> dict[str, Value]:
     }  # fmt: skip
 
 
+def _own_contacts(scene: Scene, ours: Trajectory) -> dict[str, Value]:
+    """Return travel, speed, slip of the idler and tension by MuJoCo's own contacts, and those of our run."""
+    figures: dict[str, Value] = {f"track.{name}": value for name, value in _ride(scene, ours).items()}
+    try:
+        settings = Settings(method="euler", step=OWN_STEP, reactions=False, initial_tolerance=1.0)
+        path = own_engine("mujoco").run(scene, settings, ours.times)
+    except engines.EngineMissing:
+        return figures
+    theirs = _ride(scene, path) if path.ok else {"message": path.message}
+    return figures | {f"track.mujoco.{name}": value for name, value in theirs.items()}
+
+
+def _ride(scene: Scene, path: Trajectory) -> dict[str, Value]:
+    """Return what a drive comes to; slip and tension are means over its second half."""
+    late, hull, idler = len(path.times) // 2, scene.body_index("chassis"), scene.body_index("idler")
+    radius = next(part.radius for part in scene.contacts if part.body_a == "idler" and part.type == "circle_on_line")
+    rim, speed = -radius * path.angular_velocity[late:, idler], path.velocity[late:, hull, 0]
+    push = next(one for one in scene.loads if isinstance(one, SpringDamper) and one.name == "idler.tensioner")
+    return {
+        "travelled": float(path.position[-1, hull, 0] - path.position[0, hull, 0]), "speed": float(speed[-1]),
+        "idler_slip": float(np.mean(rim) / np.mean(speed) - 1.0),
+        "tension": float(-0.5 * np.mean(tension(Motion(scene, path), push)[late:])),
+    }  # fmt: skip
+
+
 def _engine(scene, name: str, settings: Settings, fine) -> float | str:
     try:
         path = engines.get(name).run(scene, settings, fine.times)
@@ -94,4 +123,5 @@ def _rolling() -> tuple[dict[str, Value], dict[str, Curves]]:
         "track.sliding_turns": float(np.abs(sliding.angular_velocity[:, [bare.body_index(w) for w in WHEELS]]).max()),
         "track.travel": float(path.position[-1, 0, 0] - path.position[0, 0, 0]),
         "track.sliding_travel": float(sliding.position[-1, 0, 0] - sliding.position[0, 0, 0]),
+        **_own_contacts(scene, path),
     }, {"Track: wheels roll": curves(path.times, speeds, "m/s")}  # fmt: skip

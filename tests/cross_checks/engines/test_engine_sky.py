@@ -82,8 +82,8 @@ def test_a_uniform_field_is_refused_rather_than_left_out(name):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "method", "order", "spin"),
-    [("exudyn", "generalized_alpha", 2.0, 1e-4), ("pinocchio", "rk4", 4.0, 1e-3)],  # the latter's is rounding
-)
+    [("exudyn", "generalized_alpha", 2.0, 1e-4), ("pinocchio", "rk4", 4.0, 1e-3), ("mujoco", "rk4", 4.0, 1e-3)],
+)  # Pinocchio's spin is rounding
 def test_engines_of_rigid_bodies_librate_in_the_gravity_gradient(name, method, order, spin):
     """Attraction and gradient are applied as forces; particles alone remain refused."""
     other, scene = engine(name), scenes.make("librating_satellite")

@@ -11,7 +11,7 @@ from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.scenes import puma560
+from mbs_ref.scenes.robot_arms import ARMS, frames_at, pose_at
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
@@ -150,8 +150,8 @@ def test_the_woodpecker_jams_and_pecks_as_with_rigid_contacts():
     assert np.ptp(first.position[jammed, 0, 1]) < 1e-5  # m: it does not fall
 
 
-# Robotics Toolbox for Python, tests of its Puma560 at the nominal pose: gravload, coriolis at rates of PATTERN, without
-# friction, and itorque at accelerations of PATTERN, with rotors; N m, four decimals
+# Robotics Toolbox for Python, tests of its Puma560 at the nominal pose: gravload, coriolis at rates of its pattern,
+# without friction, and itorque at such accelerations, with rotors; N m, four decimals
 PUMA_GRAVITY = (0.0, 31.6399, 6.0351, 0.0, 0.0283, 0.0)
 PUMA_CORIOLIS = (
     (-0.1735, -2.0494, -0.1178, -0.0002, -0.0045, 0.0001), (0.6274, 1.1572, 1.9287, -0.0015, -0.0003, 0.0),
@@ -159,6 +159,7 @@ PUMA_CORIOLIS = (
     (-0.0002, 0.0028, 0.0046, -0.0002, 0.0, 0.0), (0.0001, 0.0, 0.0, 0.0, 0.0, 0.0),
 )  # fmt: skip
 PUMA_INERTIA = (3.1500, 9.4805, 3.6189, 0.1901, 0.3519, 0.5823)
+PUMA_PATTERN = np.array(ARMS["puma560"]["pattern"])
 four_decimals = 5e-5  # N m
 
 
@@ -167,21 +168,51 @@ def puma_torques(rate: float, acceleration: float) -> np.ndarray:
     scene = scenes.make("puma560", rate=rate, acceleration=acceleration)
     truth, path = both(scene, 11, rtol=1e-10)
     assert np.abs(path.position - truth.position).max() < 1e-13  # m
-    frames = puma560.frames_at(np.radians(puma560.DATA["nominal_pose_deg"]))
-    axes, rates = frames[:6, :3, 2], rate * puma560.PATTERN
+    frames = frames_at("puma560", pose_at("puma560", 0.0, rate, acceleration))
+    axes, rates = frames[:6, :3, 2], rate * PUMA_PATTERN
     turning = rates[:3] @ axes[:3]
-    rising = acceleration * puma560.PATTERN[:3] @ axes[:3]
+    rising = acceleration * PUMA_PATTERN[:3] @ axes[:3]
     for k in range(1, 3):
         rising += np.cross(rates[:k] @ axes[:k], rates[k] * axes[k])
-    added = puma560.DATA["links"][2]["inertia_added_zz"] * np.outer(frames[3, :3, 2], frames[3, :3, 2])
+    added = ARMS["puma560"]["links"][2]["inertia_added_zz"] * np.outer(frames[3, :3, 2], frames[3, :3, 2])
     share = np.where(np.arange(6) < 3, axes @ (added @ rising + np.cross(turning, added @ turning)), 0.0)
     return np.array([path.reactions[f"drive{k + 1}"][0, 3:] @ axes[k] for k in range(6)]) - share
 
 
 def test_the_drives_of_a_puma_give_the_published_torques():
     gravity, moving, rising = puma_torques(0.0, 0.0), puma_torques(1.0, 0.0), puma_torques(0.0, 1.0)
-    rotors = np.array([link["rotor"] * link["gear"] ** 2 for link in puma560.DATA["links"]]) * puma560.PATTERN
+    rotors = np.array([link["rotor"] * link["gear"] ** 2 for link in ARMS["puma560"]["links"]]) * PUMA_PATTERN
     assert np.abs(gravity - PUMA_GRAVITY).max() < four_decimals
     assert np.abs(rising - gravity + rotors - PUMA_INERTIA).max() < four_decimals
-    rounded = four_decimals * puma560.PATTERN.sum()  # of the sum over six rates
-    assert np.abs(moving - gravity - np.array(PUMA_CORIOLIS) @ puma560.PATTERN).max() < rounded
+    rounded = four_decimals * PUMA_PATTERN.sum()  # of the sum over six rates
+    assert np.abs(moving - gravity - np.array(PUMA_CORIOLIS) @ PUMA_PATTERN).max() < rounded
+
+
+@pytest.mark.parametrize(("rate", "acceleration"), [(0.0, 0.0), (1.0, 0.0), (0.7, -1.3)])
+def test_the_drives_of_a_stanford_arm_give_what_pinocchio_computes(rate, acceleration):
+    """No torques of it are published where we could read them: recursive Newton-Euler is the second source."""
+    pin = pytest.importorskip("pinocchio")
+    arm, model, fixed = ARMS["stanford_arm"], pin.Model(), pin.SE3.Identity()
+    model.gravity.linear = np.array([0.0, 0.0, -9.81])
+    for k, link in enumerate(arm["links"]):
+        slides = link.get("slides", False)
+        placed = fixed * pin.SE3(pin.utils.rotate("z", np.radians(link["theta_deg"])), np.zeros(3)) if slides else fixed
+        joint = model.addJoint(k, pin.JointModelPZ() if slides else pin.JointModelRZ(), placed, f"joint{k + 1}")
+        offset = np.array([link["a"], 0.0, link.get("d", 0.0)])
+        fixed = pin.SE3(pin.utils.rotate("x", np.radians(link["alpha_deg"])), offset)
+        inertia = pin.Inertia(link["mass"], np.array(link["centre"], dtype=float), np.diag(link["inertia"]))
+        model.appendBodyToJoint(joint, inertia, fixed)
+    pattern, t = np.array(arm["pattern"]), 0.3
+    scene = scenes.make("stanford_arm", rate=rate, acceleration=acceleration)
+    path = simulate(scene, Settings(rtol=1e-11, estimate="off"), np.array([0.0, t]))
+    assert path.ok, path.message
+    for sample, time in enumerate((0.0, t)):
+        pose = pose_at("stanford_arm", time, rate, acceleration)
+        rates = pattern * (rate + acceleration * time)
+        expected = pin.rnea(model, model.createData(), pose, rates, pattern * acceleration)
+        axes = frames_at("stanford_arm", pose)[:6, :3, 2]
+        found = [path.reactions[f"drive{k + 1}"][sample].reshape(2, 3)[int(k != 2)] @ axes[k] for k in range(6)]
+        assert found == pytest.approx(expected, abs=1e-9)  # N m, N
+    truth = truth_for(scene, path.times)
+    assert truth is not None
+    assert np.abs(path.position - truth.position).max() < 1e-12  # m

@@ -71,7 +71,7 @@ IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: 
 
 
 # driven or published: judged below, in test_linkages.py and in test_published_problems.py
-ELSEWHERE = {"driven_pendulum", "straight_line_linkage", "puma560", "andrews", "car_axis"}
+ELSEWHERE = {"driven_pendulum", "straight_line_linkage", "puma560", "stanford_arm", "andrews", "car_axis"}
 
 
 @pytest.mark.parametrize("name", sorted(set(known()) - ELSEWHERE - IN_CONTACT - IN_THE_SKY - DAMPED))

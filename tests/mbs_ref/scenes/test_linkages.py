@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from cross_checks.judge.one_run import evaluate
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.linearised import steady_motion_at_start
 
 FINE = Settings(rtol=1e-11, samples=21, estimate="off")
 
@@ -47,6 +51,22 @@ def test_cardans_shafts_turn_at_the_ratio_of_their_angles(angle):
     phi = 2.0 * np.arctan2(path.orientation[:, 0, 1], path.orientation[:, 0, 0])
     bend = np.radians(angle)
     assert second / first == pytest.approx(np.cos(bend) / (1.0 - (np.sin(bend) * np.sin(phi)) ** 2), abs=1e-10)
+
+
+def test_a_four_bar_on_its_spring_rests_and_swings_as_its_potential_says():
+    """V = 2 m g sin(theta) + k (s - s0)^2 / 2 with s = 2 sin(theta/2), T = 5/6 m theta'^2, sides of 1 m."""
+    stiffness, rest, weight = 400.0, 1.2, 2.0 * 9.81
+    scene = scenes.make("four_bar_with_spring", stiffness=stiffness, rest=rest, start="equilibrium")
+
+    def slope(theta: float) -> float:
+        return weight * np.cos(theta) + stiffness * (2.0 * np.sin(0.5 * theta) - rest) * np.cos(0.5 * theta)
+
+    theta: Any = brentq(slope, 0.5, 2.5, xtol=1e-15)
+    crank: Any = scene.bodies[0]
+    assert crank.angle == pytest.approx(theta, abs=1e-12)
+    curvature = stiffness * (np.cos(0.5 * theta) ** 2 - (np.sin(0.5 * theta) - 0.5 * rest) * np.sin(0.5 * theta))
+    omega = np.sqrt((curvature - weight * np.sin(theta)) / (5.0 / 3.0))
+    assert np.abs(steady_motion_at_start(scene).eigenvalues.imag).max() == pytest.approx(omega, rel=1e-8)
 
 
 @pytest.mark.parametrize("kind", ["peaucellier", "watt", "chebyshev"])

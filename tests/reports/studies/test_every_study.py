@@ -437,6 +437,31 @@ def test_both_androids_and_both_impacts_stand_under_their_own_names(monkeypatch,
     assert measured.films.keys() == {f"{n}, {i}" for n in crash.NAMES for i in crash.IMPACTS}
 
 
+def test_parts_on_a_sled_stand_beside_the_cadavers_corridors(monkeypatch):
+    """Within a corridor to its edges; the largest travel ahead counts, not the last nor one backward."""
+    reach = {"head": 0.455, "T1": 0.2259, "T8": 0.206, "hip": 0.1}
+    monkeypatch.setattr(crash, "finished", lambda scene: scene.name)
+    short = {crash.SIMPLIFIED: 0.0, crash.VERTEBRAL: 1.0}
+    monkeypatch.setattr(crash, "forward", lambda scene, path: {part: x - short[path] for part, x in reach.items()})
+    rows = crashes.sled_rows()
+    assert [row["simplified"] for row in rows] == ["0.455", "0.226, outside", "0.206", "0.100, outside"]
+    assert all(row["vertebral"].endswith(", outside") for row in rows)
+
+
+@pytest.mark.parametrize("name", crash.NAMES)
+def test_travel_ahead_is_the_largest_from_the_start(name):
+    scene = scenes.make(name, **crash.PAPER)
+    path = motion(scene)
+    trunk, chest = ("thorax", "thorax") if name == crash.SIMPLIFIED else ("T8", "T1")
+    ahead = lambda body: path.position[:, scene.body_index(body), 0]  # noqa: E731
+    joint = next(j for j in scene.joints if j.name in ("thorax-neck", "T1-C6"))
+    body = scene.bodies[scene.body_index(chest)]
+    arm, turn = np.subtract(joint.point, body.position), path.orientation[:, scene.body_index(chest)] - body.angle
+    t1 = ahead(chest) + np.cos(turn) * arm[0] - np.sin(turn) * arm[1]
+    expected = {"head": ahead("head"), "T8": ahead(trunk), "hip": ahead("bottom"), "T1": t1}
+    assert crash.forward(scene, path) == pytest.approx({part: (x - x[0]).max() for part, x in expected.items()})
+
+
 def test_a_run_of_an_android(monkeypatch, android):
     gaps = np.array([[0.0, 0.0], [0.1, 2e-5], [0.15, 7e-4], [0.2, 1e-5]])
     path = motion(android, steps=50, rejected_steps=7, rhs_calls=99, events=3, step_compliance=gaps,
