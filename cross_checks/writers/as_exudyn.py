@@ -1,7 +1,6 @@
 """A script that runs in Exudyn alone: the assembled system item by item, as Exudyn reports it."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from functools import reduce
 from itertools import islice
 from math import gcd
@@ -58,69 +57,26 @@ def lines(mbs: Any) -> Iterator[str]:
         yield f"mbs.Add{kind}({{{', '.join(f'{key!r}: {text(value)}' for key, value in fields.items())}}})"
 
 
-def changed(options: Any, default: Any, path: str = "options") -> Iterator[str]:
+def changed(given: dict[str, Any], usual: dict[str, Any], path: str = "options") -> Iterator[str]:
     """Yield the assignments that turn Exudyn's default settings into others."""
-    given, usual = options.GetDictionary(), default.GetDictionary()
-    yield from _changed(given, usual, path)
-
-
-def _changed(given: dict[str, Any], usual: dict[str, Any], path: str) -> Iterator[str]:
     for name, value in given.items():
         if isinstance(value, dict):
-            yield from _changed(value, usual[name], f"{path}.{name}")
+            yield from changed(value, usual[name], f"{path}.{name}")
         elif not np.array_equal(value, usual[name]):
             yield f"{path}.{name} = {text(value)}"
 
 
-class Recorder:
-    """Records the calls by which an adapter adds a general contact to a system.
-
-    Exudyn does not report the parts of a general contact. Its markers are among the system's items.
-    """
-
-    def __init__(self, first_marker: int) -> None:
-        self.first = self.next = first_marker
-        self.calls: list[str] = []
-
-    def AddMarker(self, item: Any) -> int:
-        self.next += 1
-        return self.next - 1
-
-    def AddGeneralContact(self) -> "_General":
-        self.calls.append("general = mbs.AddGeneralContact()")
-        return _General(self.calls)
-
-
-class _General:
-    """Records calls and assignments."""
-
-    _calls: list[str]
-
-    def __init__(self, calls: list[str]) -> None:
-        object.__setattr__(self, "_calls", calls)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        self._calls.append(f"general.{name} = {text(value)}")
-
-    def __getattr__(self, name: str) -> Callable[..., None]:
-        def call(*values: Any, **named: Any) -> None:
-            given = [*map(_array, values), *(f"{key}={_array(value)}" for key, value in named.items())]
-            self._calls.append(f"general.{name}({', '.join(given)})")
-
-        return call
+def general_contact(model: Any) -> Iterator[str]:
+    """Yield the calls and assignments that make the model's general contact, if it has one."""
+    if general := getattr(model, "general", ()):
+        yield "general = mbs.AddGeneralContact()"
+    for name, values, named in general:
+        given = ", ".join([*map(_array, values), *(f"{key}={_array(value)}" for key, value in named.items())])
+        yield f"general.{name}({given})" if name[0].isupper() else f"general.{name} = {given}"
 
 
 def _array(value: Any) -> str:
     return f"np.array({literal(value)})" if isinstance(value, np.ndarray) else text(value)
-
-
-def general_contact(model: Any, add: Callable[[Any], None]) -> list[str]:
-    """Return the calls by which `add` gave the model its general contact, whose markers are the model's last."""
-    counted = Recorder(0)
-    add(replace(model, mbs=counted))
-    recorded = Recorder(model.mbs.systemData.NumberOfMarkers() - counted.next)
-    add(replace(model, mbs=recorded))
-    return recorded.calls
 
 
 def write_exudyn(scene: Scene, settings: Settings) -> str:
@@ -129,11 +85,10 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
     Raises NotWritable naming each part for which Exudyn calls a Python function of the adapter.
     """
     get("exudyn")  # raises EngineMissing before the adapter's modules are imported
-    from cross_checks.engines.exudyn_.contact import add_contacts
-    from cross_checks.engines.exudyn_.run import CONTACT, SOLVERS
+    from cross_checks.engines.exudyn_.run import SOLVERS
 
     job = job_of(scene, settings, "exudyn")
-    model, plan = job.built.model, job.plan
+    model, plan, options = job.built.model, job.plan, job.built.options
     if any(BY_SHARED_CODE in note for note in model.notes):
         refuse_shared(job)
     if calls_python(model.mbs):
@@ -143,10 +98,11 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
     return script(
         job, "exudyn and numpy", items=list(lines(model.mbs)), sensors=sensors, tree=tree is not None,
         number=getattr(model, "number", -1),
-        contact=general_contact(model, add_contacts) if plan.method.name == CONTACT else [],
-        options=list(changed(job.built.options, type(job.built.options)())), solver=SOLVERS[plan.method.name].name,
+        contact=list(general_contact(model)),
+        options=list(changed(options.GetDictionary(), type(options)().GetDictionary())),
+        solver=SOLVERS[plan.method.name].name,
         every=reduce(gcd, plan.counts) if plan.counts else 0, turns=turns_of(scene) if tree else None,
-        sparse=job.built.loops and job.built.options.linearSolver.solverType.name != "EigenDense",
+        sparse=job.built.loops and options.linearSolver.solverType.name != "EigenDense",
     )  # fmt: skip
 
 

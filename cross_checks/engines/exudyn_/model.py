@@ -28,6 +28,7 @@ class Redundant:
     widths: list[int] = field(default_factory=list)  # numbers a sensor gives
     forces: dict[str, int] = field(default_factory=dict)  # joint -> first column of its recorded force
     notes: tuple[str, ...] = ()
+    general: list = field(default_factory=list)  # see contact.general_contact
 
     @property
     def planar(self) -> bool:
