@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -47,6 +47,11 @@ def unturned(position: np.ndarray) -> np.ndarray:
     """Return angles or Euler parameters (n_t, n_bodies, 4) of bodies that do not turn, by their positions."""
     times, bodies, dimension = position.shape
     return np.zeros((times, bodies)) if dimension == 2 else np.tile([1.0, 0.0, 0.0, 0.0], (times, bodies, 1))
+
+
+def of_one_body(x: np.ndarray, y: np.ndarray, angle: Any, uncertainty: float, how: str) -> Truth:
+    """Return the exact truth of one body in the plane; its place is (n_t,) m, its angle rad at all times or each."""
+    return Truth(np.stack((x, y), axis=1)[:, None], np.full_like(x, angle)[:, None], uncertainty, "exact", how)
 
 
 @dataclass(frozen=True)

@@ -102,8 +102,7 @@ def _add_shared_forces(model: Redundant) -> None:
     """Apply contacts, and loads without a connector, through one item over all nodes, which calls Python."""
     loads = _foreign(model.scene)
     linkage = linkage_of(model.scene.model_copy(update={"loads": loads}))
-    applied, planar = Applied(linkage), model.planar
-    turns = linkage.angle[:, None] if planar else linkage.theta
+    applied, turns = Applied(linkage), linkage.angle if model.planar else linkage.theta
     start = np.column_stack(([body.position for body in model.scene.bodies], turns))
     used = np.ones(start.shape, dtype=bool)
     used[linkage.rigid == 0.0, model.scene.dimension :] = False  # a particle's node has its place alone
@@ -114,8 +113,7 @@ def _add_shared_forces(model: Redundant) -> None:
         pose, rate = start.copy(), np.zeros_like(start)
         pose[used] += q
         rate[used] = v
-        evaluate = applied.in_plane if planar else applied.of_parameters
-        return (evaluate(t, pose, rate) - weight)[used]
+        return (applied.at_poses(t, pose, rate) - weight)[used]
 
     size = int(used.sum())
     zero = np.zeros((size, size))
