@@ -11,8 +11,7 @@ import numpy as np
 
 from cross_checks.engine import STEPS, End, Loop, Method, Plan, Refusal
 from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
-from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage, linkage_of
 from mbs_ref import Scene
 
 LOOPS = {"error_reduction": 0.01, "force_mixing": 1e-9, "largest_correction": 10.0}  # DART's defaults, pinned; m/s

@@ -34,8 +34,7 @@ from numba.core.event import trigger_event
 
 from cross_checks.engine import SINGLE, STEPS, End, Loop, Method, Plan
 from cross_checks.linkage.forces import LinkageEngine
-from cross_checks.linkage.links import Link, Linkage, linkage_of
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Link, Linkage, linkage_of
 from mbs_ref import Scene
 from mbs_ref.scene.euler_parameters import rotation_matrices
 

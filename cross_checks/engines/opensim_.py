@@ -15,8 +15,7 @@ import opensim  # an optional extra
 
 from cross_checks.engine import RTOLS, STEPS, End, Loop, Method, Plan, Refusal
 from cross_checks.linkage.forces import LinkageEngine
-from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of, rest_length
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage, linkage_of, rest_length
 from mbs_ref import Status
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits

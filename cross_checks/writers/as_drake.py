@@ -5,8 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cross_checks.engines import get
-from cross_checks.linkage.links import Closure, Link, Linkage
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage
 from cross_checks.writers.script import Form, NotWritable, job_of, refuse_shared, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody

@@ -11,8 +11,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody import tree as parts
 from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant
 
-from cross_checks.linkage.links import Closure, Link, Linkage
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage
 
 Shapes = Callable[[MultibodyPlant, dict[int, Any]], None]
 

@@ -20,8 +20,7 @@ from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, has_connector
 from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
 from cross_checks.linkage.forces import BY_SHARED_CODE, PARTS, Applied, shared_refusals
-from cross_checks.linkage.links import lifted, linkage_of
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, lifted, linkage_of
 from mbs_ref import Settings
 from mbs_ref.scene import CoordinateDrive, Load, PlanarBody, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices

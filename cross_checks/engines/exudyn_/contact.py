@@ -12,8 +12,8 @@ import numpy as np
 
 from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.model import Redundant
+from cross_checks.linkage.links import FIXED
 from cross_checks.linkage.surfaces import frame_of, friction_refusals, is_half_space, spheres_of
-from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw

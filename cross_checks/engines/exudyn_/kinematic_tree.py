@@ -9,9 +9,8 @@ import numpy as np
 
 from cross_checks.engine import Refusal
 from cross_checks.linkage.forces import SHARED, applied
-from cross_checks.linkage.links import Link, Linkage, linkage_of
+from cross_checks.linkage.links import FIXED, Link, Linkage, linkage_of
 from cross_checks.linkage.motion import arrays_of, motion_of, poses_of
-from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.base.part import normals
 

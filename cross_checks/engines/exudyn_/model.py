@@ -7,8 +7,7 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.linkage.links import Z, lifted
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Z, lifted
 from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene import Distance, PlanarBody, Scene, SpatialBody

@@ -8,8 +8,7 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engines.exudyn_.model import Redundant
-from cross_checks.linkage.links import Z, lifted, rest_length, rest_turn
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Z, lifted, rest_length, rest_turn
 from mbs_ref import scene
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.signals import motion_segments, piece_at

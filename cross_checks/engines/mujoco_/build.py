@@ -9,8 +9,7 @@ from mujoco import rollout
 from cross_checks.engine import End, Method, Plan, exponential, fixed
 from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.forces import LOADS, add_tendon
-from cross_checks.linkage.links import Closure, Link, Linkage
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage
 from mbs_ref import Scene, Status
 from mbs_ref.scene.euler_parameters import from_matrix
 

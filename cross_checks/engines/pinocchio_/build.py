@@ -11,8 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from cross_checks.linkage.forces import Applied, applied
-from cross_checks.linkage.links import Closure, Link, Linkage, Z
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage, Z
 
 FREE, BALL = "JointModelFreeFlyer", "JointModelSpherical"
 
