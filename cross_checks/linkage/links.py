@@ -22,6 +22,7 @@ Holding = Revolute | Prismatic | Weld | Spherical | Universal | Cylindrical | Di
 CLOSES_EASILY = Revolute | Spherical | Distance  # engines close loops by shared points and by rods
 ALONE = np.array([1.0, 0.0, 0.0, 0.0])  # Euler parameters of no turn
 Z = np.array([0.0, 0.0, 1.0])
+SIX = ([0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2])  # of a matrix: xx, yy, zz, xy, xz, yz
 FREE_KIND = {2: "planar", 3: "free"}  # of a body without a joint, by dimension
 
 
@@ -121,6 +122,11 @@ class Link:
         kinds = {"prismatic": ["slide"], "cylindrical": ["slide", "turn"], "ball": ["ball"]}
         axes = [none] if self.kind == "ball" else list(self.axes)
         return list(zip(kinds.get(self.kind, ["turn"] * len(axes)), axes, strict=True))
+
+    @property
+    def turning_first(self) -> np.ndarray:
+        """The rates at t = 0, a free body's angular velocity before its velocity."""
+        return np.roll(self.rates, 3) if self.kind == "free" else self.rates
 
     @property
     def size(self) -> int:

@@ -39,12 +39,7 @@ class Mechanism:
 
     def configured(self, q: np.ndarray) -> np.ndarray:
         """Return q with quaternions of norm one, which Pinocchio takes for granted."""
-        if not len(self.turns[0]):
-            return q
-        q = q.copy()
-        theta = q[self.turns[0]]
-        q[self.turns[0]] = theta / np.linalg.norm(theta, axis=1, keepdims=True)
-        return q
+        return pin.normalize(self.model, q) if len(self.turns[0]) else q
 
     def rate(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return q': quaternions turn with v in the body's axes, and so do free-flyers' velocities."""
