@@ -151,9 +151,10 @@ class Exudyn(Engine):
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
         if method.name in EXPLICIT_CONTACT:
-            sentence = f"load {{!r}}: {method.name} does not yet support {{}}"
-            reasons += [Refusal(sentence.format(load.name, load.type), False) for load in scene.loads]
-            reasons += general_contact_refusals(scene) if method.name == CONTACT else pair_contact_refusals(scene)
+            beyond = [f"load {load.name!r}: {method.name} does not yet support {load.type}" for load in scene.loads]
+            beyond += [f"joint {joint.name!r}: Exudyn's explicit solvers support no joints" for joint in scene.joints]
+            beyond += general_contact_refusals(scene) if method.name == CONTACT else pair_contact_refusals(scene)
+            reasons += [Refusal(reason, permanent=False) for reason in beyond]
         else:
             reasons += shared_refusals(scene)
         if method.name.startswith(TREE):

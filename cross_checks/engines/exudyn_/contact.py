@@ -10,7 +10,6 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.model import Redundant
 from cross_checks.linkage.links import FIXED
 from cross_checks.linkage.surfaces import frame_of, friction_refusals, is_half_space, spheres_of
@@ -24,8 +23,9 @@ type Flat = CircleOnLine | SphereOnPlane
 FLAT, ROUND = (CircleOnLine, SphereOnPlane), (CircleOnCircle, SphereOnSphere)
 
 
-def general_contact_refusals(scene: Scene) -> list[Refusal]:
-    reasons = _jointed(scene)
+def general_contact_refusals(scene: Scene) -> list[str]:
+    """Return why GeneralContact cannot stand for the contacts: it has one law, and lets every two shapes touch."""
+    reasons = []
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
         if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, (*FLAT, *ROUND)):
@@ -37,23 +37,12 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
             reasons.append(f"{where}: GeneralContact ends a contact of {contact.type} by release = {rule!r} alone")
         if isinstance(contact, FLAT) and not is_half_space(contact):
             reasons.append(f"{where}: only an endless line or plane on ground is supported")
-    reasons += _mixed_refusals(scene)
-    return [Refusal(reason, permanent=False) for reason in reasons]
-
-
-def _jointed(scene: Scene) -> list[str]:
-    return [f"joint {joint.name!r}: Exudyn's explicit solvers support no joints" for joint in scene.joints]
-
-
-def _mixed_refusals(scene: Scene) -> list[str]:
-    """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair of two bodies touch."""
     laws = {repr((contact.law, contact.friction)) for contact in scene.contacts}
     simple = [contact for contact in scene.contacts if isinstance(contact, (*FLAT, *ROUND))]
     shapes = {shape for contact in simple for shape in spheres_of(contact)}
     bodies = [body for body, _, _ in shapes]
     floors = {surface_of(contact) for contact in simple if isinstance(contact, FLAT)}
     every_pair_is_listed = len(shapes) * len(floors) == len(simple)  # none of two round shapes
-    reasons = []
     if len(laws) > 1:
         reasons.append("GeneralContact gives laws to shapes, not to pairs: all contacts must share one")
     if len(bodies) != len(set(bodies)) and not every_pair_is_listed:
@@ -117,8 +106,9 @@ def _plane(model: Redundant, point: tuple[float, ...], normal: tuple[float, ...]
     return {"rigidBodyMarkerIndex": marker, "pointList": corners, "triangleList": [[0, 1, 2], [0, 2, 3]]}
 
 
-def pair_contact_refusals(scene: Scene) -> list[Refusal]:
-    reasons = _jointed(scene)
+def pair_contact_refusals(scene: Scene) -> list[str]:
+    """Return why connectors cannot stand for the contacts."""
+    reasons = []
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
         reasons += friction_refusals("Exudyn", contact)
@@ -128,7 +118,7 @@ def pair_contact_refusals(scene: Scene) -> list[Refusal]:
             reasons.append(f"{where}: the connectors release at gap = 0; give release = 'gap'")
         if isinstance(contact, SphereOnPlane) and (contact.extent != "plane" or contact.thickness is not None):
             reasons.append(f"{where}: only an endless plane is supported")
-    return [Refusal(reason, permanent=False) for reason in reasons]
+    return reasons
 
 
 def add_pair_contacts(model: Redundant) -> None:
