@@ -3,7 +3,7 @@
 Every joint's frame stands along the world's axes at t = 0, where all coordinates are neutral.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -119,3 +119,14 @@ def _contacts(mechanism: Mechanism, closure: Closure, origin: dict[int, np.ndarr
         contact = pin.RigidConstraintModel(kind, mechanism.model, a, at_a, b, at_b, pin.ReferenceFrame.LOCAL)
         contact.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(*gains))
         yield contact
+
+
+def joints_of(model: Any) -> Iterator[tuple]:
+    """Yield parent, name, kind, axis, turn and place (m) in the parent, mass, centre and inertia of every joint.
+
+    Joints that turn or slide along no axis of their own have an empty one.
+    """
+    for i in range(1, model.njoints):
+        joint, placement, inertia = model.joints[i].extract(), model.jointPlacements[i], model.inertias[i]
+        body = placement.rotation, placement.translation, inertia.mass, inertia.lever, inertia.inertia
+        yield (int(model.parents[i]), model.names[i], joint.shortname(), getattr(joint, "axis", np.zeros(0)), *body)

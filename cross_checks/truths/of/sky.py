@@ -148,11 +148,8 @@ def _satellite_poses(states: np.ndarray, radius, rate) -> tuple[np.ndarray, np.n
     turned = np.zeros((count, 2, 4))
     turned[:, 0, 0] = 1.0
     turned[:, 1] = from_axis_angle((0.0, 0.0, 1.0), theta.astype(float))
-    position[:, 1, :2] = np.column_stack((radius * r * np.cos(nu), radius * r * np.sin(nu)))
-    out, across = climb * radius * rate, r * sweep * radius * rate
-    velocity[:, 1, :2] = np.column_stack(
-        (out * np.cos(nu) - across * np.sin(nu), out * np.sin(nu) + across * np.cos(nu))
-    )
+    place = radius * np.exp(1j * nu) * np.array((r, rate * (climb + 1j * r * sweep)))  # m and m/s, x + i y
+    (position[:, 1, 0], velocity[:, 1, 0]), (position[:, 1, 1], velocity[:, 1, 1]) = place.real, place.imag
     omega[:, 1, 2] = spin * rate
     return position, turned, velocity, omega
 
