@@ -29,12 +29,6 @@ def items(mbs: Any) -> Iterator[tuple[str, dict[str, Any]]]:
             yield kind, {key: value for key, value in fields.items() if key != "name" and not key.startswith("V")}
 
 
-def calls_python(mbs: Any) -> bool:
-    """Return whether an item calls a Python function."""
-    named = (value for _, fields in items(mbs) for key, value in fields.items() if NAMED in key)
-    return any(isinstance(value, dict) for value in named)
-
-
 def text(value: Any) -> str:
     """Return Python text of a field."""
     kind = type(value).__name__
@@ -49,12 +43,6 @@ def text(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(text, value))}]"
     return literal(value)
-
-
-def lines(mbs: Any) -> Iterator[str]:
-    """Yield the calls that build the system."""
-    for kind, fields in items(mbs):
-        yield f"mbs.Add{kind}({{{', '.join(f'{key!r}: {text(value)}' for key, value in fields.items())}}})"
 
 
 def changed(given: dict[str, Any], usual: dict[str, Any], path: str = "options") -> Iterator[str]:
@@ -91,12 +79,15 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
     model, plan, options = job.built.model, job.plan, job.built.options
     if any(BY_SHARED_CODE in note for note in model.notes):
         refuse_shared(job)
-    if calls_python(model.mbs):
+    parts = list(items(model.mbs))
+    if any(NAMED in key and isinstance(value, dict) for _, fields in parts for key, value in fields.items()):
         refuse(scene, "exudyn", model.notes)
+    lines = [f"mbs.Add{kind}({{{', '.join(f'{key!r}: {text(value)}' for key, value in fields.items())}}})"
+             for kind, fields in parts]  # fmt: skip
     tree = getattr(model, "linkage", None)
     sensors = list(_link_sensors(model) if tree else _sensors(job))
     return script(
-        job, "exudyn and numpy", items=list(lines(model.mbs)), sensors=sensors, tree=tree is not None,
+        job, "exudyn and numpy", items=lines, sensors=sensors, tree=tree is not None,
         number=getattr(model, "number", -1),
         contact=list(general_contact(model)),
         options=list(changed(options.GetDictionary(), type(options)().GetDictionary())),

@@ -67,9 +67,12 @@ class Redundant:
 
     def place(self, body: str, point) -> list[float]:
         """Return a world point (t = 0) in a body's frame, whose origin is the centre of mass."""
+        return (self.axes(body).T @ (lifted(point) - self.centre(body))).tolist()
+
+    def centre(self, body: str) -> np.ndarray:
+        """Return the body's centre of mass (3,) m at t = 0, or the world's origin."""
         k = self.scene.body_index(body)
-        centre = lifted(self.scene.bodies[k].position) if k != FIXED else np.zeros(3)
-        return (self.axes(body).T @ (lifted(point) - centre)).tolist()
+        return lifted(self.scene.bodies[k].position) if k != FIXED else np.zeros(3)
 
     def marker(self, body: str, point, rigid: bool | None = None) -> int:
         """Return a marker at a world point (t = 0); a rigid one takes torques, as all on rigid bodies in space do."""

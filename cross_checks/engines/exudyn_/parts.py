@@ -1,7 +1,6 @@
 """Joints and loads in redundant coordinates."""
 
 import math
-from collections.abc import Callable
 
 import exudyn as exu
 import exudyn.itemInterface as item
@@ -92,7 +91,12 @@ def _add_drive(model: Redundant, joint: scene.CoordinateDrive) -> None:
 
 
 def _add_spring(model: Redundant, load: scene.SpringDamper) -> None:
-    law = {"springForceUserFunction": _pull_only(load.limit or math.inf)} if load.tension_only else {}
+    limit = load.limit or math.inf
+
+    def pull(mbs, t, number, stretch, stretch_rate, stiffness, damping, force) -> float:
+        return min(limit, max(0.0, stiffness * stretch + damping * stretch_rate)) if stretch > 0.0 else 0.0
+
+    law = {"springForceUserFunction": pull} if load.tension_only else {}
     model.mbs.AddObject(
         item.ObjectConnectorSpringDamper(
             markerNumbers=model.pair(load, load.point_a, load.point_b), referenceLength=rest_length(load),
@@ -103,13 +107,6 @@ def _add_spring(model: Redundant, load: scene.SpringDamper) -> None:
         model.notes += (CALLS.format("load", load.name),)
 
 
-def _pull_only(limit: float) -> Callable[..., float]:
-    def pull(mbs, t, number, stretch, stretch_rate, stiffness, damping, force) -> float:
-        return min(limit, max(0.0, stiffness * stretch + damping * stretch_rate)) if stretch > 0.0 else 0.0
-
-    return pull
-
-
 def _add_torsion(model: Redundant, load: scene.TorsionSpring) -> None:
     """Add a spring between the angles of two planar bodies, or about z of a frame whose z axis is the spring's."""
     ends, rest = (load.body_a, load.body_b), rest_turn(model.scene, load)
@@ -117,7 +114,7 @@ def _add_torsion(model: Redundant, load: scene.TorsionSpring) -> None:
         markers, kind = [model.coordinate(body, 2) for body in ends], item.ObjectConnectorCoordinateSpringDamper
     else:
         frame, kind = np.column_stack((*normals(load.axis), unit(load.axis))), item.ObjectConnectorTorsionalSpringDamper
-        markers = [model.frame(body, _centre(model, body), frame) for body in ends]
+        markers = [model.frame(body, model.centre(body), frame) for body in ends]
     law = {"stiffness": load.stiffness, "damping": load.damping, "offset": rest}
     model.mbs.AddObject(kind(markerNumbers=markers, **law))
 
@@ -158,11 +155,6 @@ def has_connector(whole: scene.Scene, load: scene.Load) -> bool:
         for joint in whole.joints
         if isinstance(joint, scene.Revolute | scene.Cylindrical | scene.Prismatic) and joint.axis is not None
     )
-
-
-def _centre(model: Redundant, body: str):
-    k = model.scene.body_index(body)
-    return model.scene.bodies[k].position if k != FIXED else np.zeros(model.scene.dimension)
 
 
 def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueVector) -> None:

@@ -33,7 +33,7 @@ class Formulation:
 
 def agree(
     first: Formulation, second: Formulation, times: np.ndarray, ways: tuple[str, str], *, extended: bool,
-    rk_tolerance: float = RK_TOLERANCE, is_stiff: bool = False, is_costly: bool = False,
+    is_stiff: bool = False, is_costly: bool = False,
 ) -> Truth:  # fmt: skip
     """Solve `first` by DOP853 and `second` by extrapolation, in extended precision if so requested; compare poses.
 
@@ -48,7 +48,7 @@ def agree(
     kind = np.longdouble if extended else float
     tolerance = 64 * float(np.finfo(kind).eps)
     solve = lsoda if is_stiff else runge_kutta
-    states = solve(first.derivative, first.start, grid, rk_tolerance)
+    states = solve(first.derivative, first.start, grid, RK_TOLERANCE)
     coarse, rates = _poses(first, grid, states), _rates(first, grid, states)
     sensitivity = _sensitivity(first, grid, coarse, solve)
     fine, best, difference = coarse, rates, float("nan")

@@ -90,14 +90,10 @@ class Moment:
 
     def displaced(self, step: np.ndarray) -> "Moment":
         """Return the moment with its pose moved and turned by a step (n_coordinates,), m and rad."""
-        full = np.zeros_like(self.rate)
-        full[self.used] = step
-        position = self.position + full[:, : self.scene.dimension]
-        turns = full[:, self.scene.dimension :]
-        if self.planar:
-            return replace(self, position=position, orientation=self.orientation + turns[:, 0])
-        orientation = _turned(self.orientation, turns, np.ones(1))[0]
-        return replace(self, position=position, orientation=orientation)
+        full = np.zeros((1, *self.rate.shape), dtype=self.rate.dtype)
+        full[0, self.used] = step
+        path = self._path(np.zeros(1), full, np.ones(1), full).trajectory
+        return replace(self, position=path.position[0], orientation=path.orientation[0])
 
     def span(self, rate: np.ndarray) -> float:
         """Return the stencil's step (s) for a motion at that rate."""
