@@ -16,7 +16,7 @@ import numpy as np
 
 from cross_checks import robots
 from cross_checks.engine.plan import initial_sample
-from cross_checks.robots.robot import RobotError, root_of
+from cross_checks.robots import RobotError, root_of
 from mbs_ref.observables import kinetic_energy, potential_energy
 
 Values = dict[str, float]  # rad or m, or their rates, by joint name

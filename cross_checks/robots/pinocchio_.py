@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio
 
-from cross_checks.robots import robot
+from cross_checks import robots
+from cross_checks.robots import Axis, Robot, RobotError, of_file, own_forces, plain, refuse, six, three, unknown
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
-from cross_checks.robots.robot import Axis, Robot, RobotError, of_file, own_forces, plain, refuse, six, three, unknown
 from mbs_ref.scene import GROUND, Bushing, Prismatic, Revolute, Scene, SpatialBody, TorsionSpring
 from mbs_ref.scene.euler_parameters import from_matrix
 
@@ -50,14 +50,14 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
     named = {element.name: element for element in _elements(path)}
     elements = {name: element._replace(**dict.fromkeys(ignored, 0.0)) for name, element in named.items()}
     movable = [name for name, element in elements.items() if element.kind != "fixed"]
-    refuse(path, (unknown(name, movable, OPTIONS) for name in asked if name.removesuffix(robot.RATE) not in movable))
-    locked = [name for name, value in asked.items() if value == robot.LOCKED]
+    refuse(path, (unknown(name, movable, OPTIONS) for name in asked if name.removesuffix(robots.RATE) not in movable))
+    locked = [name for name, value in asked.items() if value == robots.LOCKED]
     elements |= {name: elements[name]._replace(kind="fixed", mimics=False) for name in locked}
     refuse(path, _refusals(elements.values()))
     model = _model(path, locked, base == "free")
     if base == "free":
-        elements[FREE] = Element(FREE, "floating", robot.base_of(path), 0.0, 0.0, False, False)
-    start = {name: float(value) for name, value in asked.items() if value != robot.LOCKED}
+        elements[FREE] = Element(FREE, "floating", robots.base_of(path), 0.0, 0.0, False, False)
+    start = {name: float(value) for name, value in asked.items() if value != robots.LOCKED}
     moving = _Posed(model, elements, start)
     refuse(path, moving.massless())
     with of_file(path):
@@ -82,7 +82,7 @@ def _model(path: Path, locked: list[str], free: bool) -> Any:
 
 
 def _elements(path: Path) -> Iterator[Element]:
-    for joint in robot.root_of(path, "robot").findall("joint"):
+    for joint in robots.root_of(path, "robot").findall("joint"):
         dynamics, child = joint.find("dynamics"), joint.find("child")
         numbers = {} if dynamics is None else dynamics.attrib
         yield Element(
@@ -99,7 +99,7 @@ def _refusals(elements) -> Iterator[str]:
         if element.kind not in (*TURNING, *SLIDING):
             yield f"joint {element.name!r} is {element.kind}; taken: revolute, continuous, prismatic, fixed"
         if element.mimics:
-            yield f"joint {element.name!r} mimics another; -p {element.name}={robot.LOCKED} holds it still"
+            yield f"joint {element.name!r} mimics another; -p {element.name}={robots.LOCKED} holds it still"
         if element.friction:
             what = f"joint {element.name!r} has dry friction of {element.friction:g}; scenes have none in joints"
             yield f"{what}; -p ignore=friction leaves it out"
@@ -135,7 +135,7 @@ class _Posed:
                 continue
             turn = start.get(name, 0.0)
             q[joint.idx_q : joint.idx_q + joint.nq] = turn if joint.nq == 1 else (np.cos(turn), np.sin(turn))
-            v[joint.idx_v] = start.get(name + robot.RATE, 0.0)
+            v[joint.idx_v] = start.get(name + robots.RATE, 0.0)
         pinocchio.forwardKinematics(model, self.data, q, v)
         self.q = q
 

@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cross_checks.robots.robot import LOCKED, RATE, Axis, own_forces, plain, six, three
+from cross_checks.robots import LOCKED, RATE, Axis, own_forces, plain, six, three
 from mbs_ref.scene import GROUND, Cylindrical, Prismatic, Revolute, SpatialBody, Spherical, Universal, Weld
 from mbs_ref.scene.euler_parameters import from_matrix
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import agree
+from cross_checks.truths.made_by import agree
 from cross_checks.truths.made_by.mechanisms import rod_chain, spherical_tree
 from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
 from cross_checks.truths.made_by.mechanisms.rod_chain import Rods

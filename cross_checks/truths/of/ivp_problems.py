@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation, agree
+from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.one_freedom import agree_on
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.oracle.dense_oracle import Moment, augmented, consistent
+from cross_checks.truths.oracle import Moment, augmented, consistent
 from mbs_ref import scene as parts
 from mbs_ref.scene import GROUND, PointMass, Scene
 from mbs_ref.scene.signals import Constant, HalfSine, Harmonic, Polynomial, Table

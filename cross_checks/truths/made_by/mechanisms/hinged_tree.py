@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation
+from cross_checks.truths.made_by import Formulation
 from cross_checks.truths.made_by.mechanisms import hinged_tree_loads
 from cross_checks.truths.made_by.mechanisms.hinged_tree_loads import Loads, Motion, loads_of, mark, planar
 from cross_checks.truths.made_by.mechanisms.rod_chain import factor_and_solve
