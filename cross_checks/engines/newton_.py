@@ -134,9 +134,7 @@ class Reader:
 
 FEATHERSTONE = "featherstone"
 FLOAT32 = "Newton computes in single precision: n steps leave up to 6e-8 n of rounding"
-METHODS = (
-    Method(FEATHERSTONE, "fixed", 1, "symplectic Euler on joint coordinates", STEPS, roundoff=SINGLE),
-)  # fmt: skip
+METHODS = (Method(FEATHERSTONE, "fixed", 1, "symplectic Euler on joint coordinates", STEPS, roundoff=SINGLE),)
 SOLVERS: dict[str, tuple[str, dict[str, Any]]] = {  # class, options
     FEATHERSTONE: ("SolverFeatherstone", {"angular_damping": 0.0})  # 0.05 by default, which 1.8.0 does not read
 }

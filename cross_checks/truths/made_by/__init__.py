@@ -2,12 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from cross_checks.truths.made_by.numerics.rates import along
-from cross_checks.truths.made_by.numerics.solvers import extrapolate, extrapolate_branches, lsoda, radau, runge_kutta
+from cross_checks.truths.made_by.numerics.solvers import BRANCH_TOLERANCE, extrapolate, lsoda, radau, runge_kutta
 from cross_checks.truths.truth import ALIKE, EPS, Truth
 from mbs_ref.observables.distance import Partial, unmasked_distances
 
@@ -55,8 +54,12 @@ def agree(
     uncertainty, doubt = EPS * sensitivity, np.full(len(grid), np.inf)
     if not uncertainty > LARGEST_UNCERTAINTY:
         start = second.start.astype(kind)
-        again = partial(radau, second.derivative) if is_stiff else partial(_extrapolated, second)
-        solved = again(start, grid, tolerance)
+        if is_stiff:
+            solved = radau(second.derivative, start, grid, tolerance)
+        elif second.frozen is None:
+            solved = extrapolate(second.derivative, start, grid, tolerance)
+        else:
+            solved = extrapolate(second.frozen, start, grid, BRANCH_TOLERANCE, second.switches)
         fine, best = _poses(second, grid, solved), _rates(second, grid, solved)
         difference, roundoff = _gap(fine, coarse), EPS * max(1.0, sensitivity)
         apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)
@@ -68,12 +71,6 @@ def agree(
         fine[0][rows], fine[1][rows], uncertainty, "converged", how, difference, is_costly,
         best[0][rows], best[1][rows], doubt[rows],
     )  # fmt: skip
-
-
-def _extrapolated(formulation: Formulation, start: np.ndarray, grid: np.ndarray, tolerance: float) -> np.ndarray:
-    if formulation.frozen is None or formulation.switches is None:
-        return extrapolate(formulation.derivative, start, grid, tolerance)
-    return extrapolate_branches(formulation.frozen, formulation.switches, start, grid)
 
 
 def _grid(times: np.ndarray, breakpoints: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:
