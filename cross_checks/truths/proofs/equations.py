@@ -222,7 +222,7 @@ def _close(work: Derivation, joint: Any) -> None:
             work.close(row)
     work.apply(joint.body_b, b, pull)
     work.apply(joint.body_a, a, -pull)
-    for first, second in _square(joint, work.scene.dimension):
+    for first, second in _square(joint):
         one = work.frames[joint.body_a].along(work.vector(first))
         other = work.frames[joint.body_b].along(work.vector(second))
         if not _is_moved(work, one @ other):
@@ -259,11 +259,11 @@ def _drive(work: Derivation, joint: Any) -> None:
     work.residuals.append(speed.rate - first)
 
 
-def _square(joint: Any, dimension: int) -> list[tuple[Any, Any]]:
+def _square(joint: Any) -> list[tuple[Any, Any]]:
     """Return the directions of body a and of body b that a loop's joint keeps perpendicular."""
     if joint.type == "universal":
         return [(joint.axis_a, joint.axis_b)]
-    if joint.type != "revolute" or dimension == 2:
+    if joint.type != "revolute" or joint.axis is None:
         return []
     main = max(range(3), key=lambda k: abs(joint.axis[k]))
     across = [[0.0] * 3 for _ in range(2)]
