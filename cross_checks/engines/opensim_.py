@@ -89,14 +89,10 @@ def _joint(link: Link, parent: Any, place: np.ndarray, body: Any) -> Any:
     angles, here = _angles(_axes(link)), opensim.Vec3(0.0)
     create = getattr(opensim, f"{KINDS.get(link.kind, link.kind.capitalize())}Joint")
     joint = create(f"{link.name}_joint".replace("/", "_"), parent, _vector(place), angles, body, here, angles)
-    for k, rate in enumerate(_rates(link)):
+    turning_first = link.rates[[2, 0, 1]] if link.kind == "planar" else link.turning_first
+    for k, rate in enumerate(turning_first):
         joint.get_coordinates(k).setDefaultSpeedValue(float(rate))
     return joint
-
-
-def _rates(link: Link) -> np.ndarray:
-    """Return the rates in OpenSim's order, which turns before it slides."""
-    return link.rates[[2, 0, 1]] if link.kind == "planar" else link.turning_first
 
 
 def _constraints(bodies: dict[int, Any], linkage: Linkage, closure: Closure) -> list[Any]:

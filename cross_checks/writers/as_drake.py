@@ -4,7 +4,7 @@ import numpy as np
 
 from cross_checks.engines import get
 from cross_checks.linkage.links import SIX, Link, Linkage
-from cross_checks.writers.script import Form, NotWritable, job_of, refuse_shared, script, turns_of
+from cross_checks.writers.script import Form, NotWritable, job_of, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
 
@@ -21,8 +21,6 @@ def write_drake(scene: Scene, settings: Settings) -> str:
     if adapter.method(settings.method).name == WORLD:
         raise NotWritable(f"method = {WORLD!r} ends the process that runs it; allowed: {SAP}")
     job = job_of(scene, settings, "drake")
-    if job.built.applied is not None:
-        refuse_shared(job)
     linkage, method = job.built.linkage, job.plan.method.name
     return script(
         job, "drake and numpy", links=[_link(linkage, link) for link in linkage.links], gravity=linkage.gravity,

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.engines import get
 from cross_checks.linkage.forces import BY_SHARED_CODE
 from cross_checks.writers.script import Form, Job, job_of, literal, refuse, refuse_shared, script, turns_of
 from mbs_ref import Settings
@@ -72,10 +71,9 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
 
     Raises NotWritable naming each part for which Exudyn calls a Python function of the adapter.
     """
-    get("exudyn")  # raises EngineMissing before the adapter's modules are imported
+    job = job_of(scene, settings, "exudyn")  # raises EngineMissing before the adapter's modules are imported
     from cross_checks.engines.exudyn_.run import SOLVERS
 
-    job = job_of(scene, settings, "exudyn")
     model, plan, options = job.built.model, job.plan, job.built.options
     if any(BY_SHARED_CODE in note for note in model.notes):
         refuse_shared(job)

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.engines import get
-from cross_checks.writers.script import Form, Job, job_of, refuse_shared, script, turns_of
+from cross_checks.writers.script import Form, Job, job_of, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -17,14 +16,11 @@ def write_pinocchio(scene: Scene, settings: Settings) -> str:
 
     Raises NotWritable where the adapter's force code acts.
     """
-    get("pinocchio")  # raises EngineMissing before the adapter's modules are imported
+    job = job_of(scene, settings, "pinocchio")  # raises EngineMissing before the adapter's modules are imported
     from cross_checks.engines.pinocchio_.build import joints_of
     from cross_checks.engines.pinocchio_.loop import PROXIMAL
 
-    job = job_of(scene, settings, "pinocchio")
     mechanism = job.built.mechanism
-    if mechanism.applied is not None:
-        refuse_shared(job)
     needs = "pinocchio (pin), numpy" + ("" if job.plan.counts else " and scipy")
     return script(
         job, needs, joints=list(joints_of(mechanism.model)), constraints=list(_constraints(mechanism)),
