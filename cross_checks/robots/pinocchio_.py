@@ -160,32 +160,22 @@ class _Posed:
         )  # fmt: skip
 
     def constraints(self) -> Iterator[Revolute | Prismatic]:
-        yield from (self._joint(i) for i in self.joints if self.model.names[i] != FREE)
-
-    def _joint(self, i: int) -> Revolute | Prismatic:
-        name, (a, b), axis = self.model.names[i], self._ends(i), self._axis(i)
-        point = three(self.data.oMi[i].translation)
-        if self.elements[name].kind in SLIDING:
-            return Prismatic(name=plain(name), body_a=a, body_b=b, point=point, axis=axis)
-        return Revolute(name=plain(name), body_a=a, body_b=b, point=point, axis=axis)
-
-    def _ends(self, i: int) -> tuple[str, str]:
-        parent = self.model.parents[i]
-        return GROUND if parent == 0 else self.link(parent), self.link(i)
+        for axis in (self.axis(i) for i in self.joints if self.model.names[i] != FREE):
+            kind, ends = Prismatic if axis.slides else Revolute, {"body_a": axis.body_a, "body_b": axis.body_b}
+            yield kind(name=axis.joint, **ends, point=axis.point, axis=axis.along)
 
     def dampers(self) -> Iterator[TorsionSpring | Bushing]:
         for i in self.joints:
-            element, (a, b) = self.elements[self.model.names[i]], self._ends(i)
-            point, slides = three(self.data.oMi[i].translation), element.kind in SLIDING
-            yield from own_forces(Axis(plain(element.name), a, b, point, self._axis(i), slides), 0.0, element.damping)
+            yield from own_forces(self.axis(i), 0.0, self.elements[self.model.names[i]].damping)
 
-    def _axis(self, i: int) -> tuple[float, float, float]:
+    def axis(self, i: int) -> Axis:
         """Return the axis of joint i in the world, from the columns of its Jacobian in its own axes."""
-        data = self.model.createData()
-        jacobian = pinocchio.computeJointJacobian(self.model, data, self.q, i)
-        column = jacobian[:, self.model.joints[i].idx_v]
-        local = column[:3] if self.elements[self.model.names[i]].kind in SLIDING else column[3:]
-        return three(np.array(self.data.oMi[i].rotation) @ local)
+        model, name, parent = self.model, self.model.names[i], self.model.parents[i]
+        jacobian = pinocchio.computeJointJacobian(model, model.createData(), self.q, i)
+        column, slides = jacobian[:, model.joints[i].idx_v], self.elements[name].kind in SLIDING
+        along = np.array(self.data.oMi[i].rotation) @ (column[:3] if slides else column[3:])
+        ends = GROUND if parent == 0 else self.link(parent), self.link(i)
+        return Axis(plain(name), *ends, three(self.data.oMi[i].translation), three(along), slides)
 
 
 def by_pinocchio(path: Path, q: Values, v: Values) -> Dynamics:
