@@ -17,7 +17,7 @@ from cross_checks.engines.exudyn_.contact import (
 )
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
 from cross_checks.engines.exudyn_.model import Redundant
-from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, has_connector
+from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, STOPPED, add_joint, has_connector
 from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
 from cross_checks.linkage.forces import BY_SHARED_CODE, PARTS, Applied, shared_refusals
 from cross_checks.linkage.links import FIXED, lifted, linkage_of
@@ -49,7 +49,7 @@ def build_redundant(scene: Scene, method: str) -> Redundant:
         model.mbs.AddLoad(item.LoadMassProportional(markerNumber=weight, loadVector=lifted(scene.gravity).tolist()))
         _watch_body(model, k)
     for joint in scene.joints:
-        JOINTS[type(joint)](model, joint)
+        add_joint(model, joint)
     for load in scene.loads:
         if has_connector(scene, load):
             LOADS[type(load)](model, load)
@@ -160,7 +160,7 @@ class Exudyn(Engine):
         if method.name.startswith(TREE):
             return reasons + tree_refusals(scene)
         drives = (CoordinateDrive,) if scene.dimension == 3 else ()
-        strange = [joint for joint in scene.joints if type(joint) not in JOINTS or isinstance(joint, drives)]
+        strange = [joint for joint in scene.joints if type(joint) not in JOINTS | STOPPED or isinstance(joint, drives)]
         sentence = f"joint {{!r}}: {method.name} does not yet support {{}}"
         reasons += [Refusal(sentence.format(joint.name, joint.type), False) for joint in strange]
         if method.name == ROTATION_VECTOR and takes_shared_forces(scene, method.name):

@@ -16,9 +16,18 @@ PARALLEL = 1e-9  # sine of the angle between a spring's axis and a joint's
 CALLS = "{} {!r} calls Python at every residual"
 
 
+def add_joint(model: Redundant, joint) -> None:
+    """Add a joint; in space it stops some of six relative motions, along z of a frame whose z axis is the joint's."""
+    if model.planar or type(joint) not in STOPPED:
+        JOINTS[type(joint)](model, joint)
+        return
+    axis = getattr(joint, "axis", Z)
+    frame = np.column_stack((*normals(axis), unit(axis)))
+    markers = [model.frame(body, joint.point, frame) for body in joint.ends]
+    model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=STOPPED[type(joint)]))
+
+
 def _add_revolute(model: Redundant, joint: scene.Revolute) -> None:
-    if not model.planar:
-        return _add_generic(model, joint, joint.axis, [1, 1, 1, 1, 1, 0])
     _watch_force(model, joint.name, _pin(model, joint), 3)
 
 
@@ -33,9 +42,7 @@ def _watch_force(model: Redundant, joint: str, number: int, width: int) -> None:
 
 
 def _add_weld(model: Redundant, joint: scene.Weld) -> None:
-    """Hold a body at a point and at its angle; a particle in the plane has none."""
-    if not model.planar:
-        return _add_generic(model, joint, Z, [1, 1, 1, 1, 1, 1])
+    """Hold a body at a point and at its angle; a particle has none."""
     _pin(model, joint)
     bodies = [model.scene.body_index(name) for name in (joint.body_a, joint.body_b)]
     if all(k == FIXED or isinstance(model.scene.bodies[k], scene.PlanarBody) for k in bodies):
@@ -44,21 +51,12 @@ def _add_weld(model: Redundant, joint: scene.Weld) -> None:
 
 
 def _add_prismatic(model: Redundant, joint: scene.Prismatic) -> None:
-    if not model.planar:
-        return _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 1])
     markers = [model.marker(body, joint.point, rigid=True) for body in (joint.body_a, joint.body_b)]
     axis = unit(lifted(joint.axis))
     along, across = model.axes(joint.body_a).T @ axis, model.axes(joint.body_b).T @ np.cross(Z, axis)
     model.mbs.AddObject(
         item.ObjectJointPrismatic2D(markerNumbers=markers, axisMarker0=list(along), normalMarker1=list(across))
     )
-
-
-def _add_generic(model: Redundant, joint, axis, fixed: list[int]) -> None:
-    """Add a joint along z of a frame whose z axis is the joint's; `fixed` marks the six relative motions it stops."""
-    frame = np.column_stack((*normals(axis), unit(axis)))
-    markers = [model.frame(body, joint.point, frame) for body in (joint.body_a, joint.body_b)]
-    model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=fixed))
 
 
 def _add_spherical(model: Redundant, joint: scene.Spherical) -> None:
@@ -184,7 +182,10 @@ def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueV
 JOINTS = {
     scene.Revolute: _add_revolute, scene.Weld: _add_weld, scene.Prismatic: _add_prismatic,
     scene.Distance: _add_distance, scene.CoordinateDrive: _add_drive, scene.Spherical: _add_spherical,
-    scene.Cylindrical: lambda model, joint: _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0]),
+}  # fmt: skip
+STOPPED = {  # in space: relative motions along x, y, z of the joint, then about them
+    scene.Revolute: [1, 1, 1, 1, 1, 0], scene.Weld: [1, 1, 1, 1, 1, 1], scene.Prismatic: [1, 1, 0, 1, 1, 1],
+    scene.Cylindrical: [1, 1, 0, 1, 1, 0],
 }  # fmt: skip
 LOADS = {
     **dict.fromkeys((scene.Force, scene.Torque, scene.TorqueVector), _add_push),
