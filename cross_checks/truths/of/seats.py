@@ -110,7 +110,7 @@ TOUCHING, AROUND = 0, 1  # the switches: ball in contact; beyond the seat's stra
 
 @dataclass(frozen=True)
 class Pair:
-    """The two bodies, and the contact between them. Vectors of the plane are complex numbers, x + i y."""
+    """The two bodies, and the contact between them."""
 
     scene: Scene
 
@@ -124,32 +124,37 @@ class Pair:
         seat: Any = self.scene.bodies[1]
         return self.contact.point_1[1] - seat.position[1]
 
-    def depth(self, r: complex, angle: float, around: bool) -> tuple[float, complex]:
+    def depth(self, r: np.ndarray, angle, around: bool):
         """Return the ball's depth (m) in the seat at r (m) from the seat's mass centre, and the normal to the ball."""
-        along = np.exp(1j * angle)
-        local = r * np.conj(along)
+        along = np.array([np.cos(angle), np.sin(angle)])
+        above = np.array([-along[1], along[0]])
+        near = r @ along
         if around:
-            beyond = local - np.sign(local.real) * self.contact.point_2[0] - 1j * self.height
-            return self.contact.radius - abs(beyond), beyond / abs(beyond) * along
-        return self.contact.radius + self.height - local.imag, 1j * along
+            d = r - np.sign(near) * self.contact.point_2[0] * along - self.height * above
+            distance = np.sqrt(d @ d)
+            return self.contact.radius - distance, d / distance
+        return self.contact.radius + self.height - r @ above, above
 
-    def push(self, r: complex, u: complex, angle, seat_spin, ball_spin, on) -> tuple[complex, float, float]:
+    def push(self, r, u, angle, seat_spin, ball_spin, on) -> tuple[np.ndarray, Any, Any]:
         """Return the force on the ball (N), and its moments about ball and seat (N m); r and u = r' from the seat."""
+        nothing = np.zeros_like(r), r[0] * 0, r[0] * 0
         if not on[TOUCHING]:
-            return 0j, 0.0, 0.0
+            return nothing
         depth, normal = self.depth(r, angle, on[AROUND])
         arm = -self.contact.radius * normal
         lever = r + arm
-        slip = np.conj(normal) * (u + 1j * (ball_spin * arm - seat_spin * lever))  # along the normal, across it
+        slip = u + ball_spin * _turned(arm) - seat_spin * _turned(lever)
         law, friction = self.contact.law, self.contact.friction
         damping = law.damping * (depth if isinstance(law, ProgressiveLaw) else 1)
-        size = law.stiffness * depth - damping * slip.real
-        rub = 0 if friction is None else friction.coefficient * size * np.tanh(-slip.imag / friction.speed)
-        force = (size + 1j * rub) * normal
-        return force, (np.conj(arm) * force).imag, -(np.conj(lever) * force).imag
+        size = law.stiffness * depth - damping * (slip @ normal)
+        tangent = -_turned(normal)
+        rub = 0 if friction is None else -friction.coefficient * size * np.tanh(slip @ tangent / friction.speed)
+        force = size * normal + rub * tangent
+        return force, _cross(arm, force), -_cross(lever, force)
 
-    def switches(self, r: complex, angle: float) -> np.ndarray:
-        beyond = abs((r * np.exp(-1j * angle)).real) - self.contact.point_2[0]
+    def switches(self, r, angle) -> np.ndarray:
+        along = np.array([np.cos(angle), np.sin(angle)])
+        beyond = abs(r @ along) - self.contact.point_2[0]
         depth, _ = self.depth(r, angle, beyond > 0)
         return np.array([depth, beyond])
 
@@ -160,16 +165,25 @@ def ball_on_moving_seat(scene: Scene, times: np.ndarray) -> Truth:
     return agree(_world(Pair(scene)), _relative(Pair(scene)), times, ways, extended=False)
 
 
+def _turned(x: np.ndarray) -> np.ndarray:
+    return np.array([-x[1], x[0]])
+
+
+def _cross(x: np.ndarray, y: np.ndarray):
+    return x[0] * y[1] - x[1] * y[0]
+
+
 def _world(pair: Pair) -> Formulation:
     """y = x, y, angle of ball and seat, then their rates."""
     bodies: Any = pair.scene.bodies
     inertia = np.array([x for body in bodies for x in (body.mass, body.mass, body.inertia)])
 
     def derivative(t, y):
-        r, u = complex(*(y[:2] - y[3:5])), complex(*(y[6:8] - y[9:11]))
-        force, ball, seat = pair.push(r, u, y[5], y[11], y[8], pair.switches(r, y[5]) > 0)
-        push = np.array([force.real, force.imag, ball, -force.real, -force.imag, seat])
-        return np.concatenate((y[6:], push / inertia))
+        (p, a), (v, w) = (part.reshape(2, 3)[:, :2] for part in (y[:6], y[6:]))
+        r, u = p - a, v - w
+        on = pair.switches(r, y[5]) > 0
+        force, ball, seat = pair.push(r, u, y[5], y[11], y[8], on)
+        return np.concatenate((y[6:], np.array([*force, ball, *-force, seat]) / inertia))
 
     start = np.array([x for body in bodies for x in (*body.position, body.angle)]
                      + [x for body in bodies for x in (*body.velocity, body.angular_velocity)])  # fmt: skip
@@ -187,11 +201,11 @@ def _relative(pair: Pair) -> Formulation:
     inertia = np.array([reduced, reduced, ball.inertia, seat.inertia])
 
     def frozen(t, y, on):
-        force, on_ball, on_seat = pair.push(complex(*y[:2]), complex(*y[4:6]), y[3], y[7], y[6], on)
-        return np.concatenate((y[4:], np.array([force.real, force.imag, on_ball, on_seat]) / inertia))
+        force, on_ball, on_seat = pair.push(y[:2], y[4:6], y[3], y[7], y[6], on)
+        return np.concatenate((y[4:], np.array([*force, on_ball, on_seat]) / inertia))
 
     def switches(t, y):
-        return pair.switches(complex(*y[:2]), y[3])
+        return pair.switches(y[:2], y[3])
 
     def poses(t, y):
         center = weight @ places + weight @ speeds * t
