@@ -161,8 +161,8 @@ class _Posed:
 
     def constraints(self) -> Iterator[Revolute | Prismatic]:
         for axis in (self.axis(i) for i in self.joints if self.model.names[i] != FREE):
-            kind, ends = Prismatic if axis.slides else Revolute, {"body_a": axis.body_a, "body_b": axis.body_b}
-            yield kind(name=axis.joint, **ends, point=axis.point, axis=axis.along)
+            kind = Prismatic if axis.slides else Revolute
+            yield kind(name=axis.joint, body_a=axis.body_a, body_b=axis.body_b, point=axis.point, axis=axis.along)
 
     def dampers(self) -> Iterator[TorsionSpring | Bushing]:
         for i in self.joints:

@@ -64,6 +64,6 @@ def _text(numbers: Any) -> str:
 
 
 FORMS = (
-    Form("mjcf", ".xml", "a model file of MuJoCo", lambda *given: mjcf_of(job_of(*given, "mujoco"))),
+    Form("mjcf", ".xml", "a model file of MuJoCo", lambda scene, settings: mjcf_of(job_of(scene, settings, "mujoco"))),
     Form("mujoco", ".py", "a script that runs in MuJoCo alone", write_mujoco),
 )

@@ -126,7 +126,7 @@ def _forces(left, right, wheel) -> tuple[Any, Any]:
 def _placed(wheel, left, right) -> tuple[np.ndarray, np.ndarray]:
     """Return places and angles of the wheels' axis, of the left and of the right end."""
     places, tilt = np.array([wheel, left, right]), np.angle(wheel)
-    return np.stack((places.real, places.imag), axis=1), np.array([tilt, tilt, 0.0 * tilt])
+    return np.stack((np.real(places), np.imag(places)), axis=1), np.array([tilt, tilt, 0.0 * tilt])
 
 
 def _minimal() -> Formulation:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ class Frame:
     """A body in motion. `turn` has its rotation since t = 0, `angle` that angle in the plane, `e` its parameters."""
 
     place: Vector
-    turn: np.ndarray  # (3, 3)
+    turn: Any  # an array (3, 3) of formulas
     spin: Vector
     angle: Formula | None = None
     e: tuple[Formula, ...] = ()
@@ -102,4 +103,5 @@ def ground(tape: Tape) -> Frame:
     """Return the frame at rest."""
     zero, one = tape.number(0), tape.number(1)
     still = np.array([zero] * 3)
-    return Frame(still, np.where(np.eye(3), one, zero), still, zero, (one, zero, zero, zero))
+    unit = np.array([[one, zero, zero], [zero, one, zero], [zero, zero, one]])
+    return Frame(still, unit, still, zero, (one, zero, zero, zero))

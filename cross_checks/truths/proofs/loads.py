@@ -100,7 +100,7 @@ def _oblateness(work: Derivation, load: Any) -> None:
         total = work.frames[GROUND].place
         for n, harmonic in enumerate(load.zonal, start=2):
             size = size * (inverse * radius)
-            total = total - (axis * slopes[n] - unit * slopes[n + 1]) * (size * work.number(harmonic))
+            total = total + (axis * slopes[n] - unit * slopes[n + 1]) * (size * work.number(harmonic) * -1)
         _attract(work, i, k, total)
         _attract(work, k, i, -total)
 
@@ -130,7 +130,7 @@ def impact(work: Derivation, part: Any) -> tuple[int, int, list[tuple[int, int]]
     else:
         if part.type == "circle_on_line":
             (x, y, zero), point = work.vector(part.point_2) - work.vector(part.point_1), part.point_1
-            normal = np.array([-y, x, zero])
+            normal: Vector = np.array([-y, x, zero])
         else:
             normal, point = work.vector(part.normal), part.point
         clearance = normal @ (gap - work.vector(point, length))

@@ -105,5 +105,5 @@ class Formula:
         return self.tape.line("sin", self.place), self.tape.line("cos", self.place)
 
 
-Vector = np.ndarray  # (3,) formulas, dtype object
+Vector = Any  # an array (3,) of formulas
 rate = np.frompyfunc(lambda formula: formula.rate, 1, 1)  # the derivative by time, element by element

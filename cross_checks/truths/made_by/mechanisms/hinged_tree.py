@@ -105,7 +105,7 @@ def _start(scene: Scene, free: list[str]) -> np.ndarray:
 def _all_poses(scene: Scene, free: list[str], motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     bodies, moving = [planar(scene, name) for name in scene.body_names], [scene.body_index(name) for name in free]
     place, angle = np.array([b.position for b in bodies]), np.array([b.angle for b in bodies])
-    place[moving, 0], place[moving, 1] = motion.place[:-1].real, motion.place[:-1].imag
+    place[moving] = np.column_stack((np.real(motion.place), np.imag(motion.place)))[:-1]
     angle[moving] = motion.angle[:-1]
     return place, angle
 

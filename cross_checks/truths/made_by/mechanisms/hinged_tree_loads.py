@@ -96,9 +96,10 @@ def _is_known(contact) -> bool:
 
 def _pairs(rows: list[tuple]) -> Pairs:
     a, b, *vectors, numbers = zip(*rows, strict=True) if rows else [()] * 6
-    ends = (np.array(end, dtype=np.int64) for end in (a, b))
-    padded = [[*given, *[0.0] * (COLUMNS - len(given))] for given in numbers]
-    return Pairs(*ends, *np.array(vectors, dtype=complex), np.array(padded, dtype=float).reshape(-1, COLUMNS))
+    point_a, point_b, along = np.array(vectors, dtype=complex)
+    padded = np.array([[*given, *[0.0] * (COLUMNS - len(given))] for given in numbers], dtype=float)
+    ends = np.array(a, dtype=np.int64), np.array(b, dtype=np.int64)
+    return Pairs(*ends, point_a, point_b, along, padded.reshape(-1, COLUMNS))
 
 
 def planar(scene: Scene, name: str) -> PlanarBody:
