@@ -137,7 +137,7 @@ run_options = _giver(RUN)  # the options of a run
 
 def _robot(file: str, parameters: Sequence[str]) -> Scene:
     """Return the scene of a robot, and say on stderr what was assumed."""
-    from cross_checks.robots.robot import RobotError, driven, read_start
+    from cross_checks.robots import RobotError, driven, read_start
 
     path = Path(file)
     if not path.is_file():

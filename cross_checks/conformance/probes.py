@@ -16,7 +16,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from cross_checks.conformance.bounces import bounce_truth, bounces
-from cross_checks.truths.oracle.dense_oracle import Moment, augmented, consistent
+from cross_checks.truths.oracle import Moment, augmented, consistent
 from cross_checks.truths.truth import Truth
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import GROUND, Scene

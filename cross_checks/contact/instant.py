@@ -18,7 +18,7 @@ from cross_checks import engines
 from cross_checks.contact.by_figure import RTOL, motion, run
 from cross_checks.contact.request import ContactModel
 from cross_checks.judge.vocabulary import OURS
-from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, augmented, unit_rates
+from cross_checks.truths.oracle import Augmented, Moment, augmented, unit_rates
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.contact_gap import relative_motion, shapes_known
 from mbs_ref.scene.base.part import normals

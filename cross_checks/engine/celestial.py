@@ -36,7 +36,15 @@ def no_satellites(scene: Scene) -> Iterator[str]:
     if any(scene.gravity):
         yield f"gravity = {scene.gravity}: no uniform field acts between satellites and planet"
     for load in scene.loads:
-        yield from _of_load(load, planet.name)
+        if isinstance(load, Oblateness):
+            if load.body != planet.name:
+                yield f"oblateness {load.name!r}: {load.body!r} does not attract"
+            if load.pole != "fixed" or load.axis != (0.0, 0.0, 1.0):
+                yield f"oblateness {load.name!r}: the planet's pole must be the fixed z axis"
+        if isinstance(load, Drag) and load.planet != planet.name:
+            yield f"drag {load.name!r}: {load.planet!r} is not the planet"
+        if isinstance(load, ThirdBody | RadiationPressure):
+            yield f"{load.type} {load.name!r}: the places of Sun and Moon would be messages, held through a step"
     yield from contradictions(scene)
 
 
@@ -61,18 +69,6 @@ def contradictions(scene: Scene) -> list[str]:
     except ValueError as error:
         return [str(error)]
     return []
-
-
-def _of_load(load: object, planet: str) -> Iterator[str]:
-    if isinstance(load, Oblateness):
-        if load.body != planet:
-            yield f"oblateness {load.name!r}: {load.body!r} does not attract"
-        if load.pole != "fixed" or load.axis != (0.0, 0.0, 1.0):
-            yield f"oblateness {load.name!r}: the planet's pole must be the fixed z axis"
-    if isinstance(load, Drag) and load.planet != planet:
-        yield f"drag {load.name!r}: {load.planet!r} is not the planet"
-    if isinstance(load, ThirdBody | RadiationPressure):
-        yield f"{load.type} {load.name!r}: the places of Sun and Moon would be messages, held through a step"
 
 
 def normalized_zonals(zonal: tuple[float, ...]) -> list[float]:

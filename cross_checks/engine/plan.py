@@ -15,15 +15,6 @@ from mbs_ref.scene import Revolute, Weld
 TURNING = {2: ("angle", 0.0, 0.0), 3: ("orientation", (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))}
 
 
-@dataclass(frozen=True)
-class Gap:
-    """How far a joint's worst row is from satisfied at t = 0."""
-
-    joint: str
-    position: float  # m or rad
-    velocity: float  # m/s or rad/s
-
-
 def initial_sample(scene: Scene) -> Trajectory:
     """Return the scene's own initial state as a trajectory of one sample."""
     orientation, level, still = TURNING[scene.dimension]
@@ -33,40 +24,27 @@ def initial_sample(scene: Scene) -> Trajectory:
     return Trajectory(np.zeros(1), position, turn, velocity, spin)
 
 
-def worst_gap(scene: Scene) -> Gap | None:
-    """Return the joint farthest from satisfied; None where there is no joint."""
-    constraints = rows(scene, initial_sample(scene))
-    if not constraints.joints:
-        return None
-    size = np.maximum(np.abs(constraints.residual[0]), np.abs(constraints.rate[0]))
-    joint = constraints.joints[int(np.argmax(size))]
-    own = np.array([name == joint for name in constraints.joints])
-    return Gap(joint, float(np.abs(constraints.residual[0, own]).max()), float(np.abs(constraints.rate[0, own]).max()))
-
-
-def open_loop(scene: Scene) -> str:
-    """Return a sentence on a joint whose two marks are apart at t = 0: engines take one world point a joint."""
+def inconsistency(scene: Scene, tolerance: float) -> str:
+    """Return why engines that take one world point a joint cannot start the scene, or nothing."""
     for joint in scene.joints:
         if isinstance(joint, Revolute | Weld) and joint.point_b is not None:
             gap = math.dist(joint.point, joint.point_b)
             if gap > 0.0:
                 return f"joint {joint.name!r} starts {gap:.3g} m open, and only mbs_ref closes such loops"
-    return ""
-
-
-def inconsistency(scene: Scene, tolerance: float) -> str:
-    """Return why engines that take one world point a joint cannot start the scene, or nothing."""
-    return open_loop(scene) or broken_start(scene, tolerance)
+    return broken_start(scene, tolerance)
 
 
 def broken_start(scene: Scene, tolerance: float) -> str:
-    """Return a sentence on the worst gap above the tolerance, or nothing."""
-    gap = worst_gap(scene)
-    if gap is None or max(gap.position, gap.velocity) <= tolerance:
+    """Return a sentence on the joint farthest from satisfied at t = 0, if it is farther than the tolerance."""
+    constraints = rows(scene, initial_sample(scene))
+    gaps = np.abs([constraints.residual[0], constraints.rate[0]])  # (2, n_rows) m or rad; m/s or rad/s
+    if gaps.max(initial=0.0) <= tolerance:
         return ""
+    joint = constraints.joints[int(np.argmax(gaps.max(axis=0)))]
+    position, velocity = gaps[:, [name == joint for name in constraints.joints]].max(axis=1)
     return (
-        f"the initial state breaks joint {gap.joint!r} by {gap.position:.3g} (m, rad) and "
-        f"{gap.velocity:.3g} (m/s, rad/s), more than initial_tolerance = {tolerance:g}"
+        f"the initial state breaks joint {joint!r} by {position:.3g} (m, rad) and {velocity:.3g} (m/s, rad/s), "
+        f"more than initial_tolerance = {tolerance:g}"
     )
 
 

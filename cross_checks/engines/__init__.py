@@ -14,7 +14,6 @@ from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, m
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from threading import RLock
-from types import ModuleType
 
 from cross_checks.engine import Engine
 from cross_checks.isolation.environments import home_of, pins_of, python_of
@@ -81,13 +80,11 @@ def get(name: str) -> Engine:
     if home is not None and name in names():
         return _elsewhere(name, home)
     if name in _files():
-        return _create(f"cross_checks.engines.{name}_", name)
-    named = _adapters()
-    if name in named:
-        return _create_from_file(named[name], name)
-    outside = _entry_points()
-    if name in outside:
-        return _create(outside[name].module, name, outside[name].attr or None)
+        return _create(name, f"cross_checks.engines.{name}_")
+    if name in (named := _adapters()):
+        return _create(name, f"mbs_ref_adapter_{named[name].stem}", named[name])
+    if name in (outside := _entry_points()):
+        return _create(name, outside[name].module, attribute=outside[name].attr or "ENGINE")
     raise ValueError(f"engine = {name!r} is unknown{suggest(name, names())}; allowed: {', '.join(names())}")
 
 
@@ -104,56 +101,33 @@ def _elsewhere(name: str, home: Path) -> Engine:
         raise EngineMissing(f"engine {name!r} does not start in its environment {home}: {lost}") from lost
 
 
-def _create_from_file(path: Path, name: str) -> Engine:
+def _create(name: str, module: str, path: Path | None = None, attribute: str = "ENGINE") -> Engine:
+    """Import an adapter, a file if `path` is given, and create the engine of the class that its attribute names."""
     try:
         with _IMPORTING:
-            module = sys.modules[_load(path)]
-        return getattr(module, "ENGINE")()  # noqa: B009 - the adapter's contract, not an attribute
+            if module not in sys.modules:
+                with redirect_stdout(sys.stderr):  # stdout belongs to our answers
+                    _load(module, path) if path else import_module(module)
+        return getattr(sys.modules[module], attribute)()
     except ModuleNotFoundError as error:
-        if not _is_of(error.name, _declared_package(path)):
-            raise
-        raise EngineMissing(f"engine {name!r} needs the package {error.name!r}: {error}", name=error.name) from error
-
-
-def _load(path: Path) -> str:
-    """Import an adapter file under a module name of its own, and return that name."""
-    name = f"mbs_ref_adapter_{path.stem}"
-    if name not in sys.modules:
-        spec = spec_from_file_location(name, path)
-        if spec is None or spec.loader is None or not path.is_file():
-            raise ValueError(f"{ADAPTERS} names {path}, which is no Python file")
-        sys.modules[name] = module = module_from_spec(spec)
-        try:
-            with redirect_stdout(sys.stderr):
-                spec.loader.exec_module(module)
-        except BaseException:
-            del sys.modules[name]
-            raise
-    return name
-
-
-def _create(module_name: str, name: str, attribute: str | None = None) -> Engine:
-    """Import the adapter and create its engine: the class an entry point names, else the module's ENGINE."""
-    try:
-        with _IMPORTING:
-            module = sys.modules.get(module_name) or _imported(module_name)
-        return getattr(module, attribute or "ENGINE")()
-    except ModuleNotFoundError as error:
-        if not _is_of(error.name, _package(module_name)):
+        declared = _declared_package(module, path)
+        if not (error.name and declared and f"{declared}.".startswith(f"{error.name}.")):
             raise
         needs = f"engine {name!r} needs the package {error.name!r}"
         raise EngineMissing(f"{needs}{_installation(name)}: {error}", name=error.name) from error
 
 
-def _imported(module_name: str) -> ModuleType:
-    """Import a module; what it prints goes to stderr, for stdout belongs to our answers."""
-    with redirect_stdout(sys.stderr):
-        return import_module(module_name)
-
-
-def _is_of(missing: str | None, declared: str | None) -> bool:
-    """Return whether the missing module is the declared package, or what that is inside of."""
-    return bool(missing and declared) and f"{declared}.".startswith(f"{missing}.")
+def _load(name: str, path: Path) -> None:
+    """Import an adapter file under a module name of its own."""
+    spec = spec_from_file_location(name, path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise ValueError(f"{ADAPTERS} names {path}, which is no Python file")
+    sys.modules[name] = module = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]
+        raise
 
 
 def _installation(name: str) -> str:
@@ -170,14 +144,10 @@ def _installation(name: str) -> str:
     return f" (pip install 'mbs-ref[{name if name in extras else 'engines'}]')" if name in _files() else ""
 
 
-def _package(module_name: str) -> str | None:
-    """Return the `package` an adapter's source declares: read, because importing is what failed."""
-    spec = find_spec(module_name)
-    if spec is None or spec.origin is None:
-        return None
-    return _declared_package(Path(spec.origin))
-
-
-def _declared_package(path: Path) -> str | None:
-    declared = re.search(r"^\s+package\b[^=]*=\s*[\"']([\w.]+)[\"']", path.read_text(), re.MULTILINE)
+def _declared_package(module: str, path: Path | None) -> str | None:
+    """Return the `package` that an adapter's source declares: read, because importing is what failed."""
+    spec = None if path else find_spec(module)
+    source = path or (spec and spec.origin)
+    pattern = r"^\s+package\b[^=]*=\s*[\"']([\w.]+)[\"']"
+    declared = re.search(pattern, Path(source).read_text(), re.MULTILINE) if source else None
     return declared.group(1) if declared else None

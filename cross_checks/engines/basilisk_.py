@@ -33,7 +33,7 @@ from mbs_ref.scene.celestial import Drag, Oblateness
 from mbs_ref.scene.scales import attraction, is_celestial
 
 STEPS = (4e-2, 2e-2, 1e-2, 5e-3, 2.5e-3)  # s; in free-fall times where a scene counts in these
-SECOND = 1_000_000_000  # ns, of its clock
+TASK, SECOND = "step", 1_000_000_000  # ns, of its clock
 SPAN = 1e6  # s of its clock that an adaptive run lasts: outputs are on it to 1e-15 of the run
 HELD = "rk4_held_air"
 INTEGRATORS = {
@@ -89,18 +89,20 @@ class BasiliskEngine(Engine):
     def build(self, scene: Scene, plan: Plan) -> Built:
         fixed = plan.method.kind == "fixed"
         model = Built(scene, plan.step if fixed else float(plan.times[-1]) / SPAN)
-        schedule = _Schedule(model) if fixed else None
+        if fixed:  # one task that comes every second of the clock, which is a step
+            model.simulation = SimulationBaseClass.SimBaseClass()
+            model.simulation.CreateNewProcess("flight").addTask(model.simulation.CreateNewTask(TASK, SECOND))
         for k in range(len(scene.bodies)):
             if k != planet_of(scene):
                 model.spacecraft[k] = craft = _spacecraft(model, k)
                 model.kept.append(_integrator(craft, plan))
-                _add_air(model, k, schedule)
-                if schedule is None:
-                    craft.Reset(0)
+                _add_air(model, k)
+                if fixed:
+                    model.simulation.AddModelToTask(TASK, craft)
                 else:
-                    schedule.add(craft)
-        if schedule is not None:
-            schedule.begin()
+                    craft.Reset(0)
+        if fixed:
+            model.simulation.InitializeSimulation()
         return model
 
     def advance(self, model: Built, plan: Plan) -> Loop:
@@ -173,11 +175,11 @@ def _integrator(craft: Any, plan: Plan) -> Any:
     return chosen
 
 
-def _add_air(model: Built, body: int, schedule: "_Schedule | None") -> None:
+def _add_air(model: Built, body: int) -> None:
     """Add drag to a spacecraft; density and wind are computed at the start of a step and constant through it."""
     scene, craft = model.scene, model.spacecraft[body]
     for load in scene.loads:
-        if not isinstance(load, Drag) or load.body != scene.bodies[body].name or schedule is None:
+        if not isinstance(load, Drag) or load.body != scene.bodies[body].name:
             continue
         air, wind, drag = (
             exponentialAtmosphere.ExponentialAtmosphere(), zeroWindModel.ZeroWindModel(),
@@ -198,22 +200,8 @@ def _add_air(model: Built, body: int, schedule: "_Schedule | None") -> None:
         drag.windVelInMsg.subscribeTo(wind.envOutMsgs[0])
         craft.addDynamicEffector(drag)
         for module in (air, wind, drag):
-            schedule.add(module)
+            model.simulation.AddModelToTask(TASK, module)
         model.kept += [air, wind, drag, planet]
-
-
-class _Schedule:
-    """One task that comes every second of the clock, which is a step."""
-
-    def __init__(self, model: Built) -> None:
-        model.simulation = self.simulation = SimulationBaseClass.SimBaseClass()
-        self.simulation.CreateNewProcess("flight").addTask(self.simulation.CreateNewTask("step", SECOND))
-
-    def add(self, module: Any) -> None:
-        self.simulation.AddModelToTask("step", module)
-
-    def begin(self) -> None:
-        self.simulation.InitializeSimulation()
 
 
 def _read(model: Built, row: np.ndarray) -> None:

@@ -11,8 +11,7 @@ import numpy as np
 
 from cross_checks.engine import STEPS, End, Loop, Method, Plan, Refusal
 from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
-from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage, linkage_of
 from mbs_ref import Scene
 
 LOOPS = {"error_reduction": 0.01, "force_mixing": 1e-9, "largest_correction": 10.0}  # DART's defaults, pinned; m/s
@@ -103,16 +102,10 @@ def _pin_options(world: Any, plan: Plan) -> None:
     joints.setErrorAllowance(0.0)
 
 
-KINDS = {
-    "revolute": "Revolute", "prismatic": "Prismatic", "universal": "Universal", "ball": "Ball", "planar": "Planar",
-    "free": "Free", "weld": "Weld",
-}  # fmt: skip
-
-
 def _add_link(skeleton: Any, parent: Any, linkage: Linkage, link: Link) -> tuple[Any, Any]:
     """Add a body whose frame is its joint's, along the world's axes at t = 0."""
-    kind = KINDS[link.kind]
-    joint, node = getattr(skeleton, f"create{kind}JointAndBodyNodePair")(*([] if parent is None else [parent]))
+    create = getattr(skeleton, f"create{link.kind.capitalize()}JointAndBodyNodePair")
+    joint, node = create(*([] if parent is None else [parent]))
     joint.setName(f"{link.name}/joint")
     node.setName(link.name)
     place = dartpy.math.Isometry3()
@@ -153,8 +146,7 @@ class Reader:
         """Return v at t = 0: a free body's is its angular velocity, then its velocity."""
         rates = np.zeros(self.size)
         for joint, link in zip(self.joints, self.linkage.links, strict=True):
-            own = link.rates[[3, 4, 5, 0, 1, 2]] if link.kind == "free" else link.rates
-            for k, rate in enumerate(own):
+            for k, rate in enumerate(link.turning_first):
                 rates[joint.getIndexInSkeleton(k)] = rate
         return rates
 

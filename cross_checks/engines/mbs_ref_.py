@@ -42,17 +42,19 @@ class MbsRef(Engine):
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         if method is CHOSEN:
             return []
-        integrator = integrators()[method.name]
+        integrator, reasons = integrators()[method.name], super().method_refusals(scene, method)
+        if deflecting(scene) and not integrator.holds_deflections:
+            reasons.append(Refusal(NO_DEFLECTIONS, False))
+        if integrator.needs_positions and "nonholonomic" in traits(scene):
+            reasons.append(Refusal(NO_SLIP, True))
+        reasons += [Refusal(f"{method.name}: {reason}", False) for reason in integrator.refusals(scene)]
         package, cores = integrator.package, integrator.cores
-        missing = package is not None and find_spec(package) is None
-        absent = [Refusal(f"{method.name} needs the package {package!r}, which is not installed", False)]
-        foreign = bool(cores) and core_name(scene) not in cores
-        only = [Refusal(f"{method.name} is made for {', '.join(cores)}; this scene is {core_name(scene)}", True)]
-        unheld = [Refusal(NO_DEFLECTIONS, False)] if deflecting(scene) and not integrator.holds_deflections else []
-        slips = integrator.needs_positions and "nonholonomic" in traits(scene)
-        unheld += [Refusal(NO_SLIP, True)] if slips else []
-        unheld += [Refusal(f"{method.name}: {reason}", False) for reason in integrator.refusals(scene)]
-        return super().method_refusals(scene, method) + unheld + (absent if missing else []) + (only if foreign else [])
+        if package is not None and find_spec(package) is None:
+            reasons.append(Refusal(f"{method.name} needs the package {package!r}, which is not installed", False))
+        if cores and core_name(scene) not in cores:
+            only = f"{method.name} is made for {', '.join(cores)}; this scene is {core_name(scene)}"
+            reasons.append(Refusal(only, True))
+        return reasons
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         refusal = self.refusal(scene, self.method(settings.method))

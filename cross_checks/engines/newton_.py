@@ -34,8 +34,7 @@ from numba.core.event import trigger_event
 
 from cross_checks.engine import SINGLE, STEPS, End, Loop, Method, Plan
 from cross_checks.linkage.forces import LinkageEngine
-from cross_checks.linkage.links import Link, Linkage, linkage_of
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Link, Linkage, linkage_of
 from mbs_ref import Scene
 from mbs_ref.scene.euler_parameters import rotation_matrices
 
@@ -83,20 +82,18 @@ def _axis(direction: np.ndarray) -> Any:
 def _add_joint(builder: Any, parent: int, child: int, linkage: Linkage, link: Link) -> int:
     """Add the joint, whose frames stand along the world's axes at t = 0; return its number."""
     place = {"parent_xform": warp.transform(link.origin - linkage.origin(link.parent), warp.quat_identity())}
-    slides, turns = {
-        "prismatic": (link.axes, ()), "revolute": ((), link.axes), "universal": ((), link.axes),
-        "cylindrical": (link.axes[:1], link.axes[1:]), "planar": ((X, Y), (Z,)),
-    }.get(link.kind, ((), ()))  # fmt: skip
+    still = {"armature": 0.0, "friction": 0.0, "damping": 0.0}
     if link.kind == "weld":
         return builder.add_joint_fixed(parent, child, **place)
     if link.kind == "free":
         return builder.add_joint_free(child, parent=parent)
     if link.kind == "ball":
-        return builder.add_joint_ball(parent, child, armature=0.0, friction=0.0, damping=0.0, **place)
-    if link.kind == "revolute":
-        return builder.add_joint_revolute(parent, child, axis=_axis(turns[0]), **place)
-    if link.kind == "prismatic":
-        return builder.add_joint_prismatic(parent, child, axis=_axis(slides[0]), **place)
+        return builder.add_joint_ball(parent, child, **still, **place)
+    if link.kind in ("revolute", "prismatic"):
+        return getattr(builder, f"add_joint_{link.kind}")(parent, child, axis=_axis(link.axes[0]), **place)
+    slides, turns = {
+        "universal": ((), link.axes), "cylindrical": (link.axes[:1], link.axes[1:]), "planar": ((X, Y), (Z,)),
+    }[link.kind]  # fmt: skip
     sliding, turning = map(_axis, slides), map(_axis, turns)
     return builder.add_joint_d6(parent, child, linear_axes=list(sliding), angular_axes=list(turning), **place)
 
@@ -135,9 +132,7 @@ class Reader:
 
 FEATHERSTONE = "featherstone"
 FLOAT32 = "Newton computes in single precision: n steps leave up to 6e-8 n of rounding"
-METHODS = (
-    Method(FEATHERSTONE, "fixed", 1, "symplectic Euler on joint coordinates", STEPS, roundoff=SINGLE),
-)  # fmt: skip
+METHODS = (Method(FEATHERSTONE, "fixed", 1, "symplectic Euler on joint coordinates", STEPS, roundoff=SINGLE),)
 SOLVERS: dict[str, tuple[str, dict[str, Any]]] = {  # class, options
     FEATHERSTONE: ("SolverFeatherstone", {"angular_damping": 0.0})  # 0.05 by default, which 1.8.0 does not read
 }

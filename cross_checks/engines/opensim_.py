@@ -15,8 +15,7 @@ import opensim  # an optional extra
 
 from cross_checks.engine import RTOLS, STEPS, End, Loop, Method, Plan, Refusal
 from cross_checks.linkage.forces import LinkageEngine
-from cross_checks.linkage.links import Closure, Link, Linkage, linkage_of, rest_length
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, SIX, Closure, Link, Linkage, linkage_of, rest_length
 from mbs_ref import Status
 from mbs_ref.scene import Scene, SpringDamper
 from mbs_ref.scene.traits import traits
@@ -24,13 +23,8 @@ from mbs_ref.scene.traits import traits
 STEPPED = "_fixed"
 SHORTEST = 2e-8  # of a run: no step is shorter, whatever its error, for 5e7 steps are the most that a run may take
 ENDLESS = "cpodes"  # in loops: no limit on steps ends it (seen in 4.6 on spatial_n_four_bar at 1e-8)
-INTEGRATORS = {
-    "rk_merson": "RungeKuttaMerson",
-    "rk_feldberg": "RungeKuttaFeldberg",
-    "rk3": "RungeKutta3",
-    "verlet": "Verlet",
-    "cpodes": "CPodes",
-}
+INTEGRATORS = {"rk_merson": "RungeKuttaMerson", "rk_feldberg": "RungeKuttaFeldberg", "rk3": "RungeKutta3",
+               "verlet": "Verlet", "cpodes": "CPodes"}  # fmt: skip
 METHODS = (
     Method("rk_merson", "adaptive", 4, "OpenSim's default: Runge-Kutta-Merson", RTOLS, embedded=3),
     Method("rk_feldberg", "adaptive", 5, "Runge-Kutta-Fehlberg", RTOLS),
@@ -42,10 +36,7 @@ METHODS = (
 LEVEL = "Error"  # of what OpenSim prints otherwise
 
 STRAIGHT = np.eye(3)
-KINDS = {
-    "revolute": "PinJoint", "prismatic": "SliderJoint", "universal": "UniversalJoint", "ball": "BallJoint",
-    "planar": "PlanarJoint", "free": "FreeJoint", "weld": "WeldJoint",
-}  # fmt: skip
+KINDS = {"revolute": "Pin", "prismatic": "Slider"}  # of joints, where OpenSim's name is another
 
 
 def model_of(linkage: Linkage) -> tuple[Any, list[Any]]:
@@ -55,7 +46,8 @@ def model_of(linkage: Linkage) -> tuple[Any, list[Any]]:
     bodies = {FIXED: model.getGround()}
     joints = []
     for link in linkage.links:
-        bodies[link.body] = body = opensim.Body(link.name, link.mass, _vector(link.centre), _inertia(link))
+        inertia = opensim.Inertia(*link.inertia[SIX].tolist())
+        bodies[link.body] = body = opensim.Body(link.name, link.mass, _vector(link.centre), inertia)
         model.addBody(body)
         joints.append(_joint(link, bodies[link.parent], link.origin - linkage.origin(link.parent), body))
         model.addJoint(joints[-1])
@@ -70,11 +62,6 @@ def model_of(linkage: Linkage) -> tuple[Any, list[Any]]:
 
 def _vector(x) -> Any:
     return opensim.Vec3(*(float(value) for value in x))
-
-
-def _inertia(link: Link) -> Any:
-    i = link.inertia
-    return opensim.Inertia(*(float(x) for x in (i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])))
 
 
 def _axes(link: Link) -> np.ndarray:
@@ -100,18 +87,12 @@ def _angles(frame: np.ndarray) -> Any:
 
 def _joint(link: Link, parent: Any, place: np.ndarray, body: Any) -> Any:
     angles, here = _angles(_axes(link)), opensim.Vec3(0.0)
-    joint = getattr(opensim, KINDS[link.kind])(f"{link.name}/joint".replace("/", "_"), parent, _vector(place), angles,
-                                               body, here, angles)  # fmt: skip
-    for k, rate in enumerate(_rates(link)):
+    create = getattr(opensim, f"{KINDS.get(link.kind, link.kind.capitalize())}Joint")
+    joint = create(f"{link.name}_joint".replace("/", "_"), parent, _vector(place), angles, body, here, angles)
+    turning_first = link.rates[[2, 0, 1]] if link.kind == "planar" else link.turning_first
+    for k, rate in enumerate(turning_first):
         joint.get_coordinates(k).setDefaultSpeedValue(float(rate))
     return joint
-
-
-def _rates(link: Link) -> np.ndarray:
-    """Return the rates in OpenSim's order, which turns before it slides."""
-    if link.kind == "free":
-        return link.rates[[3, 4, 5, 0, 1, 2]]
-    return link.rates[[2, 0, 1]] if link.kind == "planar" else link.rates
 
 
 def _constraints(bodies: dict[int, Any], linkage: Linkage, closure: Closure) -> list[Any]:

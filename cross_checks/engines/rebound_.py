@@ -59,14 +59,14 @@ class Rebound(Engine):
     def advance(self, model: tuple[Any, Any], plan: Plan) -> np.ndarray:
         simulation, fixed = model[0], plan.method.kind == "fixed"
         states = np.empty((len(plan.times), 2, simulation.N, 3))
-        _read(simulation, states[0])
+        simulation.serialize_particle_data(xyz=states[0, 0], vxvyvz=states[0, 1])
         for k, t in enumerate(plan.times[1:].tolist(), start=1):
             if fixed:
                 simulation.steps(plan.counts[k - 1])
                 simulation.synchronize()
             else:
                 simulation.integrate(t)
-            _read(simulation, states[k])
+            simulation.serialize_particle_data(xyz=states[k, 0], vxvyvz=states[k, 1])
         return states
 
     def collect(self, model: tuple[Any, Any], plan: Plan, left: np.ndarray) -> Loop:
@@ -122,7 +122,3 @@ def _choose(simulation: Any, plan: Plan, free_fall: float) -> None:
         simulation.integrator.epsilon = plan.rtol
     else:
         simulation.integrator.eps_rel, simulation.integrator.eps_abs = plan.rtol, plan.atol
-
-
-def _read(simulation: Any, out: np.ndarray) -> None:
-    simulation.serialize_particle_data(xyz=out[0], vxvyvz=out[1])

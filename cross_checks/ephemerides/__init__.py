@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths import is_unchanged
+from cross_checks.truths.truth import NoTruth
 from mbs_ref import Scene, ephemeris
 from mbs_ref.scenes.solar_system import julian_date
 
@@ -94,14 +95,7 @@ class Observed:
     how: str
 
 
-@dataclass(frozen=True)
-class Unobserved:
-    """Why there is nothing to compare with."""
-
-    reason: str
-
-
-def observe(scene: Scene, t: float) -> Observed | Unobserved | None:
+def observe(scene: Scene, t: float) -> Observed | NoTruth | None:
     """Return the places at t (s), or why there are none; None for scenes that never were.
 
     Asteroids are not judged, and where Earth and Moon are lumped their barycentre is read as the Earth.
@@ -114,5 +108,5 @@ def observe(scene: Scene, t: float) -> Observed | Unobserved | None:
             if name in ephemeris.BODIES:
                 position[k] = ephemeris.positions(name, julian_date(str(scene.parameters["start"])), np.array([t]))[0]
     except ephemeris.EphemerisError as error:
-        return Unobserved(str(error))
+        return NoTruth(str(error))
     return Observed(position, f"{ephemeris.describe()}, planets seen from the Sun, the Moon from the Earth")

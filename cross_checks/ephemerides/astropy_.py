@@ -12,10 +12,8 @@ from astropy.time import Time
 from astropy.utils import iers
 
 PLUTO = "pluto"
-FRAMES = {
-    "ITRS": coordinates.ITRS,
-    "TEME": coordinates.TEME,
-}  # of the Earth: turning with it (IAU 2006/2000A, polar motion), and SGP4's
+# of the Earth: turning with it (IAU 2006/2000A, polar motion), and SGP4's
+FRAMES = {"ITRS": coordinates.ITRS, "TEME": coordinates.TEME}
 iers.conf.auto_download = False  # the tables that are installed with it hold the past
 
 

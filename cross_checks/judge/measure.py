@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 
 from cross_checks import metrics
-from cross_checks.ephemerides import Observed, Unobserved, observe
+from cross_checks.ephemerides import Observed, observe
 from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.metrics.drifts import worst_joint
 from cross_checks.metrics.errors import significant_figures
 from cross_checks.metrics.metric import Absent, Judged, figures, known_to
 from cross_checks.records.record import Error
-from cross_checks.truths.truth import Truth
+from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, Trajectory
 from mbs_ref.observables.distance import NAMES, largest, units_of
 
@@ -91,8 +91,8 @@ def unjudged(error: Error | None) -> tuple[str, ...]:
     return (f"error not judged: the truth is known to {error.uncertainty:.1e} of the scene",)
 
 
-def _told(observed: Observed | Unobserved | None) -> tuple[str, ...]:
-    if isinstance(observed, Unobserved):
+def _told(observed: Observed | NoTruth | None) -> tuple[str, ...]:
+    if isinstance(observed, NoTruth):
         return (f"no figures: {observed.reason}",)
     return () if observed is None else (f"figures against {observed.how}",)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cross_checks.engine import Engine, Plan, Poses, Refusal
 from cross_checks.linkage.links import Linkage, closure_refusals
-from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, poses_of, project, rotated
+from cross_checks.linkage.motion import COMPONENTS, Motion, arrays_of, composed, motion_of, poses_of, project, rotated
 from mbs_ref import Scene
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import apply_loads
@@ -69,26 +69,15 @@ class Core(NamedTuple):
 
 
 @jit
-def planar_forces(model, work, core, t, pose, rate):
-    """Return the forces (n_bodies, 3) of planar poses and velocities (n_bodies, 3): N, N, N m."""
-    load_planar(model, work, np.concatenate((pose.ravel(), rate.ravel())))
-    apply_loads(model, work, t)
-    force = np.empty_like(pose)
-    for i, b in enumerate(core.order):
-        force[b, 0], force[b, 1], force[b, 2] = core.force[i, 0], core.force[i, 1], core.force[i, 2] * core.rigid[b]
-    return force
-
-
-@jit
 def planar_wrenches(model, work, core, t, motion):
     """Return force and torque (n_bodies, 6) of all loads, contacts and gravity in the plane."""
     pose, rate, wrench = motion.position.copy(), motion.velocity.copy(), np.zeros((core.rigid.shape[0], 6))
-    for b in range(core.rigid.shape[0]):
-        pose[b, 2] = (core.angle[b] + motion.angle[b]) * core.rigid[b]
-        rate[b, 2] = motion.omega[b, 2] * core.rigid[b]
-    force = planar_forces(model, work, core, t, pose, rate)
-    for b in range(core.rigid.shape[0]):
-        wrench[b, 0], wrench[b, 1], wrench[b, 5] = force[b, 0], force[b, 1], force[b, 2]
+    pose[:, 2] = (core.angle + motion.angle) * core.rigid
+    rate[:, 2] = motion.omega[:, 2] * core.rigid
+    load_planar(model, work, np.concatenate((pose.ravel(), rate.ravel())))
+    apply_loads(model, work, t)
+    for i, b in enumerate(core.order):
+        wrench[b, 0], wrench[b, 1], wrench[b, 5] = core.force[i, 0], core.force[i, 1], core.force[i, 2] * core.rigid[b]
     return wrench
 
 
@@ -154,13 +143,14 @@ class Applied:
         self.system.set_mode_time(t)
         return self.evaluate(*self.system.own_handles, self.core, t, motion)
 
-    def in_plane(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return the forces (n_bodies, 3) of planar poses and velocities (n_bodies, 3): N, N, N m."""
-        self.system.set_mode_time(t)
-        return planar_forces(*self.system.own_handles, self.core, t, pose, rate)
+    def at_poses(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
+        """Return the generalized forces (N, N m) of places and of angles or Euler parameters, and of their rates.
 
-    def of_parameters(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return the generalized forces (n_bodies, 7) of places and Euler parameters and their rates: N, N m."""
+        All are (n_bodies, 3) in the plane and (n_bodies, 7) in space.
+        """
+        if pose.shape[1] == 3:
+            still, turning, angle = np.zeros((len(pose), 4)), rate * (0.0, 0.0, 1.0), pose[:, 2] - self.core.angle
+            return self.wrenches(t, Motion(pose, still, rate, turning, angle))[:, COMPONENTS[2]]
         theta, arms = pose[:, 3:], np.array([parameter_matrix(one) for one in pose[:, 3:]])
         turn = product(theta / np.linalg.norm(theta, axis=1, keepdims=True), conjugate(self.core.theta))
         omega = 2.0 * np.einsum("nij,nj->ni", arms, rate[:, 3:])

@@ -4,6 +4,7 @@ Every joint's frame stands along the world's axes at t = 0, where all coordinate
 turn about z and slide in x and y; a body gets the same moment of inertia about all axes.
 """
 
+import heapq
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,14 +12,85 @@ from functools import cached_property
 import numpy as np
 
 from cross_checks.engine import Refusal
-from cross_checks.linkage.tree import FIXED, Edge, Holding, spanning_tree
 from mbs_ref import scene as parts
-from mbs_ref.scene import PlanarBody, PointMass, Scene, SpatialBody
+from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
+from mbs_ref.scene.joints import Cylindrical, Distance, PointOnPlane, Prismatic, Revolute, Spherical, Universal, Weld
 
+FIXED = -1  # the index of ground
+Holding = Revolute | Prismatic | Weld | Spherical | Universal | Cylindrical | Distance | PointOnPlane
+CLOSES_EASILY = Revolute | Spherical | Distance  # engines close loops by shared points and by rods
 ALONE = np.array([1.0, 0.0, 0.0, 0.0])  # Euler parameters of no turn
 Z = np.array([0.0, 0.0, 1.0])
+SIX = ([0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2])  # of a matrix: xx, yy, zz, xy, xz, yz
 FREE_KIND = {2: "planar", 3: "free"}  # of a body without a joint, by dimension
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One body on its parent; a body without a joint is free."""
+
+    body: int
+    parent: int  # FIXED for ground
+    joint: Holding | None
+
+
+def spanning_tree(scene: Scene) -> tuple[tuple[Edge, ...], tuple[Holding, ...]]:
+    """Return the edges, each subtree in one piece, and the joints outside of the tree, which close loops.
+
+    The tree contains as many slides, welds and universal joints as possible (Prim 1957), and is as shallow as ties
+    allow. MuJoCo numbers bodies depth first; Pinocchio gives a wrong mass matrix for any other order.
+    """
+    index = {GROUND: FIXED, **{name: k for k, name in enumerate(scene.body_names)}}
+    holding = [joint for joint in scene.joints if isinstance(joint, Holding)]
+    neighbours: dict[int, list[tuple[int, Holding]]] = {k: [] for k in range(FIXED, len(scene.bodies))}
+    for joint in holding:
+        a, b = (index[end] for end in joint.ends)
+        for here, there in ((a, b), (b, a)):
+            if _can_hang(scene, joint, there):
+                neighbours[here].append((there, joint))
+    children: dict[int, list[Edge]] = {k: [] for k in neighbours}
+    for edge in _prim(neighbours):
+        children[edge.parent].append(edge)
+    edges = tuple(_depth_first(children, FIXED))
+    used = {edge.joint.name for edge in edges if edge.joint is not None}
+    return edges, tuple(joint for joint in holding if joint.name not in used)
+
+
+def _can_hang(scene: Scene, joint: Holding, body: int) -> bool:
+    """Return whether the joint alone holds the body; a rod in the plane turns a particle about its other end."""
+    if isinstance(joint, Distance):
+        particle = body != FIXED and isinstance(scene.bodies[body], PointMass)
+        return scene.dimension == 2 and particle and joint.point_a != joint.point_b
+    return not isinstance(joint, PointOnPlane)
+
+
+def _prim(neighbours: dict[int, list[tuple[int, Holding]]]) -> Iterator[Edge]:
+    """Yield the edges; a component without ground starts from its first body, which is free."""
+    seen: set[int] = set()
+    count = 0
+    for root in neighbours:
+        heap: list = [(False, 0, 0, Edge(root, FIXED, None))]
+        while heap:
+            _, depth, _, edge = heapq.heappop(heap)
+            if edge.body in seen:
+                continue
+            seen.add(edge.body)
+            if edge.body != FIXED:
+                yield edge
+            for other, joint in neighbours[edge.body]:
+                count += 1
+                heapq.heappush(
+                    heap, (isinstance(joint, CLOSES_EASILY), depth + 1, count, Edge(other, edge.body, joint))
+                )
+
+
+def _depth_first(children: dict[int, list[Edge]], body: int) -> Iterator[Edge]:
+    stack = children[body][::-1]
+    while stack:
+        edge = stack.pop()
+        yield edge
+        stack += children[edge.body][::-1]
 
 
 @dataclass(frozen=True)
@@ -50,6 +122,11 @@ class Link:
         kinds = {"prismatic": ["slide"], "cylindrical": ["slide", "turn"], "ball": ["ball"]}
         axes = [none] if self.kind == "ball" else list(self.axes)
         return list(zip(kinds.get(self.kind, ["turn"] * len(axes)), axes, strict=True))
+
+    @property
+    def turning_first(self) -> np.ndarray:
+        """The rates at t = 0, a free body's angular velocity before its velocity."""
+        return np.roll(self.rates, 3) if self.kind == "free" else self.rates
 
     @property
     def size(self) -> int:
@@ -209,14 +286,14 @@ def _kind(scene: Scene, edge: Edge) -> tuple[str, np.ndarray]:
     particle = isinstance(body, PointMass)
     if joint is None:
         return FREE_KIND[scene.dimension], np.zeros((0, 3))
-    if isinstance(joint, parts.Universal):
+    if isinstance(joint, Universal):
         on_b = body.name == joint.body_b
         axes = [joint.axis_a, joint.axis_b] if on_b else [joint.axis_b, joint.axis_a]
         return "universal", np.array([_unit(axis) for axis in axes])
     if joint.type == "spherical":
         return ("weld" if particle else "ball"), np.zeros((0, 3))
-    if isinstance(joint, parts.Revolute | parts.Distance) and getattr(joint, "axis", None) is None:  # in the plane
-        pinned = particle and isinstance(joint, parts.Revolute)
+    if isinstance(joint, Revolute | Distance) and getattr(joint, "axis", None) is None:  # in the plane
+        pinned = particle and isinstance(joint, Revolute)
         return ("weld", np.zeros((0, 3))) if pinned else ("revolute", Z[None])
     count = {"cylindrical": 2, "revolute": 1, "prismatic": 1}.get(joint.type, 0)
     return joint.type, np.tile(_unit(getattr(joint, "axis", None)), (count, 1))
@@ -226,7 +303,7 @@ def _origin(scene: Scene, edge: Edge) -> np.ndarray:
     joint, body = edge.joint, scene.bodies[edge.body]
     if joint is None:
         return lifted(body.position)
-    if isinstance(joint, parts.Distance):
+    if isinstance(joint, Distance):
         return lifted(joint.point_a if body.name == joint.body_b else joint.point_b)
     return lifted(joint.point)
 
@@ -238,7 +315,7 @@ def _spin(scene: Scene, edge: Edge, origin: np.ndarray, spins: dict[int, np.ndar
         return body.angular_velocity * Z
     if isinstance(body, SpatialBody):
         return np.array(body.angular_velocity)
-    if isinstance(edge.joint, parts.Distance):
+    if isinstance(edge.joint, Distance):
         rod = lifted(body.position) - origin
         return np.cross(rod, lifted(body.velocity) - _velocity(scene, edge.parent, origin, spins)) / (rod @ rod)
     return spins[edge.parent]
@@ -261,7 +338,7 @@ def _inertia(body) -> np.ndarray:
 
 def _closure(scene: Scene, joint: Holding) -> Closure:
     a, b = (scene.body_index(name) for name in (joint.body_a, joint.body_b))
-    if isinstance(joint, parts.Distance):
+    if isinstance(joint, Distance):
         length = joint.length or float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
         return Closure(joint.name, "rod", a, b, lifted(joint.point_a), lifted(joint.point_b), np.zeros(3), length)
     point = lifted(joint.point)

@@ -1,6 +1,6 @@
 """The cheapest measured setting that reaches an accuracy, why no cheaper one does, and runs that confirm it."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -145,10 +145,7 @@ def _gap(record: Record) -> float:
 
 def _limit(cheaper: Sequence[Record], bounds: Bounds) -> Limit | None:
     """Name the bound that a cheaper setting misses alone, the joints' first: loosening it keeps the error."""
-    rules: tuple[tuple[str, Callable[[Record], bool], Callable[[Record], float]], ...] = (
-        ("compliance", bounds.error_ok, _gap),
-        ("error", bounds.compliance_ok, known_error),
-    )
+    rules = ("compliance", bounds.error_ok, _gap), ("error", bounds.compliance_ok, known_error)
     for bound, other_ok, distance in rules:
         near = min((r for r in cheaper if other_ok(r)), key=distance, default=None)
         if near is not None:
@@ -202,7 +199,7 @@ def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bou
     return f"none reached {bounds.error:.1e} of the scene; the nearest is {setting(nearest)} with {_length(nearest)}"
 
 
-def duel(scene: Scene, choice: Choice, call: Caller = direct, seed: int = 0) -> Comparison:
+def duel(scene: Scene, choice: Choice, call: Caller = direct) -> Comparison:
     """Time the runner-up against the best in interleaved pairs; the ratio is the runner-up's time over the best's.
 
     ValueError where there is no runner-up.
@@ -210,7 +207,7 @@ def duel(scene: Scene, choice: Choice, call: Caller = direct, seed: int = 0) -> 
     if choice.best is None or choice.runner_up is None:
         raise ValueError("there is no runner-up to time the best against")
     first, second = ((r.engine, Settings(**r.settings)) for r in (choice.best, choice.runner_up))
-    return compare(lambda: call(sample, scene, *first), lambda: call(sample, scene, *second), seed)
+    return compare(lambda: call(sample, scene, *first), lambda: call(sample, scene, *second))
 
 
 def settled(choice: Choice, comparison: Comparison) -> Choice:

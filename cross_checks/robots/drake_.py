@@ -6,8 +6,8 @@ import numpy as np
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 
+from cross_checks.robots import base_of
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
-from cross_checks.robots.robot import base_of
 
 
 def by_drake(path: Path, q: Values, v: Values) -> Dynamics:

@@ -6,7 +6,7 @@ in this folder offers its READER; our own takes what `mbs-ref simulate FILE` wou
 """
 
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ import numpy as np
 
 from cross_checks import robots
 from cross_checks.engine.plan import initial_sample
-from cross_checks.robots.robot import RobotError, root_of
+from cross_checks.robots import RobotError, root_of
 from mbs_ref.observables import kinetic_energy, potential_energy
 
 Values = dict[str, float]  # rad or m, or their rates, by joint name
@@ -101,7 +101,8 @@ def parity(path: Path, poses: int = 5, seed: int = 1, asked: dict[str, Reader | 
     """Compare the readers at `poses` random places and rates within 1 rad, 1 m, 1 rad/s, 1 m/s of the file's zero."""
     names = joints_of(path)
     dice = np.random.default_rng(seed)
-    drawn = [_drawn(dice, names) for _ in range(poses)]
+    drawn = [[dict(zip(names, row, strict=True)) for row in dice.uniform(-1.0, 1.0, (2, len(names))).tolist()]
+             for _ in range(poses)]  # fmt: skip
     refused: dict[str, str] = {}
     dynamics: dict[str, list[Dynamics]] = {}
     for name, reader in (readers() if asked is None else asked).items():
@@ -112,20 +113,23 @@ def parity(path: Path, poses: int = 5, seed: int = 1, asked: dict[str, Reader | 
         except (Unreadable, RobotError) as error:
             refused[name] = str(error)
     first = next(iter(dynamics), "")
-    apart = {name: _apart(dynamics[first], seen) for name, seen in dynamics.items() if name != first}
-    found = [_worst(name, first, quantity, dynamics, names) for name, each in apart.items() for quantity in each]
-    beyond = tuple(sorted((one for one in found if one.relative > SAME), key=lambda one: -one.relative))
-    return Parity(tuple(names), tuple(dynamics), refused, apart, beyond)
-
-
-def _drawn(dice: np.random.Generator, names: list[str]) -> tuple[Values, Values]:
-    q, v = (dict(zip(names, row.tolist(), strict=True)) for row in dice.uniform(-1.0, 1.0, (2, len(names))))
-    return q, v
+    others = [name for name in dynamics if name != first]
+    worst = {name: list(_worst(first, name, dynamics[first], dynamics[name], names)) for name in others}
+    apart = {name: {one.quantity: one.relative for one in found} for name, found in worst.items()}
+    beyond = (one for found in worst.values() for one in found if one.relative > SAME)
+    return Parity(tuple(names), tuple(dynamics), refused, apart, tuple(sorted(beyond, key=lambda one: -one.relative)))
 
 
 def _pairs(mine: Dynamics, theirs: Dynamics) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    pairs = {name: (getattr(mine, name), getattr(theirs, name)) for name in Dynamics._fields}
-    return {name: (a, b) for name, (a, b) in pairs.items() if a is not None and b is not None}
+    """Return by quantity what both say."""
+    pairs = zip(Dynamics._fields, mine, theirs, strict=True)
+    return {name: (a, b) for name, a, b in pairs if a is not None and b is not None}
+
+
+def _relative(pair: tuple[np.ndarray, np.ndarray]) -> float:
+    """Return by how much the two differ, over the largest entry of the first."""
+    one, other = pair
+    return float(np.abs(one - other).max() / (np.abs(one).max() or 1.0))
 
 
 def differences(mine: Dynamics, theirs: Dynamics) -> dict[str, float]:
@@ -133,22 +137,16 @@ def differences(mine: Dynamics, theirs: Dynamics) -> dict[str, float]:
     return {name: _relative(pair) for name, pair in _pairs(mine, theirs).items()}
 
 
-def _relative(pair: tuple[np.ndarray, np.ndarray]) -> float:
-    one, other = pair
-    return float(np.abs(one - other).max() / (np.abs(one).max() or 1.0))
-
-
-def _apart(mine: list[Dynamics], theirs: list[Dynamics]) -> dict[str, float]:
-    every = [differences(a, b) for a, b in zip(mine, theirs, strict=True)]
-    return {name: max(one[name] for one in every) for name in every[0]}
-
-
-def _worst(name: str, first: str, quantity: str, dynamics: dict[str, list[Dynamics]], names: list[str]) -> Difference:
-    every = zip(dynamics[first], dynamics[name], strict=True)
-    a, b = max((_pairs(*pair)[quantity] for pair in every), key=_relative)
-    where = np.unravel_index(np.argmax(np.abs(a - b)), a.shape)
-    joints = tuple(dict.fromkeys(names[k] for k in where))
-    return Difference(name, first, quantity, _relative((a, b)), joints, float(b[where]), float(a[where]))
+def _worst(
+    first: str, name: str, mine: list[Dynamics], theirs: list[Dynamics], names: list[str]
+) -> Iterator[Difference]:
+    """Yield the largest difference of each quantity over all poses."""
+    every = [_pairs(*pair) for pair in zip(mine, theirs, strict=True)]
+    for quantity in every[0]:
+        a, b = max((pairs[quantity] for pairs in every), key=_relative)
+        where = np.unravel_index(np.argmax(np.abs(a - b)), a.shape)
+        joints = tuple(dict.fromkeys(names[k] for k in where))
+        yield Difference(name, first, quantity, _relative((a, b)), joints, float(b[where]), float(a[where]))
 
 
 def by_us(path: Path, q: Values, v: Values) -> Dynamics:

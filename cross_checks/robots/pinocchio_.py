@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio
 
-from cross_checks.robots import robot
+from cross_checks import robots
+from cross_checks.robots import Axis, Robot, RobotError, of_file, own_forces, plain, refuse, six, three, unknown
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
-from cross_checks.robots.robot import Axis, Robot, RobotError, of_file, own_forces, plain, refuse, six, three, unknown
 from mbs_ref.scene import GROUND, Bushing, Prismatic, Revolute, Scene, SpatialBody, TorsionSpring
 from mbs_ref.scene.euler_parameters import from_matrix
 
@@ -50,14 +50,14 @@ def read_urdf(path: Path, given: Mapping[str, Any] | None = None) -> Robot:
     named = {element.name: element for element in _elements(path)}
     elements = {name: element._replace(**dict.fromkeys(ignored, 0.0)) for name, element in named.items()}
     movable = [name for name, element in elements.items() if element.kind != "fixed"]
-    refuse(path, (unknown(name, movable, OPTIONS) for name in asked if name.removesuffix(robot.RATE) not in movable))
-    locked = [name for name, value in asked.items() if value == robot.LOCKED]
+    refuse(path, (unknown(name, movable, OPTIONS) for name in asked if name.removesuffix(robots.RATE) not in movable))
+    locked = [name for name, value in asked.items() if value == robots.LOCKED]
     elements |= {name: elements[name]._replace(kind="fixed", mimics=False) for name in locked}
     refuse(path, _refusals(elements.values()))
     model = _model(path, locked, base == "free")
     if base == "free":
-        elements[FREE] = Element(FREE, "floating", robot.base_of(path), 0.0, 0.0, False, False)
-    start = {name: float(value) for name, value in asked.items() if value != robot.LOCKED}
+        elements[FREE] = Element(FREE, "floating", robots.base_of(path), 0.0, 0.0, False, False)
+    start = {name: float(value) for name, value in asked.items() if value != robots.LOCKED}
     moving = _Posed(model, elements, start)
     refuse(path, moving.massless())
     with of_file(path):
@@ -82,7 +82,7 @@ def _model(path: Path, locked: list[str], free: bool) -> Any:
 
 
 def _elements(path: Path) -> Iterator[Element]:
-    for joint in robot.root_of(path, "robot").findall("joint"):
+    for joint in robots.root_of(path, "robot").findall("joint"):
         dynamics, child = joint.find("dynamics"), joint.find("child")
         numbers = {} if dynamics is None else dynamics.attrib
         yield Element(
@@ -99,7 +99,7 @@ def _refusals(elements) -> Iterator[str]:
         if element.kind not in (*TURNING, *SLIDING):
             yield f"joint {element.name!r} is {element.kind}; taken: revolute, continuous, prismatic, fixed"
         if element.mimics:
-            yield f"joint {element.name!r} mimics another; -p {element.name}={robot.LOCKED} holds it still"
+            yield f"joint {element.name!r} mimics another; -p {element.name}={robots.LOCKED} holds it still"
         if element.friction:
             what = f"joint {element.name!r} has dry friction of {element.friction:g}; scenes have none in joints"
             yield f"{what}; -p ignore=friction leaves it out"
@@ -135,7 +135,7 @@ class _Posed:
                 continue
             turn = start.get(name, 0.0)
             q[joint.idx_q : joint.idx_q + joint.nq] = turn if joint.nq == 1 else (np.cos(turn), np.sin(turn))
-            v[joint.idx_v] = start.get(name + robot.RATE, 0.0)
+            v[joint.idx_v] = start.get(name + robots.RATE, 0.0)
         pinocchio.forwardKinematics(model, self.data, q, v)
         self.q = q
 
@@ -160,32 +160,22 @@ class _Posed:
         )  # fmt: skip
 
     def constraints(self) -> Iterator[Revolute | Prismatic]:
-        yield from (self._joint(i) for i in self.joints if self.model.names[i] != FREE)
-
-    def _joint(self, i: int) -> Revolute | Prismatic:
-        name, (a, b), axis = self.model.names[i], self._ends(i), self._axis(i)
-        point = three(self.data.oMi[i].translation)
-        if self.elements[name].kind in SLIDING:
-            return Prismatic(name=plain(name), body_a=a, body_b=b, point=point, axis=axis)
-        return Revolute(name=plain(name), body_a=a, body_b=b, point=point, axis=axis)
-
-    def _ends(self, i: int) -> tuple[str, str]:
-        parent = self.model.parents[i]
-        return GROUND if parent == 0 else self.link(parent), self.link(i)
+        for axis in (self.axis(i) for i in self.joints if self.model.names[i] != FREE):
+            kind = Prismatic if axis.slides else Revolute
+            yield kind(name=axis.joint, body_a=axis.body_a, body_b=axis.body_b, point=axis.point, axis=axis.along)
 
     def dampers(self) -> Iterator[TorsionSpring | Bushing]:
         for i in self.joints:
-            element, (a, b) = self.elements[self.model.names[i]], self._ends(i)
-            point, slides = three(self.data.oMi[i].translation), element.kind in SLIDING
-            yield from own_forces(Axis(plain(element.name), a, b, point, self._axis(i), slides), 0.0, element.damping)
+            yield from own_forces(self.axis(i), 0.0, self.elements[self.model.names[i]].damping)
 
-    def _axis(self, i: int) -> tuple[float, float, float]:
+    def axis(self, i: int) -> Axis:
         """Return the axis of joint i in the world, from the columns of its Jacobian in its own axes."""
-        data = self.model.createData()
-        jacobian = pinocchio.computeJointJacobian(self.model, data, self.q, i)
-        column = jacobian[:, self.model.joints[i].idx_v]
-        local = column[:3] if self.elements[self.model.names[i]].kind in SLIDING else column[3:]
-        return three(np.array(self.data.oMi[i].rotation) @ local)
+        model, name, parent = self.model, self.model.names[i], self.model.parents[i]
+        jacobian = pinocchio.computeJointJacobian(model, model.createData(), self.q, i)
+        column, slides = jacobian[:, model.joints[i].idx_v], self.elements[name].kind in SLIDING
+        along = np.array(self.data.oMi[i].rotation) @ (column[:3] if slides else column[3:])
+        ends = GROUND if parent == 0 else self.link(parent), self.link(i)
+        return Axis(plain(name), *ends, three(self.data.oMi[i].translation), three(along), slides)
 
 
 def by_pinocchio(path: Path, q: Values, v: Values) -> Dynamics:

@@ -10,7 +10,7 @@ from importlib import import_module
 import numpy as np
 
 from cross_checks.truths import certificate, of, stored_poses
-from cross_checks.truths.made_by.agreement import LARGEST_UNCERTAINTY
+from cross_checks.truths.made_by import LARGEST_UNCERTAINTY
 from cross_checks.truths.made_by.numerics import rates
 from cross_checks.truths.stored_poses import physics_of
 from cross_checks.truths.truth import EPS, NoConvergenceError, NoTruth, OutsideDomainError, Truth, time_limit

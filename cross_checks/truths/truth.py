@@ -5,10 +5,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
+
+from mbs_ref.scene.euler_parameters import from_axis_angle
 
 EPS = float(np.finfo(float).eps)
 ONE_FIGURE = 10.0  # times the uncertainty: of such a difference, and of larger ones, a truth knows a figure
@@ -47,6 +49,23 @@ def unturned(position: np.ndarray) -> np.ndarray:
     """Return angles or Euler parameters (n_t, n_bodies, 4) of bodies that do not turn, by their positions."""
     times, bodies, dimension = position.shape
     return np.zeros((times, bodies)) if dimension == 2 else np.tile([1.0, 0.0, 0.0, 0.0], (times, bodies, 1))
+
+
+def of_one_body(x: np.ndarray, y: np.ndarray, angle: Any, uncertainty: float, how: str) -> Truth:
+    """Return the exact truth of one body in the plane; its place is (n_t,) m, its angle rad at all times or each."""
+    return Truth(np.stack((x, y), axis=1)[:, None], np.full_like(x, angle)[:, None], uncertainty, "exact", how)
+
+
+def in_space(flat: Truth) -> Truth:
+    """Return the truth of a planar motion that happens in the plane z = 0 of space."""
+
+    def lifted(vectors: np.ndarray | None) -> np.ndarray | None:
+        return None if vectors is None else np.insert(vectors, 2, 0.0, axis=2)
+
+    turning = None if flat.angular_velocity is None else flat.angular_velocity[..., None] * (0.0, 0.0, 1.0)
+    turned = from_axis_angle((0.0, 0.0, 1.0), flat.orientation)
+    lines: dict[str, Any] = {"position": lifted(flat.position), "velocity": lifted(flat.velocity)}
+    return replace(flat, orientation=turned, angular_velocity=turning, **lines)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,6 @@
 """A script that runs in Exudyn alone: the assembled system item by item, as Exudyn reports it."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from functools import reduce
 from itertools import islice
 from math import gcd
@@ -9,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.engines import get
 from cross_checks.linkage.forces import BY_SHARED_CODE
 from cross_checks.writers.script import Form, Job, job_of, literal, refuse, refuse_shared, script, turns_of
 from mbs_ref import Settings
@@ -30,12 +28,6 @@ def items(mbs: Any) -> Iterator[tuple[str, dict[str, Any]]]:
             yield kind, {key: value for key, value in fields.items() if key != "name" and not key.startswith("V")}
 
 
-def calls_python(mbs: Any) -> bool:
-    """Return whether an item calls a Python function."""
-    named = (value for _, fields in items(mbs) for key, value in fields.items() if NAMED in key)
-    return any(isinstance(value, dict) for value in named)
-
-
 def text(value: Any) -> str:
     """Return Python text of a field."""
     kind = type(value).__name__
@@ -52,75 +44,26 @@ def text(value: Any) -> str:
     return literal(value)
 
 
-def lines(mbs: Any) -> Iterator[str]:
-    """Yield the calls that build the system."""
-    for kind, fields in items(mbs):
-        yield f"mbs.Add{kind}({{{', '.join(f'{key!r}: {text(value)}' for key, value in fields.items())}}})"
-
-
-def changed(options: Any, default: Any, path: str = "options") -> Iterator[str]:
+def changed(given: dict[str, Any], usual: dict[str, Any], path: str = "options") -> Iterator[str]:
     """Yield the assignments that turn Exudyn's default settings into others."""
-    given, usual = options.GetDictionary(), default.GetDictionary()
-    yield from _changed(given, usual, path)
-
-
-def _changed(given: dict[str, Any], usual: dict[str, Any], path: str) -> Iterator[str]:
     for name, value in given.items():
         if isinstance(value, dict):
-            yield from _changed(value, usual[name], f"{path}.{name}")
+            yield from changed(value, usual[name], f"{path}.{name}")
         elif not np.array_equal(value, usual[name]):
             yield f"{path}.{name} = {text(value)}"
 
 
-class Recorder:
-    """Records the calls by which an adapter adds a general contact to a system.
-
-    Exudyn does not report the parts of a general contact. Its markers are among the system's items.
-    """
-
-    def __init__(self, first_marker: int) -> None:
-        self.first = self.next = first_marker
-        self.calls: list[str] = []
-
-    def AddMarker(self, item: Any) -> int:
-        self.next += 1
-        return self.next - 1
-
-    def AddGeneralContact(self) -> "_General":
-        self.calls.append("general = mbs.AddGeneralContact()")
-        return _General(self.calls)
-
-
-class _General:
-    """Records calls and assignments."""
-
-    _calls: list[str]
-
-    def __init__(self, calls: list[str]) -> None:
-        object.__setattr__(self, "_calls", calls)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        self._calls.append(f"general.{name} = {text(value)}")
-
-    def __getattr__(self, name: str) -> Callable[..., None]:
-        def call(*values: Any, **named: Any) -> None:
-            given = [*map(_array, values), *(f"{key}={_array(value)}" for key, value in named.items())]
-            self._calls.append(f"general.{name}({', '.join(given)})")
-
-        return call
+def general_contact(model: Any) -> Iterator[str]:
+    """Yield the calls and assignments that make the model's general contact, if it has one."""
+    if general := getattr(model, "general", ()):
+        yield "general = mbs.AddGeneralContact()"
+    for name, values, named in general:
+        given = ", ".join([*map(_array, values), *(f"{key}={_array(value)}" for key, value in named.items())])
+        yield f"general.{name}({given})" if name[0].isupper() else f"general.{name} = {given}"
 
 
 def _array(value: Any) -> str:
     return f"np.array({literal(value)})" if isinstance(value, np.ndarray) else text(value)
-
-
-def general_contact(model: Any, add: Callable[[Any], None]) -> list[str]:
-    """Return the calls by which `add` gave the model its general contact, whose markers are the model's last."""
-    counted = Recorder(0)
-    add(replace(model, mbs=counted))
-    recorded = Recorder(model.mbs.systemData.NumberOfMarkers() - counted.next)
-    add(replace(model, mbs=recorded))
-    return recorded.calls
 
 
 def write_exudyn(scene: Scene, settings: Settings) -> str:
@@ -128,25 +71,27 @@ def write_exudyn(scene: Scene, settings: Settings) -> str:
 
     Raises NotWritable naming each part for which Exudyn calls a Python function of the adapter.
     """
-    get("exudyn")  # raises EngineMissing before the adapter's modules are imported
-    from cross_checks.engines.exudyn_.contact import add_contacts
-    from cross_checks.engines.exudyn_.run import CONTACT, SOLVERS
+    job = job_of(scene, settings, "exudyn")  # raises EngineMissing before the adapter's modules are imported
+    from cross_checks.engines.exudyn_.run import SOLVERS
 
-    job = job_of(scene, settings, "exudyn")
-    model, plan = job.built.model, job.plan
+    model, plan, options = job.built.model, job.plan, job.built.options
     if any(BY_SHARED_CODE in note for note in model.notes):
         refuse_shared(job)
-    if calls_python(model.mbs):
+    parts = list(items(model.mbs))
+    if any(NAMED in key and isinstance(value, dict) for _, fields in parts for key, value in fields.items()):
         refuse(scene, "exudyn", model.notes)
+    lines = [f"mbs.Add{kind}({{{', '.join(f'{key!r}: {text(value)}' for key, value in fields.items())}}})"
+             for kind, fields in parts]  # fmt: skip
     tree = getattr(model, "linkage", None)
     sensors = list(_link_sensors(model) if tree else _sensors(job))
     return script(
-        job, "exudyn and numpy", items=list(lines(model.mbs)), sensors=sensors, tree=tree is not None,
+        job, "exudyn and numpy", items=lines, sensors=sensors, tree=tree is not None,
         number=getattr(model, "number", -1),
-        contact=general_contact(model, add_contacts) if plan.method.name == CONTACT else [],
-        options=list(changed(job.built.options, type(job.built.options)())), solver=SOLVERS[plan.method.name].name,
+        contact=list(general_contact(model)),
+        options=list(changed(options.GetDictionary(), type(options)().GetDictionary())),
+        solver=SOLVERS[plan.method.name].name,
         every=reduce(gcd, plan.counts) if plan.counts else 0, turns=turns_of(scene) if tree else None,
-        sparse=job.built.loops and job.built.options.linearSolver.solverType.name != "EigenDense",
+        sparse=job.built.loops and options.linearSolver.solverType.name != "EigenDense",
     )  # fmt: skip
 
 

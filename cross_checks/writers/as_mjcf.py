@@ -11,24 +11,16 @@ import numpy as np
 from markupsafe import escape
 
 from cross_checks.linkage.links import linkage_of
-from cross_checks.writers.script import Form, Job, NotWritable, job_of, refuse_shared, script, turns_of, xml
+from cross_checks.writers.script import Form, Job, NotWritable, job_of, script, turns_of, xml
 from mbs_ref import Scene, Settings
 
 DISABLED, ENABLED = {16: "contact", 512: "warmstart"}, {32: "diagexact"}  # bits of flags in the words of MJCF
 SAME = 1e-13  # of an array's largest number: MuJoCo normalises quaternions and axes again
 
 
-def mujoco_job(scene: Scene, settings: Settings) -> Job:
-    """Return what MuJoCo's adapter would run; loads that reach it through Python are refused by name."""
-    job = job_of(scene, settings, "mujoco")
-    if job.built.act is not None:
-        refuse_shared(job)
-    return job
-
-
 def write_mujoco(scene: Scene, settings: Settings) -> str:
     """Return the script: the model as MJCF with all its digits, and the loop in C."""
-    job, start = mujoco_job(scene, settings), linkage_of(scene).theta.tolist()
+    job, start = job_of(scene, settings, "mujoco"), linkage_of(scene).theta.tolist()
     return script(job, "mujoco and numpy", model=mjcf_of(job), turns=turns_of(scene), start=start)
 
 
@@ -72,6 +64,6 @@ def _text(numbers: Any) -> str:
 
 
 FORMS = (
-    Form("mjcf", ".xml", "a model file of MuJoCo", lambda scene, settings: mjcf_of(mujoco_job(scene, settings))),
+    Form("mjcf", ".xml", "a model file of MuJoCo", lambda scene, settings: mjcf_of(job_of(scene, settings, "mujoco"))),
     Form("mujoco", ".py", "a script that runs in MuJoCo alone", write_mujoco),
 )

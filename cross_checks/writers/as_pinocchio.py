@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.engines import get
-from cross_checks.writers.script import Form, Job, job_of, refuse_shared, script, turns_of
+from cross_checks.writers.script import Form, Job, job_of, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -17,42 +16,25 @@ def write_pinocchio(scene: Scene, settings: Settings) -> str:
 
     Raises NotWritable where the adapter's force code acts.
     """
-    get("pinocchio")  # raises EngineMissing before the adapter's modules are imported
+    job = job_of(scene, settings, "pinocchio")  # raises EngineMissing before the adapter's modules are imported
+    from cross_checks.engines.pinocchio_.build import joints_of
     from cross_checks.engines.pinocchio_.loop import PROXIMAL
 
-    job = job_of(scene, settings, "pinocchio")
     mechanism = job.built.mechanism
-    if mechanism.applied is not None:
-        refuse_shared(job)
     needs = "pinocchio (pin), numpy" + ("" if job.plan.counts else " and scipy")
     return script(
-        job, needs, joints=list(_joints(mechanism.model)), constraints=list(_constraints(mechanism)),
+        job, needs, joints=list(joints_of(mechanism.model)), constraints=list(_constraints(mechanism)),
         gravity=mechanism.model.gravity.linear, start=job.built.start, placements=list(_placements(job)),
         turns=turns_of(scene), proximal=PROXIMAL,
     )  # fmt: skip
 
 
-def _place(placement: Any) -> tuple[Any, Any]:
-    """Return the rows of the rotation matrix, and the translation (m)."""
-    return np.array(placement.rotation).tolist(), np.array(placement.translation).tolist()
-
-
-def _joints(model: Any) -> Iterator[tuple]:
-    """Yield parent, name, kind, axis, placement in the parent, mass, centre and inertia about it."""
-    for i in range(1, model.njoints):
-        joint, inertia = model.joints[i].extract(), model.inertias[i]
-        axis = np.array(getattr(joint, "axis", ())).tolist()
-        body = (inertia.mass, np.array(inertia.lever).tolist(), np.array(inertia.inertia).tolist())
-        yield (int(model.parents[i]), model.names[i], joint.shortname(), axis, *_place(model.jointPlacements[i]), *body)
-
-
 def _constraints(mechanism: Any) -> Iterator[tuple]:
     """Yield kind, both joints with the places in them, and the gains (1/s^2, 1/s)."""
     for contact in mechanism.contacts:
-        one = (contact.joint1_id, *_place(contact.joint1_placement))
-        two = (contact.joint2_id, *_place(contact.joint2_placement))
-        gains = contact.m_baumgarte_parameters
-        yield (str(contact.type).rpartition(".")[2], *one, *two, float(gains.Kp), float(gains.Kd))
+        one, two, gains = contact.joint1_placement, contact.joint2_placement, contact.m_baumgarte_parameters
+        ends = contact.joint1_id, one.rotation, one.translation, contact.joint2_id, two.rotation, two.translation
+        yield (str(contact.type).rpartition(".")[2], *ends, float(gains.Kp), float(gains.Kd))
 
 
 def _placements(job: Job) -> Iterator[tuple]:
@@ -60,7 +42,7 @@ def _placements(job: Job) -> Iterator[tuple]:
     mechanism = job.built.mechanism
     for k, body in enumerate(job.scene.bodies):
         turn = rotation_matrices(np.array(body.orientation)) if isinstance(body, SpatialBody) else np.eye(3)
-        yield int(mechanism.joint[k]), turn.tolist(), mechanism.centre[k].tolist(), isinstance(body, SpatialBody)
+        yield int(mechanism.joint[k]), turn, mechanism.centre[k], isinstance(body, SpatialBody)
 
 
 FORMS = (Form("pinocchio", ".py", "a script that runs in Pinocchio alone", write_pinocchio),)

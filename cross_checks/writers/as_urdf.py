@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.linkage.links import Link, Linkage, linkage_of
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Link, Linkage, linkage_of
 from cross_checks.writers.script import Form, refuse, xml
 from mbs_ref import Settings
 from mbs_ref.scene import Bushing, Drive, Scene, TorsionSpring

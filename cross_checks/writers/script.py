@@ -51,13 +51,17 @@ class Job:
 def job_of(scene: Scene, settings: Settings, engine: str) -> Job:
     """Return what the engine's adapter would run.
 
-    Raises EngineMissing, NotWritable with the adapter's own refusals, or ValueError for settings that it does not take.
+    Raises EngineMissing, NotWritable with the adapter's own refusals or where our code computes forces for the engine,
+    or ValueError for settings that it does not take.
     """
     adapter = engines.get(engine)
     plan = plan_run(adapter, scene, settings, None)
     if isinstance(plan, Trajectory):
         raise NotWritable(f"{scene.name} is not run by {engine}: {plan.message}")
-    return Job(scene, adapter, plan, adapter.build(scene, plan))
+    job = Job(scene, adapter, plan, adapter.build(scene, plan))
+    if getattr(job.built, "applied", None) is not None:
+        refuse_shared(job)
+    return job
 
 
 def refuse(scene: Scene, form: str, reasons: Iterable[str]) -> None:

@@ -1,15 +1,16 @@
 """Drake: trees under its integrators in continuous time; loops under SAP and CENIC, which hold constraints."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from pydrake.geometry import SceneGraph  # an optional extra
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.analysis import Simulator
 
 from cross_checks.engine import Engine, Loop, Method, Plan, Refusal, stopped
 from cross_checks.engines.drake_.build import Reader, Shapes, plant_of, tied_to_ground
-from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, Simulated, advance, is_discrete, simulated
+from cross_checks.engines.drake_.run import METHODS, SAP, WORLD, advance, is_discrete, simulated
 from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.linkage.forces import Applied, LinkageEngine, applied, read
 from cross_checks.linkage.links import Linkage, linkage_of
@@ -20,13 +21,14 @@ ANCHORED = "loops to ground are closed at a body welded to the world: at the wor
 
 @dataclass(frozen=True)
 class Built:
-    """A plant, what reads its states, and its simulator at t = 0."""
+    """A plant, what reads its states, and its simulator at t = 0 with the plant's part of its context."""
 
     linkage: Linkage
     plant: MultibodyPlant
     reader: Reader
     applied: Applied | None
-    simulated: Simulated
+    simulator: Simulator
+    context: Any
 
 
 class Drake(LinkageEngine):
@@ -70,15 +72,15 @@ class Drake(LinkageEngine):
         plant = plant_of(linkage, step, gravity, to_world, add_shapes)
         reader = Reader(plant, linkage)
         acting = None if loads is None else lambda t, state: loads.wrenches(t, read(linkage, reader, state))
-        model = simulated(plant, reader, acting, plan, graph)
-        plant.SetPositionsAndVelocities(model.context, reader.start(linkage))
-        return Built(linkage, plant, reader, loads, model)
+        simulator, context = simulated(plant, reader, acting, plan, graph)
+        plant.SetPositionsAndVelocities(context, reader.start(linkage))
+        return Built(linkage, plant, reader, loads, simulator, context)
 
     def first_call(self, model: Built, plan: Plan) -> None:
-        model.simulated.simulator.Initialize()
+        model.simulator.Initialize()
 
     def advance(self, model: Built, plan: Plan) -> Loop:
-        return advance(model.simulated, model.plant, plan)
+        return advance(model.simulator, model.context, model.plant, plan)
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
         shared = super().notes(model, plan)

@@ -3,7 +3,7 @@
 Every body's frame is its joint's, along the world's axes at t = 0.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,14 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody import tree as parts
 from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant
 
-from cross_checks.linkage.links import Closure, Link, Linkage
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, SIX, Closure, Link, Linkage
 
 Shapes = Callable[[MultibodyPlant, dict[int, Any]], None]
+JOINTS = {  # Drake's joint of each kind of link
+    "revolute": "RevoluteJoint", "prismatic": "PrismaticJoint", "universal": "UniversalJoint", "ball": "BallRpyJoint",
+    "planar": "PlanarJoint", "free": "QuaternionFloatingJoint", "weld": "WeldJoint",
+}  # fmt: skip
+ALONG_AXIS = ("revolute", "prismatic")
 
 
 def plant_of(
@@ -41,7 +45,9 @@ def plant_of(
     if add_shapes is not None:
         add_shapes(plant, bodies)
     for closure in linkage.closures:
-        _add_closure(plant, bodies, linkage, closure)
+        for add, a, at_a, b, at_b, *length in constraints_of(linkage, closure):
+            place = RigidTransform if closure.kind == "weld" else np.array
+            getattr(plant, add)(bodies[a], place(at_a), bodies[b], place(at_b), *length)
     plant.mutable_gravity_field().set_gravity_vector(gravity)
     plant.Finalize()
     return plant
@@ -53,8 +59,7 @@ def tied_to_ground(linkage: Linkage) -> bool:
 
 
 def _inertia(link: Link) -> parts.SpatialInertia:
-    i = link.inertia
-    central = parts.RotationalInertia(i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2])
+    central = parts.RotationalInertia(*link.inertia[SIX])
     return parts.SpatialInertia.MakeFromCentralInertia(link.mass, link.centre, central)
 
 
@@ -63,31 +68,20 @@ def _joint(link: Link, parent: Any, place: RigidTransform, child: Any, plant: Mu
         axes = RigidTransform(RotationMatrix(np.column_stack((*link.axes, np.cross(*link.axes)))))
         place, child = place @ axes, plant.AddFrame(parts.FixedOffsetFrame(f"{link.name}/axes", child, axes))
     on = plant.AddFrame(parts.FixedOffsetFrame(f"{link.name}/on", parent, place))
-    name = f"{link.name}/joint"
-    kinds = {
-        "universal": parts.UniversalJoint, "ball": parts.BallRpyJoint, "planar": parts.PlanarJoint,
-        "free": parts.QuaternionFloatingJoint,
-    }  # fmt: skip
-    if link.kind in kinds:
-        return kinds[link.kind](name, on, child)
-    if link.kind == "weld":
-        return parts.WeldJoint(name, on, child, RigidTransform())
-    kind = {"revolute": parts.RevoluteJoint, "prismatic": parts.PrismaticJoint}[link.kind]
-    return kind(name, on, child, link.axes[0])
+    more = [RigidTransform()] if link.kind == "weld" else link.axes if link.kind in ALONG_AXIS else []
+    return getattr(parts, JOINTS[link.kind])(f"{link.name}/joint", on, child, *more)
 
 
-def _add_closure(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, closure: Closure) -> None:
-    """Tie two bodies; a hinge is two shared points on its axis."""
-    a, b = bodies[closure.a], bodies[closure.b]
-    origins = linkage.origin(closure.a), linkage.origin(closure.b)
-    at_a, at_b = closure.point_a - origins[0], closure.point_b - origins[1]
-    if closure.kind == "rod":
-        plant.AddDistanceConstraint(a, at_a, b, at_b, closure.length)
-    elif closure.kind == "weld":
-        plant.AddWeldConstraint(a, RigidTransform(at_a), b, RigidTransform(at_b))
-    else:
-        for point in closure.shared_points:
-            plant.AddBallConstraint(a, point - origins[0], b, point - origins[1])
+def constraints_of(linkage: Linkage, closure: Closure) -> Iterator[tuple]:
+    """Yield the plant's method, body a and the place in it (m), the same of body b, and a rod's length (m).
+
+    A hinge is two shared points on its axis.
+    """
+    kind = {"rod": "AddDistanceConstraint", "weld": "AddWeldConstraint"}.get(closure.kind, "AddBallConstraint")
+    at_a, at_b = closure.point_a - linkage.origin(closure.a), closure.point_b - linkage.origin(closure.b)
+    length = (closure.length,) if closure.kind == "rod" else ()
+    for along in (-0.5, 0.5) if closure.kind == "hinge" else (0.0,):
+        yield (kind, closure.a, at_a + along * closure.axis, closure.b, at_b + along * closure.axis, *length)
 
 
 class Reader:
@@ -96,9 +90,8 @@ class Reader:
     def __init__(self, plant: MultibodyPlant, linkage: Linkage) -> None:
         self.plant, self.context = plant, plant.CreateDefaultContext()
         self.joints = [plant.GetJointByName(f"{link.name}/joint") for link in linkage.links]
-        by_body = sorted(linkage.links, key=lambda link: link.body)
-        self.bodies = [plant.GetBodyByName(link.name) for link in by_body]
-        self.centres = np.array([link.centre for link in by_body])
+        self.bodies = [plant.GetBodyByName(link.name) for link in linkage.of_body]
+        self.centres = np.array([link.centre for link in linkage.of_body])
         counted = [(j, k) for j, link in zip(self.joints, linkage.links, strict=True) for k in range(link.size)]
         self.places = [joint.position_start() + k for joint, k in counted]  # a planar joint slides, then turns
         self.speeds = [plant.num_positions() + joint.velocity_start() + k for joint, k in counted]
@@ -108,9 +101,8 @@ class Reader:
         self.plant.SetDefaultContext(self.context)
         state = self.plant.GetPositionsAndVelocities(self.context).copy()
         for joint, link in zip(self.joints, linkage.links, strict=True):
-            rates = link.rates[[3, 4, 5, 0, 1, 2]] if link.kind == "free" else link.rates
             first = self.plant.num_positions() + joint.velocity_start()
-            state[first : first + len(rates)] = rates
+            state[first : first + len(link.rates)] = link.turning_first
         return state
 
     def coordinates(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,6 @@
 """Drake's methods and simulator, and the loads that it requests from Python."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -68,14 +67,6 @@ class Loads(LeafSystem):
         output.set_value(forces)
 
 
-@dataclass
-class Simulated:
-    """A simulator, and the plant's own part of its context."""
-
-    simulator: Simulator
-    context: Any
-
-
 def is_discrete(plan: Plan) -> bool:
     """Return whether the plant itself steps in time."""
     return plan.method.kind == "fixed" and not plan.method.name.endswith(FIXED)
@@ -83,11 +74,14 @@ def is_discrete(plan: Plan) -> bool:
 
 def simulated(
     plant: MultibodyPlant, reader: Reader, wrenches: Wrenches | None, plan: Plan, graph: SceneGraph | None = None
-) -> Simulated:
-    """Return a simulator whose integrator is chosen; a scene graph holds the plant's shapes that may touch."""
+) -> tuple[Simulator, Any]:
+    """Return a simulator whose integrator is chosen, and the plant's part of its context.
+
+    A scene graph holds the plant's shapes that may touch.
+    """
     if wrenches is None and graph is None:
         simulator = Simulator(plant)
-        found = Simulated(simulator, simulator.get_mutable_context())
+        context = simulator.get_mutable_context()
     else:
         builder = DiagramBuilder()
         builder.AddSystem(plant)
@@ -100,9 +94,8 @@ def simulated(
             loads = builder.AddSystem(Loads(wrenches, reader, plant.num_multibody_states()))
             builder.Connect(plant.get_state_output_port(), loads.get_input_port())
             builder.Connect(loads.get_output_port(), plant.get_applied_spatial_force_input_port())
-        diagram = builder.Build()
-        simulator = Simulator(diagram)
-        found = Simulated(simulator, plant.GetMyMutableContextFromRoot(simulator.get_mutable_context()))
+        simulator = Simulator(builder.Build())
+        context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     if not is_discrete(plan):
         # A largest step of 10 ms, which is common, hides the accuracy: here it is the output interval
         fixed = plan.method.kind == "fixed"
@@ -111,12 +104,11 @@ def simulated(
         integrator.set_fixed_step_mode(fixed)
         if not fixed:
             integrator.set_target_accuracy(plan.rtol)
-    return found
+    return simulator, context
 
 
-def advance(model: Simulated, plant: MultibodyPlant, plan: Plan) -> Loop:
+def advance(simulator: Simulator, context: Any, plant: MultibodyPlant, plan: Plan) -> Loop:
     """Land on every output time, at a fixed step in continuous time on every step: its own clock adds up roundoff."""
-    simulator, context = model.simulator, model.context
     states = np.full((len(plan.times), plant.num_multibody_states()), np.nan)
     states[0] = plant.GetPositionsAndVelocities(context)
     for k, landings in enumerate(_landings(plan), start=1):

@@ -17,11 +17,10 @@ from cross_checks.engines.exudyn_.contact import (
 )
 from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
 from cross_checks.engines.exudyn_.model import Redundant
-from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, has_connector
+from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, STOPPED, add_joint, has_connector
 from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
 from cross_checks.linkage.forces import BY_SHARED_CODE, PARTS, Applied, shared_refusals
-from cross_checks.linkage.links import lifted, linkage_of
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, lifted, linkage_of
 from mbs_ref import Settings
 from mbs_ref.scene import CoordinateDrive, Load, PlanarBody, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
@@ -50,7 +49,7 @@ def build_redundant(scene: Scene, method: str) -> Redundant:
         model.mbs.AddLoad(item.LoadMassProportional(markerNumber=weight, loadVector=lifted(scene.gravity).tolist()))
         _watch_body(model, k)
     for joint in scene.joints:
-        JOINTS[type(joint)](model, joint)
+        add_joint(model, joint)
     for load in scene.loads:
         if has_connector(scene, load):
             LOADS[type(load)](model, load)
@@ -102,8 +101,7 @@ def _add_shared_forces(model: Redundant) -> None:
     """Apply contacts, and loads without a connector, through one item over all nodes, which calls Python."""
     loads = _foreign(model.scene)
     linkage = linkage_of(model.scene.model_copy(update={"loads": loads}))
-    applied, planar = Applied(linkage), model.planar
-    turns = linkage.angle[:, None] if planar else linkage.theta
+    applied, turns = Applied(linkage), linkage.angle if model.planar else linkage.theta
     start = np.column_stack(([body.position for body in model.scene.bodies], turns))
     used = np.ones(start.shape, dtype=bool)
     used[linkage.rigid == 0.0, model.scene.dimension :] = False  # a particle's node has its place alone
@@ -114,8 +112,7 @@ def _add_shared_forces(model: Redundant) -> None:
         pose, rate = start.copy(), np.zeros_like(start)
         pose[used] += q
         rate[used] = v
-        evaluate = applied.in_plane if planar else applied.of_parameters
-        return (evaluate(t, pose, rate) - weight)[used]
+        return (applied.at_poses(t, pose, rate) - weight)[used]
 
     size = int(used.sum())
     zero = np.zeros((size, size))
@@ -154,15 +151,16 @@ class Exudyn(Engine):
     def method_refusals(self, scene: Scene, method: Method) -> list[Refusal]:
         reasons = super().method_refusals(scene, method)
         if method.name in EXPLICIT_CONTACT:
-            sentence = f"load {{!r}}: {method.name} does not yet support {{}}"
-            reasons += [Refusal(sentence.format(load.name, load.type), False) for load in scene.loads]
-            reasons += general_contact_refusals(scene) if method.name == CONTACT else pair_contact_refusals(scene)
+            beyond = [f"load {load.name!r}: {method.name} does not yet support {load.type}" for load in scene.loads]
+            beyond += [f"joint {joint.name!r}: Exudyn's explicit solvers support no joints" for joint in scene.joints]
+            beyond += general_contact_refusals(scene) if method.name == CONTACT else pair_contact_refusals(scene)
+            reasons += [Refusal(reason, permanent=False) for reason in beyond]
         else:
             reasons += shared_refusals(scene)
         if method.name.startswith(TREE):
             return reasons + tree_refusals(scene)
         drives = (CoordinateDrive,) if scene.dimension == 3 else ()
-        strange = [joint for joint in scene.joints if type(joint) not in JOINTS or isinstance(joint, drives)]
+        strange = [joint for joint in scene.joints if type(joint) not in JOINTS | STOPPED or isinstance(joint, drives)]
         sentence = f"joint {{!r}}: {method.name} does not yet support {{}}"
         reasons += [Refusal(sentence.format(joint.name, joint.type), False) for joint in strange]
         if method.name == ROTATION_VECTOR and takes_shared_forces(scene, method.name):

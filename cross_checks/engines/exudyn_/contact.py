@@ -10,12 +10,11 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.engine import Refusal
 from cross_checks.engines.exudyn_.model import Redundant
-from cross_checks.linkage.surfaces import friction_refusals
-from cross_checks.linkage.tree import FIXED
-from mbs_ref.scene import GROUND, PlanarBody, Scene
-from mbs_ref.scene.base.part import normals, unit
+from cross_checks.linkage.links import FIXED
+from cross_checks.linkage.surfaces import frame_of, friction_refusals, is_half_space, spheres_of
+from mbs_ref.scene import PlanarBody, Scene
+from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, SphereOnPlane, SphereOnSphere, SpringDamperLaw
 
 REACH = 100.0  # m, how far floors and the search for contact extend
@@ -24,8 +23,9 @@ type Flat = CircleOnLine | SphereOnPlane
 FLAT, ROUND = (CircleOnLine, SphereOnPlane), (CircleOnCircle, SphereOnSphere)
 
 
-def general_contact_refusals(scene: Scene) -> list[Refusal]:
-    reasons = _jointed(scene)
+def general_contact_refusals(scene: Scene) -> list[str]:
+    """Return why GeneralContact cannot stand for the contacts: it has one law, and lets every two shapes touch."""
+    reasons = []
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
         if not isinstance(contact.law, SpringDamperLaw) or not isinstance(contact, (*FLAT, *ROUND)):
@@ -35,26 +35,14 @@ def general_contact_refusals(scene: Scene) -> list[Refusal]:
         rule = "gap" if isinstance(contact, FLAT) else "force"
         if contact.law.damping and getattr(contact.law, "release", rule) != rule:
             reasons.append(f"{where}: GeneralContact ends a contact of {contact.type} by release = {rule!r} alone")
-        endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
-        if isinstance(contact, FLAT) and (contact.body_b != GROUND or not endless):
+        if isinstance(contact, FLAT) and not is_half_space(contact):
             reasons.append(f"{where}: only an endless line or plane on ground is supported")
-    reasons += _mixed_refusals(scene)
-    return [Refusal(reason, permanent=False) for reason in reasons]
-
-
-def _jointed(scene: Scene) -> list[str]:
-    return [f"joint {joint.name!r}: Exudyn's explicit solvers support no joints" for joint in scene.joints]
-
-
-def _mixed_refusals(scene: Scene) -> list[str]:
-    """GeneralContact gives stiffness to shapes, not to pairs, and lets every pair of two bodies touch."""
     laws = {repr((contact.law, contact.friction)) for contact in scene.contacts}
     simple = [contact for contact in scene.contacts if isinstance(contact, (*FLAT, *ROUND))]
-    shapes = {shape for contact in simple for shape in _circles(contact)}
+    shapes = {shape for contact in simple for shape in spheres_of(contact)}
     bodies = [body for body, _, _ in shapes]
     floors = {surface_of(contact) for contact in simple if isinstance(contact, FLAT)}
     every_pair_is_listed = len(shapes) * len(floors) == len(simple)  # none of two round shapes
-    reasons = []
     if len(laws) > 1:
         reasons.append("GeneralContact gives laws to shapes, not to pairs: all contacts must share one")
     if len(bodies) != len(set(bodies)) and not every_pair_is_listed:
@@ -62,29 +50,40 @@ def _mixed_refusals(scene: Scene) -> list[str]:
     return reasons
 
 
-def _circles(contact: Any) -> list[tuple[str, tuple[float, ...], float]]:
-    if isinstance(contact, FLAT):
-        return [(contact.body_a, contact.center, contact.radius)]
-    return [(contact.body_a, contact.center_a, contact.radius_a), (contact.body_b, contact.center_b, contact.radius_b)]
-
-
 def add_contacts(model: Redundant) -> None:
-    """Two shapes in series: each has twice the pair's stiffness and half its damping."""
+    """Add a general contact; the model keeps the calls, for Exudyn does not report them."""
+    general, model.general = model.mbs.AddGeneralContact(), general_contact(model)
+    for name, values, named in model.general:
+        if name[0].isupper():
+            getattr(general, name)(*values, **named)
+        else:
+            setattr(general, name, *values)
+
+
+def general_contact(model: Redundant) -> list[tuple[str, tuple, dict[str, Any]]]:
+    """Return the calls of a general contact, each with its arguments, and its attributes, each with its value.
+
+    Two shapes are in series: each has twice the pair's stiffness and half its damping.
+    """
     contacts = model.scene.contacts
-    law: Any = contacts[0].law
-    friction = contacts[0].friction
-    general = model.mbs.AddGeneralContact()
-    general.SetFrictionPairings(np.array([[0.0 if friction is None else friction.coefficient]]))
-    general.frictionProportionalZone = getattr(friction, "speed", SLOW)
-    general.verboseMode = 0
+    law, friction = contacts[0].law, contacts[0].friction
+    assert isinstance(law, SpringDamperLaw)  # every other law is refused before
     shape = {"contactStiffness": 2.0 * law.stiffness, "contactDamping": 0.5 * law.damping, "frictionMaterialIndex": 0}
-    surfaces = {surface_of(c): None for c in contacts if isinstance(c, FLAT)}
-    for point, normal in surfaces:
-        _add_plane(model, general, np.array(point), np.array(normal), shape)
-    for body, center, radius in sorted({circle for contact in contacts for circle in _circles(contact)}):
-        general.AddSphereWithMarker(markerIndex=_marker(model, body, center), radius=radius, **shape)
-    general.SetSearchTreeCellSize([1, 1, 1])
-    general.SetSearchTreeBox(pMin=[-REACH, -REACH, -REACH], pMax=[REACH, REACH, REACH])
+    pairings = np.array([[0.0 if friction is None else friction.coefficient]])
+    planes = [_plane(model, *surface) for surface in {surface_of(c): None for c in contacts if isinstance(c, FLAT)}]
+    spheres = [
+        {"markerIndex": _marker(model, body, center), "radius": radius}
+        for body, center, radius in sorted({sphere for contact in contacts for sphere in spheres_of(contact)})
+    ]
+    return [
+        ("SetFrictionPairings", (pairings,), {}),
+        ("frictionProportionalZone", (getattr(friction, "speed", SLOW),), {}),
+        ("verboseMode", (0,), {}),
+        *(("AddTrianglesRigidBodyBased", (), plane | shape) for plane in planes),
+        *(("AddSphereWithMarker", (), sphere | shape) for sphere in spheres),
+        ("SetSearchTreeCellSize", ([1, 1, 1],), {}),
+        ("SetSearchTreeBox", (), {"pMin": [-REACH] * 3, "pMax": [REACH] * 3}),
+    ]
 
 
 def _marker(model: Redundant, body: str, center) -> int:
@@ -95,24 +94,21 @@ def _marker(model: Redundant, body: str, center) -> int:
 
 def surface_of(contact: Flat) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Return a point and the unit normal, in space."""
-    if isinstance(contact, SphereOnPlane):
-        return contact.point, tuple(unit(contact.normal).tolist())
-    along = np.subtract(contact.point_2, contact.point_1) / np.hypot(*np.subtract(contact.point_2, contact.point_1))
-    return (*contact.point_1, 0.0), (float(-along[1]), float(along[0]), 0.0)
+    axes, point, _ = frame_of(contact)
+    return tuple(point.tolist()), tuple(axes[:, 2].tolist())
 
 
-def _add_plane(model: Redundant, general, point: np.ndarray, normal: np.ndarray, shape: dict) -> None:
-    """Two triangles, wide enough for the scene."""
-    first, second = normals(normal)
-    corners = [point + REACH * (p * first + q * second) for p, q in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+def _plane(model: Redundant, point: tuple[float, ...], normal: tuple[float, ...]) -> dict[str, Any]:
+    """Return two triangles, wide enough for the scene."""
+    first, second = normals(np.array(normal))
+    corners = [np.array(point) + REACH * (p * first + q * second) for p, q in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     marker = model.mbs.AddMarker(item.MarkerBodyRigid(bodyNumber=model.bodies[FIXED], localPosition=[0.0, 0.0, 0.0]))
-    general.AddTrianglesRigidBodyBased(
-        rigidBodyMarkerIndex=marker, pointList=corners, triangleList=[[0, 1, 2], [0, 2, 3]], **shape
-    )
+    return {"rigidBodyMarkerIndex": marker, "pointList": corners, "triangleList": [[0, 1, 2], [0, 2, 3]]}
 
 
-def pair_contact_refusals(scene: Scene) -> list[Refusal]:
-    reasons = _jointed(scene)
+def pair_contact_refusals(scene: Scene) -> list[str]:
+    """Return why connectors cannot stand for the contacts."""
+    reasons = []
     for contact in scene.contacts:
         where = f"contact {contact.name!r}"
         reasons += friction_refusals("Exudyn", contact)
@@ -122,7 +118,7 @@ def pair_contact_refusals(scene: Scene) -> list[Refusal]:
             reasons.append(f"{where}: the connectors release at gap = 0; give release = 'gap'")
         if isinstance(contact, SphereOnPlane) and (contact.extent != "plane" or contact.thickness is not None):
             reasons.append(f"{where}: only an endless plane is supported")
-    return [Refusal(reason, permanent=False) for reason in reasons]
+    return reasons
 
 
 def add_pair_contacts(model: Redundant) -> None:

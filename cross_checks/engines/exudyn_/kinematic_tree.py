@@ -1,6 +1,7 @@
 """A scene in minimal coordinates: an Exudyn KinematicTree of slides and turns."""
 
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
@@ -9,9 +10,8 @@ import numpy as np
 
 from cross_checks.engine import Refusal
 from cross_checks.linkage.forces import SHARED, applied
-from cross_checks.linkage.links import Link, Linkage, linkage_of
+from cross_checks.linkage.links import FIXED, Linkage, linkage_of
 from cross_checks.linkage.motion import arrays_of, motion_of, poses_of
-from cross_checks.linkage.tree import FIXED
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.base.part import normals
 
@@ -36,38 +36,23 @@ class Tree:
         return {}
 
 
-@dataclass
-class Chain:
-    """The lists that define a KinematicTree."""
-
-    types: list = field(default_factory=list)
-    parents: list[int] = field(default_factory=list)
-    turns: list = field(default_factory=list)
-    offsets: list = field(default_factory=list)
-    inertias: list = field(default_factory=list)
-    centres: list = field(default_factory=list)
-    masses: list[float] = field(default_factory=list)
-    frames: dict[int, tuple[int, np.ndarray, np.ndarray]] = field(
-        default_factory=lambda: {FIXED: (-1, np.eye(3), np.zeros(3))}
-    )  # body -> its link's number, axes (3, 3) and origin (3,) m in the world at t = 0
-
-    def hang(self, link: Link) -> None:
-        """Add a body's freedoms, each along z of a frame of its own."""
-        number, axes, origin = self.frames[link.parent]
-        last = len(link.freedoms) - 1
-        for k, (kind, axis) in enumerate(link.freedoms):
+def _chain(linkage: Linkage) -> Iterator[tuple]:
+    """Yield type, parent, turn, offset, inertia, centre and mass of the links: a body's freedoms, each along its z."""
+    frames = {FIXED: (-1, np.eye(3), np.zeros(3))}  # body -> its link, axes (3, 3) and origin (3,) m at t = 0
+    count = 0
+    for link in linkage.links:
+        number, axes, origin = frames[link.parent]
+        for k, (kind, axis) in enumerate(link.freedoms, start=1):
             first, _ = normals(axis)
             own = np.column_stack((first, np.cross(axis, first), axis))
-            mass, inertia = (link.mass, link.inertia * link.rigid) if k == last else (0.0, np.zeros((3, 3)))
-            self.types.append(exu.JointType.PrismaticZ if kind == "slide" else exu.JointType.RevoluteZ)
-            self.parents.append(number)
-            self.turns.append(axes.T @ own)
-            self.offsets.append(axes.T @ (link.origin - origin))
-            self.masses.append(mass)
-            self.centres.append(own.T @ link.centre)
-            self.inertias.append(own.T @ inertia @ own)
-            number, axes, origin = len(self.types) - 1, own, link.origin
-        self.frames[link.body] = number, axes, origin
+            last = float(k == len(link.freedoms))
+            yield (
+                exu.JointType.PrismaticZ if kind == "slide" else exu.JointType.RevoluteZ, number, axes.T @ own,
+                axes.T @ (link.origin - origin), own.T @ (last * link.rigid * link.inertia) @ own,
+                own.T @ link.centre, last * link.mass,
+            )  # fmt: skip
+            number, axes, origin, count = count, own, link.origin, count + 1
+        frames[link.body] = number, axes, origin
 
 
 def tree_refusals(scene: Scene) -> list[Refusal]:
@@ -93,9 +78,8 @@ def build_tree(scene: Scene) -> Tree:
             initialCoordinates_t=list(linkage.rates), numberOfODE2Coordinates=size,
         )
     )  # fmt: skip
-    chain, loads = Chain(), applied(linkage)
-    for link in linkage.links:
-        chain.hang(link)
+    loads, columns = applied(linkage), zip(*_chain(linkage), strict=True)
+    types, parents, turns, offsets, inertias, centres, masses = map(list, columns)
     options: dict[str, Any] = {"gravity": list(linkage.gravity)}
     if loads is not None:
 
@@ -105,13 +89,12 @@ def build_tree(scene: Scene) -> Tree:
         options = {"forceUserFunction": forces}
     number = mbs.AddObject(
         item.ObjectKinematicTree(
-            nodeNumber=node, **options, jointTypes=chain.types, linkParents=chain.parents,
-            jointTransformations=exu.Matrix3DList(chain.turns), jointOffsets=exu.Vector3DList(chain.offsets),
-            linkInertiasCOM=exu.Matrix3DList(chain.inertias), linkCOMs=exu.Vector3DList(chain.centres),
-            linkMasses=chain.masses,
+            nodeNumber=node, **options, jointTypes=types, linkParents=parents,
+            jointTransformations=exu.Matrix3DList(turns), jointOffsets=exu.Vector3DList(offsets),
+            linkInertiasCOM=exu.Matrix3DList(inertias), linkCOMs=exu.Vector3DList(centres), linkMasses=masses,
         )
     )  # fmt: skip
     kinds = (exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t)
     options = {"nodeNumber": node, "storeInternal": True, "writeToFile": False}
     sensors = [mbs.AddSensor(item.SensorNode(**options, outputVariableType=kind)) for kind in kinds]
-    return Tree(linkage, container, mbs, number, sensors, chain.centres, () if loads is None else (SHARED,))
+    return Tree(linkage, container, mbs, number, sensors, centres, () if loads is None else (SHARED,))

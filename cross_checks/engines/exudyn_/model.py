@@ -1,5 +1,6 @@
 """An Exudyn system in redundant coordinates: a node for each body, markers on it, and sensors that read it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -7,11 +8,10 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cross_checks.linkage.links import Z, lifted
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import ALONE, FIXED, Z, lifted
 from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
-from mbs_ref.scene import Distance, PlanarBody, Scene, SpatialBody
+from mbs_ref.scene import Distance, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, rotation_matrices
 
 
@@ -28,6 +28,7 @@ class Redundant:
     widths: list[int] = field(default_factory=list)  # numbers a sensor gives
     forces: dict[str, int] = field(default_factory=dict)  # joint -> first column of its recorded force
     notes: tuple[str, ...] = ()
+    general: list = field(default_factory=list)  # see contact.general_contact
 
     @property
     def planar(self) -> bool:
@@ -40,7 +41,10 @@ class Redundant:
         self.widths.append(width)
 
     def poses(self, rows: np.ndarray):
-        return _planar_poses(self.scene, rows) if self.planar else _spatial_poses(self.scene, rows)
+        """Return the poses and rates of all bodies, whose sensors are the first."""
+        values, read = iter(np.split(rows, np.cumsum(self.widths)[:-1], axis=1)), _planar if self.planar else _spatial
+        each = [read(body, values) for body in self.scene.bodies]
+        return tuple(np.stack(part, axis=1) for part in zip(*each, strict=True))
 
     def reactions(self, rows: np.ndarray) -> dict[str, np.ndarray]:
         """Return force on body b and torque about its mark; Exudyn gives the force on body a, or a rod's tension."""
@@ -63,9 +67,12 @@ class Redundant:
 
     def place(self, body: str, point) -> list[float]:
         """Return a world point (t = 0) in a body's frame, whose origin is the centre of mass."""
+        return (self.axes(body).T @ (lifted(point) - self.centre(body))).tolist()
+
+    def centre(self, body: str) -> np.ndarray:
+        """Return the body's centre of mass (3,) m at t = 0, or the world's origin."""
         k = self.scene.body_index(body)
-        centre = lifted(self.scene.bodies[k].position) if k != FIXED else np.zeros(3)
-        return (self.axes(body).T @ (lifted(point) - centre)).tolist()
+        return lifted(self.scene.bodies[k].position) if k != FIXED else np.zeros(3)
 
     def marker(self, body: str, point, rigid: bool | None = None) -> int:
         """Return a marker at a world point (t = 0); a rigid one takes torques, as all on rigid bodies in space do."""
@@ -98,32 +105,17 @@ def _along(motion: Motion, rod: Distance) -> np.ndarray:
     return between / np.linalg.norm(between, axis=1, keepdims=True)
 
 
-def _planar_poses(scene: Scene, rows: np.ndarray):
-    """Return the poses of recorded coordinates, which count from the start, and of their rates."""
-    position, velocity = np.zeros((2, len(rows), len(scene.bodies), 2))
-    angle, rate = np.zeros((2, len(rows), len(scene.bodies)))
-    column = 0
-    for k, body in enumerate(scene.bodies):
-        width = 3 if isinstance(body, PlanarBody) else 2
-        q, v = rows[:, column : column + width], rows[:, column + width : column + 2 * width]
-        position[:, k], velocity[:, k] = body.position + q[:, :2], v[:, :2]
-        if isinstance(body, PlanarBody):
-            angle[:, k], rate[:, k] = body.angle + q[:, 2], v[:, 2]
-        column += 2 * width
-    return position, angle, velocity, rate
+def _planar(body: Any, values: Iterator[np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Return the pose and the rates of a body by recorded coordinates, which count from the start, and their rates."""
+    q, v = (np.pad(next(values), ((0, 0), (0, 1)))[:, :3] for _ in range(2))  # a particle has no third
+    return body.position + q[:, :2], getattr(body, "angle", 0.0) + q[:, 2], v[:, :2], v[:, 2]
 
 
-def _spatial_poses(scene: Scene, rows: np.ndarray):
-    """Return the poses of recorded positions and velocities, and of rigid bodies' rates and rotation matrices."""
-    position, velocity, omega = np.zeros((3, len(rows), len(scene.bodies), 3))
-    theta = np.tile([1.0, 0.0, 0.0, 0.0], (len(rows), len(scene.bodies), 1))
-    column = 0
-    for k, body in enumerate(scene.bodies):
-        position[:, k], velocity[:, k] = rows[:, column : column + 3], rows[:, column + 3 : column + 6]
-        column += 6
-        if isinstance(body, SpatialBody):
-            omega[:, k] = rows[:, column : column + 3]
-            turned = rows[:, column + 3 : column + 12].reshape(-1, 3, 3)
-            theta[:, k] = [from_matrix(m) if np.isfinite(m).all() else np.full(4, np.nan) for m in turned]
-            column += 12
-    return position, theta, velocity, omega
+def _spatial(body: Any, values: Iterator[np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Return them by recorded position and velocity, and by a rigid body's angular velocity and rotation matrix."""
+    position, velocity = next(values), next(values)
+    if not isinstance(body, SpatialBody):
+        return position, np.tile(ALONE, (len(position), 1)), velocity, np.zeros_like(velocity)
+    omega, turned = next(values), next(values).reshape(-1, 3, 3)
+    theta = [from_matrix(m) if np.isfinite(m).all() else np.full(4, np.nan) for m in turned]
+    return position, np.array(theta), velocity, omega

@@ -1,15 +1,13 @@
 """Joints and loads in redundant coordinates."""
 
 import math
-from collections.abc import Callable
 
 import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engines.exudyn_.model import Redundant
-from cross_checks.linkage.links import Z, lifted, rest_length, rest_turn
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Z, lifted, rest_length, rest_turn
 from mbs_ref import scene
 from mbs_ref.scene.base.part import normals, unit
 from mbs_ref.scene.signals import motion_segments, piece_at
@@ -18,9 +16,18 @@ PARALLEL = 1e-9  # sine of the angle between a spring's axis and a joint's
 CALLS = "{} {!r} calls Python at every residual"
 
 
+def add_joint(model: Redundant, joint) -> None:
+    """Add a joint; in space it stops some of six relative motions, along z of a frame whose z axis is the joint's."""
+    if model.planar or type(joint) not in STOPPED:
+        JOINTS[type(joint)](model, joint)
+        return
+    axis = getattr(joint, "axis", Z)
+    frame = np.column_stack((*normals(axis), unit(axis)))
+    markers = [model.frame(body, joint.point, frame) for body in joint.ends]
+    model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=STOPPED[type(joint)]))
+
+
 def _add_revolute(model: Redundant, joint: scene.Revolute) -> None:
-    if not model.planar:
-        return _add_generic(model, joint, joint.axis, [1, 1, 1, 1, 1, 0])
     _watch_force(model, joint.name, _pin(model, joint), 3)
 
 
@@ -35,9 +42,7 @@ def _watch_force(model: Redundant, joint: str, number: int, width: int) -> None:
 
 
 def _add_weld(model: Redundant, joint: scene.Weld) -> None:
-    """Hold a body at a point and at its angle; a particle in the plane has none."""
-    if not model.planar:
-        return _add_generic(model, joint, Z, [1, 1, 1, 1, 1, 1])
+    """Hold a body at a point and at its angle; a particle has none."""
     _pin(model, joint)
     bodies = [model.scene.body_index(name) for name in (joint.body_a, joint.body_b)]
     if all(k == FIXED or isinstance(model.scene.bodies[k], scene.PlanarBody) for k in bodies):
@@ -46,21 +51,12 @@ def _add_weld(model: Redundant, joint: scene.Weld) -> None:
 
 
 def _add_prismatic(model: Redundant, joint: scene.Prismatic) -> None:
-    if not model.planar:
-        return _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 1])
     markers = [model.marker(body, joint.point, rigid=True) for body in (joint.body_a, joint.body_b)]
     axis = unit(lifted(joint.axis))
     along, across = model.axes(joint.body_a).T @ axis, model.axes(joint.body_b).T @ np.cross(Z, axis)
     model.mbs.AddObject(
         item.ObjectJointPrismatic2D(markerNumbers=markers, axisMarker0=list(along), normalMarker1=list(across))
     )
-
-
-def _add_generic(model: Redundant, joint, axis, fixed: list[int]) -> None:
-    """Add a joint along z of a frame whose z axis is the joint's; `fixed` marks the six relative motions it stops."""
-    frame = np.column_stack((*normals(axis), unit(axis)))
-    markers = [model.frame(body, joint.point, frame) for body in (joint.body_a, joint.body_b)]
-    model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=fixed))
 
 
 def _add_spherical(model: Redundant, joint: scene.Spherical) -> None:
@@ -93,7 +89,12 @@ def _add_drive(model: Redundant, joint: scene.CoordinateDrive) -> None:
 
 
 def _add_spring(model: Redundant, load: scene.SpringDamper) -> None:
-    law = {"springForceUserFunction": _pull_only(load.limit or math.inf)} if load.tension_only else {}
+    limit = load.limit or math.inf
+
+    def pull(mbs, t, number, stretch, stretch_rate, stiffness, damping, force) -> float:
+        return min(limit, max(0.0, stiffness * stretch + damping * stretch_rate)) if stretch > 0.0 else 0.0
+
+    law = {"springForceUserFunction": pull} if load.tension_only else {}
     model.mbs.AddObject(
         item.ObjectConnectorSpringDamper(
             markerNumbers=model.pair(load, load.point_a, load.point_b), referenceLength=rest_length(load),
@@ -104,13 +105,6 @@ def _add_spring(model: Redundant, load: scene.SpringDamper) -> None:
         model.notes += (CALLS.format("load", load.name),)
 
 
-def _pull_only(limit: float) -> Callable[..., float]:
-    def pull(mbs, t, number, stretch, stretch_rate, stiffness, damping, force) -> float:
-        return min(limit, max(0.0, stiffness * stretch + damping * stretch_rate)) if stretch > 0.0 else 0.0
-
-    return pull
-
-
 def _add_torsion(model: Redundant, load: scene.TorsionSpring) -> None:
     """Add a spring between the angles of two planar bodies, or about z of a frame whose z axis is the spring's."""
     ends, rest = (load.body_a, load.body_b), rest_turn(model.scene, load)
@@ -118,7 +112,7 @@ def _add_torsion(model: Redundant, load: scene.TorsionSpring) -> None:
         markers, kind = [model.coordinate(body, 2) for body in ends], item.ObjectConnectorCoordinateSpringDamper
     else:
         frame, kind = np.column_stack((*normals(load.axis), unit(load.axis))), item.ObjectConnectorTorsionalSpringDamper
-        markers = [model.frame(body, _centre(model, body), frame) for body in ends]
+        markers = [model.frame(body, model.centre(body), frame) for body in ends]
     law = {"stiffness": load.stiffness, "damping": load.damping, "offset": rest}
     model.mbs.AddObject(kind(markerNumbers=markers, **law))
 
@@ -161,11 +155,6 @@ def has_connector(whole: scene.Scene, load: scene.Load) -> bool:
     )
 
 
-def _centre(model: Redundant, body: str):
-    k = model.scene.body_index(body)
-    return model.scene.bodies[k].position if k != FIXED else np.zeros(model.scene.dimension)
-
-
 def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueVector) -> None:
     """Add a force or torque; along body axes Exudyn takes it in the body's own. A particle has none."""
     force, body = isinstance(load, scene.Force), model.scene.bodies[model.scene.body_index(load.body)]
@@ -193,7 +182,10 @@ def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueV
 JOINTS = {
     scene.Revolute: _add_revolute, scene.Weld: _add_weld, scene.Prismatic: _add_prismatic,
     scene.Distance: _add_distance, scene.CoordinateDrive: _add_drive, scene.Spherical: _add_spherical,
-    scene.Cylindrical: lambda model, joint: _add_generic(model, joint, joint.axis, [1, 1, 0, 1, 1, 0]),
+}  # fmt: skip
+STOPPED = {  # in space: relative motions along x, y, z of the joint, then about them
+    scene.Revolute: [1, 1, 1, 1, 1, 0], scene.Weld: [1, 1, 1, 1, 1, 1], scene.Prismatic: [1, 1, 0, 1, 1, 1],
+    scene.Cylindrical: [1, 1, 0, 1, 1, 0],
 }  # fmt: skip
 LOADS = {
     **dict.fromkeys((scene.Force, scene.Torque, scene.TorqueVector), _add_push),

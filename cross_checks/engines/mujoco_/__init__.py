@@ -10,7 +10,7 @@ from cross_checks.engine import Loop, Method, Plan, Poses, Refusal, end_of
 from cross_checks.engines.mujoco_ import forces
 from cross_checks.engines.mujoco_.build import METHODS, TIGHT, Left, advance, at_start, clock_end, compile_links
 from cross_checks.engines.mujoco_.forces import Callback, Observer, passive
-from cross_checks.linkage.forces import SHARED, LinkageEngine
+from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of, tree_reactions
 from mbs_ref import Scene, Settings
@@ -23,7 +23,7 @@ class Built:
     linkage: Linkage
     model: mujoco.MjModel
     data: mujoco.MjData
-    act: Callback | None  # of a tree the shared forces, else loads that vary in time
+    applied: Callback | None  # of a tree the shared forces, else loads that vary in time
 
 
 class MuJoCo(LinkageEngine):
@@ -52,11 +52,11 @@ class MuJoCo(LinkageEngine):
         return Built(linkage, model, at_start(model, linkage), forces.shared_forces(model, linkage) if shared else None)
 
     def first_call(self, model: Built, plan: Plan) -> None:
-        with passive(model.act):
+        with passive(model.applied):
             mujoco.mj_step(model.model, at_start(model.model, model.linkage))
 
     def advance(self, model: Built, plan: Plan) -> Left:
-        with passive(model.act):
+        with passive(model.applied):
             return advance(model.model, model.data, plan)
 
     def collect(self, model: Built, plan: Plan, left: Left) -> Loop:
@@ -67,19 +67,19 @@ class MuJoCo(LinkageEngine):
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
         observer = Observer(model.model, model.linkage)
-        with passive(model.act):
+        with passive(model.applied):
             return poses_of(model.linkage, observer.motions(plan.times[: len(states)], states))
 
     def reactions(self, model: Built, plan: Plan, states: np.ndarray, poses: Poses) -> dict[str, np.ndarray]:
         """Return none where MuJoCo's own tendons and actuators act: cfrc_int leaves them out."""
-        if model.linkage.loaded and (model.act is None or model.linkage.closures):
+        if model.linkage.loaded and (model.applied is None or model.linkage.closures):
             return {}
-        with passive(model.act):
+        with passive(model.applied):
             wrench = Observer(model.model, model.linkage).wrenches(plan.times[: len(states)], states)
         return tree_reactions(model.linkage, poses, wrench)
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
-        return (SHARED,) if model.act and not model.linkage.closures else ()
+        return () if model.linkage.closures else super().notes(model, plan)
 
 
 ENGINE = MuJoCo

@@ -6,11 +6,10 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from cross_checks.engine import End, Method, Plan, exponential, fixed
+from cross_checks.engine import End, Plan, exponential, fixed
 from cross_checks.engines.mujoco_.contact import add_contact
 from cross_checks.engines.mujoco_.forces import LOADS, add_tendon
-from cross_checks.linkage.links import Closure, Link, Linkage
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage
 from mbs_ref import Scene, Status
 from mbs_ref.scene.euler_parameters import from_matrix
 
@@ -32,18 +31,13 @@ SOFTENED = frozenset({"closed-loop", "rod-in-space", "friction"})
 STEP_SOFT = "loop closures and rods in space are springs whose time constant is two steps"
 
 
-def _methods() -> tuple[Method, ...]:
-    plain = [
-        fixed(n, p, text, stability=exponential(p), wrong_limit=SOFT, weak_on=SOFTENED)
-        for n, (_, p, text) in INTEGRATORS.items()
-    ]  # what is implicit bears more, but shared forces are explicit in all
-    tight = [
-        fixed(m.name + TIGHT, None, f"{m.description}; {STEP_SOFT}") for m in plain if m.name in ("rk4", "implicitfast")
-    ]
-    return (*plain, *tight)
-
-
-METHODS = _methods()
+METHODS = (
+    *(  # what is implicit bears more, but shared forces are explicit in all
+        fixed(name, p, text, stability=exponential(p), wrong_limit=SOFT, weak_on=SOFTENED)
+        for name, (_, p, text) in INTEGRATORS.items()
+    ),
+    *(fixed(name + TIGHT, None, f"{INTEGRATORS[name][2]}; {STEP_SOFT}") for name in ("rk4", "implicitfast")),
+)
 
 
 def pin_options(spec: mujoco.MjSpec, plan: Plan, scene: Scene) -> None:

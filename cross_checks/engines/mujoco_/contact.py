@@ -125,8 +125,7 @@ def contact_refusals(scene: Scene) -> list[str]:
         reasons += friction_refusals("mujoco", contact)
         if getattr(contact.law, "damping", 0.0) and getattr(contact.law, "release", "force") != "force":
             reasons.append(f"{where}: mujoco's contact force is never negative; it needs release = 'force'")
-        endless = getattr(contact, "extent", "") in ("line", "plane") and getattr(contact, "thickness", None) is None
-        if isinstance(contact, laws.CircleOnLine | laws.SphereOnPlane) and (contact.body_b != GROUND or not endless):
+        if isinstance(contact, laws.CircleOnLine | laws.SphereOnPlane) and not is_half_space(contact):
             reasons.append(f"{where}: a mujoco plane is endless and fixed to the world")
         centers = ((contact.body_a, getattr(contact, "center_a", None) or getattr(contact, "center", None)),
                    (contact.body_b, getattr(contact, "center_b", None)))  # fmt: skip

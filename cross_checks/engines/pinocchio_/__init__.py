@@ -10,7 +10,7 @@ from cross_checks.engine import Loop, Method, Plan, Poses, Refusal
 from cross_checks.engines.pinocchio_ import loop
 from cross_checks.engines.pinocchio_.build import Mechanism, mechanism_of
 from cross_checks.engines.pinocchio_.loop import motions_of, reactions_of
-from cross_checks.linkage.forces import SHARED, LinkageEngine
+from cross_checks.linkage.forces import Applied, LinkageEngine
 from cross_checks.linkage.links import linkage_of
 from cross_checks.linkage.motion import poses_of
 from mbs_ref import Scene
@@ -28,6 +28,10 @@ class Built:
     rhs: loop.RightHandSide
     start: np.ndarray
     breakpoints: list[float]  # s
+
+    @property
+    def applied(self) -> Applied | None:
+        return self.mechanism.applied
 
 
 class Pinocchio(LinkageEngine):
@@ -69,9 +73,6 @@ class Pinocchio(LinkageEngine):
     def reactions(self, model: Built, plan: Plan, states: np.ndarray, poses: Poses) -> dict[str, np.ndarray]:
         times = plan.times[: len(states)]
         return reactions_of(model.mechanism, model.rhs, model.contact_data, times, states, poses)
-
-    def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
-        return (SHARED,) if model.mechanism.applied else ()
 
 
 ENGINE = Pinocchio

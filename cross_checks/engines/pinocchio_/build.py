@@ -3,7 +3,7 @@
 Every joint's frame stands along the world's axes at t = 0, where all coordinates are neutral.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,8 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from cross_checks.linkage.forces import Applied, applied
-from cross_checks.linkage.links import Closure, Link, Linkage, Z
-from cross_checks.linkage.tree import FIXED
+from cross_checks.linkage.links import FIXED, Closure, Link, Linkage, Z
 
 FREE, BALL = "JointModelFreeFlyer", "JointModelSpherical"
 
@@ -34,24 +33,15 @@ class Mechanism:
     flights: Any = None  # free-flyers: (m, 3) places of positions in q, (m, 3) of velocities in v, (m,) turns
     plain: Any = None  # (p,) places of all other coordinates in q and of their rates in v
 
-    @property
-    def n_q(self) -> int:
-        return int(self.model.nq)
-
     def configured(self, q: np.ndarray) -> np.ndarray:
         """Return q with quaternions of norm one, which Pinocchio takes for granted."""
-        if not len(self.turns[0]):
-            return q
-        q = q.copy()
-        theta = q[self.turns[0]]
-        q[self.turns[0]] = theta / np.linalg.norm(theta, axis=1, keepdims=True)
-        return q
+        return pin.normalize(self.model, q) if len(self.turns[0]) else q
 
     def rate(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return q': quaternions turn with v in the body's axes, and so do free-flyers' velocities."""
         if not len(self.turns[0]):
             return v
-        rate = np.zeros(self.n_q)
+        rate = np.zeros(self.model.nq)
         rate[self.plain[0]] = v[self.plain[1]]
         theta, omega = q[self.turns[0]], v[self.turns[1]]  # x, y, z, w
         e, w = theta[:, :3], theta[:, 3:]
@@ -66,30 +56,19 @@ class Mechanism:
 
     def number_coordinates(self) -> None:
         """Note where quaternions, free-flyers and plain coordinates are."""
-        turns, flights, plain = ([], []), ([], [], []), ([], [], [])
-        for joint in list(self.model.joints)[1:]:
-            q, v, kind = joint.idx_q, joint.idx_v, joint.shortname()
-            if kind == FREE:
-                for part, places in zip(flights, (range(q, q + 3), range(v, v + 3), len(turns[0])), strict=True):
-                    part.append(places)
-                q, v = q + 3, v + 3
-            if kind in (FREE, BALL):
-                turns[0].append(range(q, q + 4))
-                turns[1].append(range(v, v + 3))
-            else:
-                plain[0].extend(range(q, q + joint.nq))
-                plain[1].extend(range(v, v + joint.nv))
-        self.turns = tuple(_places(part, k) for part, k in zip(turns, (4, 3), strict=True))
-        self.flights = (_places(flights[0], 3), _places(flights[1], 3), np.array(flights[2], dtype=int))
-        self.plain = tuple(np.array(part, dtype=int) for part in plain)
+        joints = [joint for joint in list(self.model.joints)[1:] if joint.shortname() in (FREE, BALL)]
+        flies = np.array([joint.shortname() == FREE for joint in joints], dtype=bool)
+        starts = np.array([(joint.idx_q, joint.idx_v) for joint in joints], dtype=int).reshape(-1, 2, 1)
+        q, v = np.swapaxes(starts + 3 * flies[:, None, None], 0, 1)  # a free-flyer's quaternion follows its position
+        self.turns = q + np.arange(4), v + np.arange(3)
+        places, speeds = np.swapaxes(starts[flies] + np.arange(3), 0, 1)
+        self.flights = places, speeds, np.flatnonzero(flies)
+        sizes = zip((self.model.nq, self.model.nv), self.turns, (places, speeds), strict=True)
+        self.plain = tuple(np.setdiff1d(np.arange(size), np.append(turn, place)) for size, turn, place in sizes)
 
     def torques(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return tau: zero, or the scene's applied forces projected on the joints."""
         return np.zeros(self.model.nv) if self.applied is None else self.applied.generalized(t, q, v)
-
-
-def _places(ranges: list, width: int) -> np.ndarray:
-    return np.array([list(places) for places in ranges], dtype=int).reshape(-1, width)
 
 
 def mechanism_of(linkage: Linkage, gains: tuple[float, float]) -> Mechanism:
@@ -140,3 +119,14 @@ def _contacts(mechanism: Mechanism, closure: Closure, origin: dict[int, np.ndarr
         contact = pin.RigidConstraintModel(kind, mechanism.model, a, at_a, b, at_b, pin.ReferenceFrame.LOCAL)
         contact.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(*gains))
         yield contact
+
+
+def joints_of(model: Any) -> Iterator[tuple]:
+    """Yield parent, name, kind, axis, turn and place (m) in the parent, mass, centre and inertia of every joint.
+
+    Joints that turn or slide along no axis of their own have an empty one.
+    """
+    for i in range(1, model.njoints):
+        joint, placement, inertia = model.joints[i].extract(), model.jointPlacements[i], model.inertias[i]
+        body = placement.rotation, placement.translation, inertia.mass, inertia.lever, inertia.inertia
+        yield (int(model.parents[i]), model.names[i], joint.shortname(), getattr(joint, "axis", np.zeros(0)), *body)

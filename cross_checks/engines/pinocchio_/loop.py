@@ -38,7 +38,7 @@ RightHandSide = Callable[[float, np.ndarray], np.ndarray]
 
 def right_hand_side(mechanism: Mechanism, contact_data: Any) -> RightHandSide:
     """Return f(t, y) with y = (q, v), one Pinocchio call each."""
-    model, data, n = mechanism.model, mechanism.data, mechanism.n_q
+    model, data, n = mechanism.model, mechanism.data, mechanism.model.nq
     derivative = np.empty(n + model.nv)
     if not len(mechanism.contacts):
 
@@ -134,7 +134,7 @@ def _failure(solver: DOP853, message: str | None, reached: int, max_steps: int) 
 
 def motions_of(mechanism: Mechanism, states: np.ndarray) -> Iterator[Motion]:
     """Yield Pinocchio's own motion at each state."""
-    linkage, n = mechanism.linkage, mechanism.n_q
+    linkage, n = mechanism.linkage, mechanism.model.nq
     for y in states:
         q = mechanism.configured(y[:n])
         pin.forwardKinematics(mechanism.model, mechanism.data, q, y[n:])
@@ -154,7 +154,7 @@ def _of_body(mechanism: Mechanism, k: int) -> tuple:
 
 def reactions_of(mechanism: Mechanism, rhs: RightHandSide, contact_data, times, states, poses) -> dict:
     """Return reactions by recursive Newton-Euler with loads and loop forces applied from outside."""
-    linkage, model, data, n = mechanism.linkage, mechanism.model, mechanism.data, mechanism.n_q
+    linkage, model, data, n = mechanism.linkage, mechanism.model, mechanism.data, mechanism.model.nq
     wrench = np.zeros((len(states), len(linkage.links), 6))
     loops = {name: np.zeros((len(states), 6)) for name in mechanism.closing}
     for k, (t, y, motion) in enumerate(zip(times, states, motions_of(mechanism, states), strict=True)):

@@ -13,6 +13,7 @@ from scipy.integrate import DOP853
 
 from cross_checks.engine import RTOLS, STEPS, End, Loop, Method, Plan, Refusal, exponential
 from cross_checks.engines.pinocchio_ import Built, Pinocchio
+from cross_checks.engines.pinocchio_.build import joints_of
 from cross_checks.engines.pinocchio_.loop import GAINS, PROXIMAL
 from cross_checks.engines.pinocchio_cpp_.compiler import described, library, obstacle
 from mbs_ref import Scene, Status
@@ -42,13 +43,16 @@ class Tree:
     """A tree of joints in the program, the contacts that close its loops, and its state there."""
 
     def __init__(self, model: Any, every: bool = False, form: str = "local", contacts: Sequence[Any] = ()) -> None:
-        joints = [(model.joints[k], model.jointPlacements[k], model.inertias[k]) for k in range(1, model.njoints)]
-        kinds = np.array([KINDS.index(joint.shortname()) for joint, _, _ in joints], dtype=np.int32)
-        parents = np.array(list(model.parents)[1:], dtype=np.int32)
-        numbers = np.array([_numbers(*joint) for joint in joints])
+        parents, _, kinds, *columns = zip(*joints_of(model), strict=True)
+        numbers = np.array([_numbers(*row) for row in zip(*columns, strict=True)])
         self._program = _program(every)
         self._tree = self._program.make_tree(
-            FORMS.index(form), len(joints), kinds, parents, numbers, np.array(model.gravity.linear)
+            FORMS.index(form),
+            len(kinds),
+            np.array(list(map(KINDS.index, kinds)), dtype=np.int32),
+            np.array(parents, dtype=np.int32),
+            numbers,
+            np.array(model.gravity.linear),
         )
         if contacts:
             rows = [6 if one.type == pin.ContactType.CONTACT_6D else 3 for one in contacts]
@@ -82,10 +86,10 @@ def _place(placement: Any) -> np.ndarray:
     return np.concatenate((placement.rotation.ravel(), placement.translation))
 
 
-def _numbers(joint: Any, placement: Any, inertia: Any) -> np.ndarray:
-    """Return placement, axis, mass, centre and inertia of a joint's body: (28,)."""
-    axis = getattr(joint.extract(), "axis", np.zeros(3))  # of joints that turn or slide along no axis of their frame
-    parts = _place(placement), axis, [inertia.mass], inertia.lever, inertia.inertia
+def _numbers(axis: np.ndarray, *others: Any) -> np.ndarray:
+    """Return turn, place, axis, mass, centre and inertia of a joint's body: (28,); no axis is zeros."""
+    turn, place, *body = others
+    parts = turn, place, axis if len(axis) else np.zeros(3), *body
     return np.concatenate([np.asarray(part, dtype=float).ravel() for part in parts])
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from cross_checks.robots import LOCKED, RATE, Robot, RobotError, of_file, plain, refuse, three, unknown
 from cross_checks.robots.mujoco_.mjcf_pose import HINGE, IGNORABLE, SLIDE, Posed, assumptions, refusals
 from cross_checks.robots.parity import Dynamics, Unreadable, Values
-from cross_checks.robots.robot import LOCKED, RATE, Robot, RobotError, of_file, plain, refuse, three, unknown
 from mbs_ref import Scene
 
 OPTIONS = "gravity, duration, ignore"

@@ -8,7 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cross_checks.robots.robot import LOCKED, RATE, Axis, own_forces, plain, six, three
+from cross_checks.robots import LOCKED, RATE, Axis, own_forces, plain, six, three
 from mbs_ref.scene import GROUND, Cylindrical, Prismatic, Revolute, SpatialBody, Spherical, Universal, Weld
 from mbs_ref.scene.euler_parameters import from_matrix
 
@@ -133,23 +133,22 @@ class Posed:
                 yield e, pair, (at[0], at[1])
 
     def loads(self) -> Iterator[Any]:
+        model = self.model
         for j in self.single():
-            stiffness, damping = self._own(j)
-            at = int(self.model.jnt_qposadr[j])
-            yield from own_forces(
-                self.axis(j), stiffness, damping, float(self.model.qpos_spring[at] - self.data.qpos[at])
-            )
+            stiffness = 0.0 if "springs" in self.ignored else float(model.jnt_stiffness[j])
+            damping = 0.0 if "damping" in self.ignored else float(model.dof_damping[model.jnt_dofadr[j]])
+            yield from own_forces(self.axis(j), stiffness, damping, self.strain(j))
+
+    def strain(self, j: int) -> float:
+        """Return how far (rad, m) the spring of a hinge or slide is from relaxed at the start."""
+        at = int(self.model.jnt_qposadr[j])
+        return float(self.model.qpos_spring[at] - self.data.qpos[at])
 
     def single(self) -> list[int]:
         """Return the hinges and slides that carry a body alone."""
         model = self.model
         plain = [j for j in range(model.njnt) if model.jnt_type[j] in (SLIDE, HINGE)]
         return [j for j in plain if len(self.joints_of(model.jnt_bodyid[j])) == 1]
-
-    def _own(self, j: int) -> tuple[float, float]:
-        """Return stiffness and damping of a joint that are taken."""
-        stiffness = 0.0 if "springs" in self.ignored else float(self.model.jnt_stiffness[j])
-        return stiffness, 0.0 if "damping" in self.ignored else float(self.model.dof_damping[self.model.jnt_dofadr[j]])
 
 
 def refusals(posed: Posed) -> Iterator[str]:
@@ -187,9 +186,9 @@ def _beyond(posed: Posed) -> Iterator[tuple[str, str]]:
     model = posed.model
     single = set(posed.single())
     shared = np.array([joint not in single for joint in model.dof_jntid], dtype=bool)
-    strained = np.array([_is_strained(posed, int(joint)) for joint in model.dof_jntid], dtype=bool)
+    slides = [model.jnt_type[j] == SLIDE and abs(posed.strain(int(j))) > SAME for j in model.dof_jntid]
     stiffness, bent = model.jnt_stiffness[model.dof_jntid], _any_of(model.jnt_stiffnesspoly)[model.dof_jntid]
-    damping, springs = shared & (model.dof_damping != 0.0), (stiffness != 0.0) & (shared | strained)
+    damping, springs = shared & (model.dof_damping != 0.0), (stiffness != 0.0) & (shared | np.array(slides, dtype=bool))
     several = "that are not linear, or of one of several joints of a body"
     words = {
         "armature": ("rotor inertia (armature) of ", model.dof_armature),
@@ -211,12 +210,6 @@ def _beyond(posed: Posed) -> Iterator[tuple[str, str]]:
 def _any_of(rows: np.ndarray) -> np.ndarray:
     """Return which rows hold anything but zeros."""
     return np.any(rows.reshape(len(rows), -1) != 0.0, axis=1)
-
-
-def _is_strained(posed: Posed, joint: int) -> bool:
-    """Return whether a slide's spring is not relaxed at the start."""
-    at = int(posed.model.jnt_qposadr[joint])
-    return posed.model.jnt_type[joint] == SLIDE and abs(posed.model.qpos_spring[at] - posed.data.qpos[at]) > SAME
 
 
 def assumptions(posed: Posed, locked: list[str]) -> Iterator[str]:

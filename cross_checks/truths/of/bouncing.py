@@ -14,7 +14,7 @@ from scipy.optimize import root_scalar
 
 from cross_checks.truths.made_by.mechanisms.unilateral import line_motion, line_of, one_sided
 from cross_checks.truths.made_by.numerics.closed_forms import integral
-from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, unturned
+from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, of_one_body, unturned
 from mbs_ref import Scene, scenes
 from mbs_ref.scene import contact as laws
 from mbs_ref.scene.contact import SpringDamperLaw
@@ -157,8 +157,7 @@ def bouncing_ball(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
 def _motion(scene: Scene, height: np.ndarray, uncertainty: float, how: str) -> Truth:
     """Return the truth of a ball that does not turn, its centre at `height` (n_t,), m."""
     ball: Any = scene.bodies[0]
-    place = np.stack((np.zeros_like(height), height), axis=1)[:, None]
-    return Truth(place, np.full((len(height), 1), ball.angle), uncertainty, "exact", how)
+    return of_one_body(np.zeros_like(height), height, ball.angle, uncertainty, how)
 
 
 def _under_gravity(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -234,4 +233,4 @@ def oblique_disc(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     x = disc.position[0] + u0 * times - kick
     angle = disc.angle - disc.mass * ground.radius / disc.inertia * kick
     how = "closed form: a free normal impact, and Coulomb's friction that slides all along"
-    return Truth(np.stack((x, y), axis=1)[:, None], angle[:, None], uncertainty, "exact", how)
+    return of_one_body(x, y, angle, uncertainty, how)

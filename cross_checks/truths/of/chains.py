@@ -5,17 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import agree
+from cross_checks.truths.made_by import agree
 from cross_checks.truths.made_by.mechanisms import rod_chain, spherical_tree
 from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
 from cross_checks.truths.made_by.mechanisms.rod_chain import Rods
-from cross_checks.truths.truth import NoTruth, Truth
+from cross_checks.truths.truth import NoTruth, Truth, in_space
 from mbs_ref import scenes
 from mbs_ref.scene import CoordinateDrive, Scene
 from mbs_ref.scene.signals import prescribed
 
 # Links. The dense mass matrix, in absolute angles or orientations, takes too long beyond.
 LARGEST_PLANAR, LARGEST_SPATIAL = 200, 40
+PRECISION = {True: "extended", False: "double"}
 
 
 def pendulum_chain(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -35,13 +36,9 @@ def rods_of(scene: Scene, length: np.ndarray) -> Rods:
 def released(rods: Rods, times: np.ndarray) -> Truth:
     """Return the truth of rods released from rest."""
     extended = len(rods.length) <= rod_chain.EXTENDED_UP_TO
-    how = f"Hamilton's equations in absolute angles by extrapolation in {_precision(extended)} precision"
+    how = f"Hamilton's equations in absolute angles by extrapolation in {PRECISION[extended]} precision"
     both = rod_chain.lagrange(rods), rod_chain.hamilton(rods)
     return agree(*both, times, ("Lagrange's by DOP853", how), extended=extended)
-
-
-def _precision(extended: bool) -> str:
-    return "extended" if extended else "double"
 
 
 def double_pendulum(scene: Scene, times: np.ndarray) -> Truth:
@@ -56,7 +53,7 @@ def spatial_chain(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     if bodies > LARGEST_SPATIAL:
         return NoTruth(f"the chain's truth is converged up to {LARGEST_SPATIAL} links, and this one has {bodies}")
     tree, extended = spherical_tree.spherical_tree(scene), bodies <= spherical_tree.EXTENDED_UP_TO
-    how = f"Hamilton's equations in absolute orientations by extrapolation in {_precision(extended)} precision"
+    how = f"Hamilton's equations in absolute orientations by extrapolation in {PRECISION[extended]} precision"
     both, ways = (
         (spherical_tree.newton_euler(tree), spherical_tree.hamilton(tree)),
         ("Newton's and Euler's by DOP853", how),
@@ -64,34 +61,20 @@ def spatial_chain(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     return agree(*both, times, ways, extended=extended, is_costly=True)
 
 
-TRUTHS = {"double_gyroscope": spatial_chain}
-
-
-def android_simplified(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
+def android_simplified(scene: Scene, times: np.ndarray) -> Truth:
     """Hamilton's equations by extrapolation from event to event against Lagrange's by DOP853.
 
     The occupant moves on a driven seat as on a fixed one under the forces m a: the seat's own motion is added.
     """
     fixed = scenes.make(scene.name, **(scene.parameters | {"seat": "fixed"}))
     ways = "Lagrange's by DOP853", "Hamilton's equations in body angles by extrapolation from event to event"
-    seen: Any = agree(*formulations(fixed), times, ways, extended=False)
-    way, speed = _seat_motion(scene, times)
-    return replace(seen, position=seen.position + way[:, None], velocity=seen.velocity + speed[:, None])
-
-
-def _seat_motion(scene: Scene, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far a driven seat is from its place at t = 0 (n_t, 2), m, and its velocity; all its parts alike."""
+    costly = scene.name == "android_vertebral"
+    seen: Any = agree(*formulations(fixed), times, ways, extended=False, is_costly=costly)
     drives = (joint for joint in scene.joints if isinstance(joint, CoordinateDrive) and joint.coordinate == "x")
     drive = next(drives, None)
     along = np.zeros((2, len(times))) if drive is None else prescribed(drive.motion, drive.level, np.asarray(times))
-    way, speed = (np.outer(part, (1.0, 0.0)) for part in along)
-    return way, speed
-
-
-def android_vertebral(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
-    """Converge the vertebral android."""
-    truth = android_simplified(scene, times)
-    return truth if isinstance(truth, NoTruth) else replace(truth, is_costly=True)
+    way, speed = (np.outer(part, (1.0, 0.0))[:, None] for part in along)  # of the seat, all of whose parts move alike
+    return replace(seen, position=seen.position + way, velocity=seen.velocity + speed)
 
 
 def android_spatial(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -99,13 +82,7 @@ def android_spatial(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     parameters = dict(scene.parameters)
     if parameters.pop("oblique"):
         return NoTruth("an oblique pulse moves the android out of the plane of its truth")
-    flat = android_simplified(scenes.make("android_simplified", **parameters), times)
-    if isinstance(flat, NoTruth):
-        return flat
-    half, speed, turning = 0.5 * flat.orientation, np.asarray(flat.velocity), np.asarray(flat.angular_velocity)
-    none = np.zeros_like(half)
-    return replace(
-        flat, position=np.insert(flat.position, 2, 0.0, axis=2), velocity=np.insert(speed, 2, 0.0, axis=2),
-        orientation=np.stack((np.cos(half), none, none, np.sin(half)), axis=2),
-        angular_velocity=np.stack((none, none, turning), axis=2),
-    )  # fmt: skip
+    return in_space(android_simplified(scenes.make("android_simplified", **parameters), times))
+
+
+TRUTHS = {"double_gyroscope": spatial_chain, "android_vertebral": android_simplified}

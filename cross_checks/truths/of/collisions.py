@@ -79,20 +79,19 @@ def encounter(law: Any, reduced: float, normal: float, tangential: float) -> Enc
 
 def _central(omega2: float, normal: float, tangential: float) -> Encounter:
     """r'^2 = v_n^2 + v_t^2 (1 - R^2/r^2) - omega^2 (R - r)^2 between R and the least distance."""
-    reach = REACH
 
     def square(r: float) -> float:
-        return normal**2 + tangential**2 * (1.0 - (reach / r) ** 2) - omega2 * (reach - r) ** 2
+        return normal**2 + tangential**2 * (1.0 - (REACH / r) ** 2) - omega2 * (REACH - r) ** 2
 
-    if square(1e-6 * reach) >= 0.0:
+    if square(1e-6 * REACH) >= 0.0:
         raise OutsideDomainError("the spheres are so soft that their centres meet: the contact does not stop them")
-    least: Any = brentq(square, 1e-6 * reach, reach * (1.0 - 1e-15), xtol=1e-17, rtol=np.float64(1e-15))
-    span = reach - least
+    least: Any = brentq(square, 1e-6 * REACH, REACH * (1.0 - 1e-15), xtol=1e-17, rtol=np.float64(1e-15))
+    span = REACH - least
 
     def slope(r: float) -> float:
         """Return (r'^2) / (r - least), whose numerator is divided out by hand."""
-        curved = tangential**2 * reach**2 * (r + least) / (r * least) ** 2
-        return curved + omega2 * (2.0 * reach - r - least)
+        curved = tangential**2 * REACH**2 * (r + least) / (r * least) ** 2
+        return curved + omega2 * (2.0 * REACH - r - least)
 
     def over(weight) -> tuple[float, float]:
         """Return with its error bound the integral of weight dr / r' there and back, r = least + span s^2."""
@@ -103,7 +102,7 @@ def _central(omega2: float, normal: float, tangential: float) -> Encounter:
 
         return integral(density, 0.0, 1.0)
 
-    (duration, late), (angle, aside) = over(lambda r: 1.0), over(lambda r: reach * tangential / r**2)
+    (duration, late), (angle, aside) = over(lambda r: 1.0), over(lambda r: REACH * tangential / r**2)
     return Encounter(duration, angle, normal, tangential, (late, aside))
 
 
@@ -126,13 +125,12 @@ def colliding_spheres(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
     clear = touch + collision.duration
     if np.any((times > touch) & (times < clear)):
         return NoTruth("the closed form gives the motion before and after contact; a requested time lies inside")
-    reach = REACH
     # from b to a: -line at touch-down, moving towards `aside` while it turns
     c, s = math.cos(collision.angle), math.sin(collision.angle)
     outward, sideways = -c * line + s * aside, s * line + c * aside
     since = (times - clear)[:, None]
-    before = -reach * line + along * (times - touch)[:, None]
-    after = reach * outward + (collision.normal * outward + collision.tangential * sideways) * since
+    before = -REACH * line + along * (times - touch)[:, None]
+    after = REACH * outward + (collision.normal * outward + collision.tangential * sideways) * since
     apart = np.where(times[:, None] <= touch, before, after)
     share = b.mass / (a.mass + b.mass)
     middle = (1.0 - share) * (np.array(a.position) + along * times[:, None])

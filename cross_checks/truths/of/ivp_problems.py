@@ -1,10 +1,10 @@
 """Truths of two problems of the IVP test set: Andrews' squeezer and the car axis."""
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation, agree
+from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.one_freedom import agree_on
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
@@ -99,60 +99,59 @@ def car_axis(scene: Scene, times: np.ndarray) -> Truth:
     return agree(_with_multipliers(), _minimal(), times, (first, second), extended=True, is_costly=True)
 
 
-class Road(NamedTuple):
-    """The right wheel and its first two derivatives, (2,) m."""
+def _road(t) -> tuple[Any, Any, Any]:
+    """Return the right wheel and its first two derivatives, x + i y in m.
 
-    place: np.ndarray
-    velocity: np.ndarray
-    acceleration: np.ndarray
-
-
-def _road(t) -> Road:
-    """The wheel stays LENGTH from the origin while its height is AMPLITUDE sin(OMEGA t)."""
+    It stays LENGTH from the origin while its height is AMPLITUDE sin(OMEGA t).
+    """
     y, dy = AMPLITUDE * np.sin(OMEGA * t), AMPLITUDE * OMEGA * np.cos(OMEGA * t)
     ddy = -(OMEGA**2) * y
     x = np.sqrt(LENGTH**2 - y * y)
     dx = -y * dy / x
     ddx = -(dy * dy + y * ddy + dx * dx) / x
-    return Road(np.array([x, y]), np.array([dx, dy]), np.array([ddx, ddy]))
+    return x + 1j * y, dx + 1j * dy, ddx + 1j * ddy
 
 
-def _across(v: np.ndarray) -> np.ndarray:
-    return np.array([-v[1], v[0]])
+def _along(a, b):
+    """Return the product a . b of vectors x + i y."""
+    return (np.conj(a) * b).real
 
 
-def _forces(left: np.ndarray, right: np.ndarray, wheel: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _forces(left, right, wheel) -> tuple[Any, Any]:
     """Return springs and weight on both ends, N."""
-    reach = right - wheel
-    weight = np.array([0.0, -MASS])
-    pulls = [(HEIGHT / np.sqrt(arm @ arm) - 1.0) * arm for arm in (left, reach)]
-    return pulls[0] + weight, pulls[1] + weight
+    first, second = ((HEIGHT / abs(arm) - 1.0) * arm - 1j * MASS for arm in (left, right - wheel))
+    return first, second
+
+
+def _placed(wheel, left, right) -> tuple[np.ndarray, np.ndarray]:
+    """Return places and angles of the wheels' axis, of the left and of the right end."""
+    places, tilt = np.array([wheel, left, right]), np.angle(wheel)
+    return np.stack((np.real(places), np.imag(places)), axis=1), np.array([tilt, tilt, 0.0 * tilt])
 
 
 def _minimal() -> Formulation:
     """s: how far up the slide the left end is, in units of LENGTH; alpha: the axis' angle."""
 
     def ends(t, y):
-        road, along = _road(t), np.array([np.cos(y[1]), np.sin(y[1])])
-        left = y[0] * _across(road.place)
+        road, along = _road(t), np.exp(1j * y[1])
+        left = y[0] * 1j * road[0]
         return road, along, left, left + LENGTH * along
 
     def derivative(t, y):
-        road, along, left, right = ends(t, y)
-        up, over = _across(road.place), _across(along)
-        known = 2.0 * y[2] * _across(road.velocity) + y[0] * _across(road.acceleration)  # of both accelerations
+        (wheel, velocity, acceleration), along, left, right = ends(t, y)
+        up, over = 1j * wheel, 1j * along
+        known = 1j * (2.0 * y[2] * velocity + y[0] * acceleration)  # of both accelerations
         swing = -LENGTH * y[3] ** 2 * along
-        first, second = _forces(left, right, road.place)
+        first, second = _forces(left, right, wheel)
         total, end = (first + second) / MASS - 2.0 * known - swing, second / MASS - known - swing
-        a, b, c, d = 2.0 * (up @ up), LENGTH * (up @ over), up @ over, LENGTH
-        e, f = up @ total, over @ end
+        a, b, c, d = 2.0 * _along(up, up), LENGTH * _along(up, over), _along(up, over), LENGTH
+        e, f = _along(up, total), _along(over, end)
         det = a * d - b * c
         return np.array([y[2], y[3], (e * d - b * f) / det, (a * f - e * c) / det])
 
     def poses(t, y):
         road, _, left, right = ends(t, y)
-        tilt = np.arctan2(road.place[1], road.place[0])
-        return np.stack([road.place, left, right]), np.array([tilt, tilt, 0.0 * tilt])
+        return _placed(road[0], left, right)
 
     return Formulation(derivative, np.array([HEIGHT / LENGTH, 0.0, 0.0, 0.0]), poses)
 
@@ -161,19 +160,17 @@ def _with_multipliers() -> Formulation:
     """Left and right end, four coordinates and their rates; 0 = left . wheel and |left - right| = LENGTH."""
 
     def derivative(t, y):
-        road, left, right, v_left, v_right = _road(t), y[:2], y[2:4], y[4:6], y[6:]
-        first, second = _forces(left, right, road.place)
+        (wheel, velocity, acceleration), (left, right, v_left, v_right) = _road(t), y.view(complex)
+        first, second = (force / MASS for force in _forces(left, right, wheel))
         between, closing = left - right, v_left - v_right
-        rows = np.array([np.concatenate([road.place, np.zeros(2)]), np.concatenate([between, -between])])
-        due = -np.array([2.0 * v_left @ road.velocity + left @ road.acceleration, closing @ closing])
-        free = np.concatenate([first, second]) / MASS
-        pull = np.linalg.solve((rows @ rows.T).astype(float), (due - rows @ free).astype(float))
-        return np.concatenate([v_left, v_right, free + rows.T @ pull])
-
-    def poses(t, y):
-        road = _road(t)
-        tilt = np.arctan2(road.place[1], road.place[0])
-        return np.stack([road.place, y[:2], y[2:4]]), np.array([tilt, tilt, 0.0 * tilt])
+        shared = _along(wheel, between)
+        matrix = [[_along(wheel, wheel), shared], [shared, 2.0 * _along(between, between)]]
+        due = 2.0 * _along(v_left, velocity) + _along(left, acceleration), _along(closing, closing)
+        free = _along(wheel, first), _along(between, first - second)
+        along, across = np.linalg.solve(matrix, -np.add(due, free))
+        push = across * between
+        return np.array([v_left, v_right, first + along * wheel + push, second - push]).view(float)
 
     lean = -HEIGHT * AMPLITUDE * OMEGA / LENGTH
-    return Formulation(derivative, np.array([0.0, HEIGHT, LENGTH, HEIGHT, lean, 0.0, lean, 0.0]), poses)
+    start = np.array([0.0, HEIGHT, LENGTH, HEIGHT, lean, 0.0, lean, 0.0])
+    return Formulation(derivative, start, lambda t, y: _placed(_road(t)[0], *y.view(complex)[:2]))

@@ -9,9 +9,9 @@ from cross_checks.truths.made_by.mechanisms.one_freedom import agree_on
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period
 from cross_checks.truths.made_by.numerics.jet import Jet
-from cross_checks.truths.truth import EPS, Truth
+from cross_checks.truths.truth import EPS, Truth, in_space
 from mbs_ref.scene import Scene, SpatialBody, Universal
-from mbs_ref.scene.euler_parameters import from_axis_angle, from_matrix, rotation_matrices
+from mbs_ref.scene.euler_parameters import from_matrix, rotation_matrices
 from mbs_ref.scenes.linkages import LINKAGES, SWING
 from mbs_ref.scenes.robot_arms import ARMS, frames_at, pose_at
 from mbs_ref.scenes.slider_cranks import PIVOT
@@ -112,10 +112,7 @@ def _crank_angle(loops: int, gravity, times: np.ndarray) -> np.ndarray:
 
 def spatial_n_four_bar(scene: Scene, times: np.ndarray) -> Truth:
     """Lift the exact planar motion into the plane z = 0."""
-    plane = n_four_bar(scene, times)
-    position = np.concatenate([plane.position, np.zeros((*plane.position.shape[:2], 1))], axis=2)
-    turned = from_axis_angle((0.0, 0.0, 1.0), plane.orientation)
-    return Truth(position, turned, plane.uncertainty, plane.kind, plane.how)
+    return in_space(n_four_bar(scene, times))
 
 
 ROOT3 = np.sqrt(np.longdouble(3))

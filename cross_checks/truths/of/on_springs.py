@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
-from cross_checks.truths.made_by.agreement import Formulation, agree
+from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.truth import Truth, unturned
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product

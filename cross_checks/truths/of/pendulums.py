@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation, agree
+from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.made_by.numerics import closed_forms
 from cross_checks.truths.made_by.numerics.closed_forms import amplitude, quarter_period, running_integral
 from cross_checks.truths.truth import Truth, unturned

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root_scalar
 
-from cross_checks.truths.made_by.agreement import Formulation, agree
+from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene
 from mbs_ref.scene.contact import ConstraintLaw, ProgressiveLaw

@@ -7,6 +7,7 @@ import numpy as np
 
 from cross_checks.truths import seek_truth
 from cross_checks.truths.made_by.numerics.solvers import extrapolate
+from cross_checks.truths.made_by.sky import PI
 from cross_checks.truths.made_by.sky.particles import converge
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
@@ -34,21 +35,16 @@ def kepler(scene: Scene, times: np.ndarray) -> Truth:
 
 
 def _eccentric_anomaly(mean: np.ndarray, e) -> np.ndarray:
-    turns = np.rint(mean / (2 * np.pi))
-    whole = turns * (2 * np.longdouble("3.14159265358979323846264338327950288"))
+    """Solve E - e sin E = M by Newton's method from beyond the root, to which it falls: convex up to pi."""
+    whole = np.rint(mean / (2 * np.pi)) * (2 * PI)
     rest = mean - whole
-    new = rest + e * np.sign(rest)
-    low, high = rest - e, rest + e  # E - M = e sin E lies between
+    anomaly = np.sign(rest) * np.minimum(np.abs(rest) + e, PI)
     for _ in range(200):
-        anomaly = new
-        residual = anomaly - e * np.sin(anomaly) - rest
-        high, low = np.where(residual > 0, anomaly, high), np.where(residual > 0, low, anomaly)
-        newton = anomaly - residual / (1 - e * np.cos(anomaly))
-        inside = (newton > low) & (newton < high)
-        new = np.where(inside, newton, (low + high) / 2)
-        if np.all(np.abs(new - anomaly) <= 1e-19 * (1 + np.abs(new))):
+        change = (anomaly - e * np.sin(anomaly) - rest) / (1 - e * np.cos(anomaly))
+        anomaly = anomaly - change
+        if np.all(np.abs(change) <= 1e-19 * (1 + np.abs(anomaly))):
             break
-    return new + whole
+    return anomaly + whole
 
 
 # Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sec. II.10; the test set's 16 digits
@@ -148,11 +144,8 @@ def _satellite_poses(states: np.ndarray, radius, rate) -> tuple[np.ndarray, np.n
     turned = np.zeros((count, 2, 4))
     turned[:, 0, 0] = 1.0
     turned[:, 1] = from_axis_angle((0.0, 0.0, 1.0), theta.astype(float))
-    position[:, 1, :2] = np.column_stack((radius * r * np.cos(nu), radius * r * np.sin(nu)))
-    out, across = climb * radius * rate, r * sweep * radius * rate
-    velocity[:, 1, :2] = np.column_stack(
-        (out * np.cos(nu) - across * np.sin(nu), out * np.sin(nu) + across * np.cos(nu))
-    )
+    place = radius * np.exp(1j * nu) * np.array((r, rate * (climb + 1j * r * sweep)))  # m and m/s, x + i y
+    (position[:, 1, 0], velocity[:, 1, 0]), (position[:, 1, 1], velocity[:, 1, 1]) = place.real, place.imag
     omega[:, 1, 2] = spin * rate
     return position, turned, velocity, omega
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths.made_by.numerics.solvers import extrapolate
-from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth
+from cross_checks.truths.truth import NoTruth, OutsideDomainError, Truth, of_one_body
 from mbs_ref import Scene
 from mbs_ref.scene.euler_parameters import from_axis_angle, parameter_matrix, product
 
@@ -29,10 +29,8 @@ def incline(scene: Scene, times: np.ndarray) -> Truth:
     friction: Any = scene.contacts[0].friction
     pull = scene.gravity[0] + friction.coefficient * scene.gravity[1]
     x = block.position[0] + 0.5 * max(pull, 0.0) * times**2
-    y = np.full_like(times, block.position[1])
     how = "closed form: rest within the angle of friction, uniform sliding beyond it"
-    angle = np.full((len(times), 1), block.angle)
-    return Truth(np.stack((x, y), axis=1)[:, None], angle, BLOCK_ROUNDOFF, "exact", how)
+    return of_one_body(x, np.full_like(times, block.position[1]), block.angle, BLOCK_ROUNDOFF, how)
 
 
 def sliding_block(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
@@ -46,10 +44,8 @@ def sliding_block(scene: Scene, times: np.ndarray) -> Truth | NoTruth:
         return NoTruth("as it stops, a block of some height tips back on corners whose friction is not unique")
     under_way = np.minimum(times, stops)
     x = block.position[0] + block.velocity[0] * under_way - 0.5 * slowing * under_way**2
-    y = np.full_like(times, block.position[1])
     how = "closed form: uniform slowing by Coulomb's friction, then rest"
-    angle = np.full((len(times), 1), block.angle)
-    return Truth(np.stack((x, y), axis=1)[:, None], angle, BLOCK_ROUNDOFF, "exact", how)
+    return of_one_body(x, np.full_like(times, block.position[1]), block.angle, BLOCK_ROUNDOFF, how)
 
 
 DISC_ROUNDOFF = 1e-14  # m
@@ -66,10 +62,9 @@ def rolling_disc(scene: Scene, times: np.ndarray) -> Truth:
     lost = slowing * sliding  # m/s
     way = 0.5 * slowing * sliding**2 + lost * (times - sliding)
     x = disc.position[0] + disc.velocity[0] * times - way
-    y = np.full_like(times, disc.position[1])
     angle = disc.angle - ratio / ground.radius * way
     how = "closed form: uniform slowing by friction on the sunk disc, then rolling"
-    return Truth(np.stack((x, y), axis=1)[:, None], angle[:, None], DISC_ROUNDOFF, "exact", how)
+    return of_one_body(x, np.full_like(times, disc.position[1]), angle, DISC_ROUNDOFF, how)
 
 
 UP = np.array([0.0, 0.0, 1.0])

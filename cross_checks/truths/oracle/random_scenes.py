@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.oracle.dense_oracle import Moment, augmented, consistent
+from cross_checks.truths.oracle import Moment, augmented, consistent
 from mbs_ref import scene as parts
 from mbs_ref.scene import GROUND, PointMass, Scene
 from mbs_ref.scene.signals import Constant, HalfSine, Harmonic, Polynomial, Table
@@ -21,12 +21,11 @@ SMOOTH_UNTIL = 0.04  # s: no signal jumps before, so that t = 0 lies in a smooth
 DURATION = 0.1  # s
 
 
-def random_scene(seed: int, dimension: int | None = None, most: int = MOST_BODIES) -> Scene:
+def random_scene(seed: int, most: int = MOST_BODIES) -> Scene:
     """Return the scene of a seed, always the same: 2 or 3 dimensions, 1 to `most` bodies."""
     rng = np.random.default_rng([seed, 7])
-    dimension = dimension or int(rng.integers(2, 4))
-    count = round(math.exp(rng.uniform(0.0, math.log(most))))
-    maker = {2: _Plane, 3: _Space}[dimension](rng, count)
+    kind = (_Plane, _Space)[int(rng.integers(2))]
+    maker = kind(rng, round(math.exp(rng.uniform(0.0, math.log(most)))))
     maker.grow()
     maker.load()
     return consistent(maker.scene(f"random_{seed}"))

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths import EPS, seek_truth, stored_poses
-from cross_checks.truths.proofs import log as logs
 from cross_checks.truths.proofs.checker.formulas import Refused
-from cross_checks.truths.proofs.checker.proof import check
+from cross_checks.truths.proofs.checker.proof import check, read_log
 from cross_checks.truths.proofs.derivation import NotCovered
-from cross_checks.truths.proofs.integrate import prove
+from cross_checks.truths.proofs.integrate import prove, write_log
 from cross_checks.truths.truth import NoTruth, Truth, unturned
 from mbs_ref import Scene, scenes
 from mbs_ref.observables.distance import farthest
@@ -38,12 +37,12 @@ def examine(
     row: dict[str, Any] = {"scene": scenes.label(scene.name, scenes.chosen(scene.name, scene.parameters))}
     file = stored_poses.file_of(scene, folder, SUFFIX)
     try:
-        log = logs.read(file) if file.is_file() else {}
+        log = read_log(file) if file.is_file() else {}
         if (log.get("times"), log.get("inputs")) != (times.tolist(), "binary64") or log["radius"] > aim:
             log = prove(scene, times.tolist(), aim, limit=limit).log
             if not log["reason"]:
                 folder.mkdir(parents=True, exist_ok=True)
-                logs.write(log, file)
+                write_log(log, file)
         began, data = time.process_time(), json.dumps(log).encode()
         checked = check(json.loads(data))
     except NotCovered as error:
@@ -110,5 +109,5 @@ def varied(scene: Scene, seed: int) -> Scene:
 
 def kept(folder: Path) -> list[tuple[Scene, np.ndarray, float]]:
     """Return the scenes whose logs a folder keeps, with the times (s) and the radius of each log."""
-    found = map(logs.read, sorted(folder.glob(f"*{SUFFIX}")))
+    found = map(read_log, sorted(folder.glob(f"*{SUFFIX}")))
     return [(Scene.model_validate(log["scene"]), np.array(log["times"]), log["radius"]) for log in found]

@@ -10,7 +10,7 @@ import numpy as np
 from cross_checks.truths.proofs import kinematics
 from cross_checks.truths.proofs.family import Varied
 from cross_checks.truths.proofs.kinematics import Frame, Unknowns
-from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, minus, plus
+from cross_checks.truths.proofs.tape import Formula, Tape, Vector
 from mbs_ref.scene import GROUND
 
 Exact = Callable[[float], Fraction]
@@ -40,7 +40,7 @@ class Derivation:
     units: Units
     tape: Tape = field(default_factory=Tape)
     parallel: bool = False  # whether bodies that start with one spin keep one angle; those at rest do not turn
-    shared: dict[Vector, Formula] = field(default_factory=dict)  # by spin: that angle
+    shared: dict[tuple[Formula, ...], Formula] = field(default_factory=dict)  # by spin: that angle
     frames: dict[str, Frame] = field(default_factory=dict)
     wrench: dict[str, tuple[Vector, Vector]] = field(default_factory=dict)  # missing force, moment about the origin
     residuals: list[Formula] = field(default_factory=list)
@@ -57,7 +57,7 @@ class Derivation:
     def vector(self, values: Any, unit: Fraction | int = 1) -> Vector:
         """Return a scene's vector as constants, in multiples of a unit."""
         numbers = [self.number(x, unit) for x in values]
-        return tuple((numbers + [self.tape.number(0)] * 3)[:3])  # type: ignore[return-value]
+        return np.array((numbers + [self.tape.number(0)] * 3)[:3])
 
     def number(self, value: float, unit: Fraction | int = 1) -> Formula:
         """Return a scene's number as a constant, or as a polynomial of a family's parameter."""
@@ -97,7 +97,7 @@ class Derivation:
     def offset(self, body: str, point: Any) -> Vector:
         """Return where a point is from a body's centre at t = 0."""
         centre = (0.0, 0.0, 0.0) if body == GROUND else self.bodies[body].position
-        return minus(self.vector(point, self.units.length), self.vector(centre, self.units.length))
+        return self.vector(point, self.units.length) - self.vector(centre, self.units.length)
 
     def mark(self, body: str, point: Any) -> Vector:
         """Return the point that a body carries, and that was at `point` at t = 0."""
@@ -132,5 +132,5 @@ class Derivation:
         if body == GROUND:
             return
         need, turning = self.wrench[body]
-        arm = cross(place, force)
-        self.wrench[body] = minus(need, force), minus(turning, arm if moment is None else plus(arm, moment))
+        arm = np.cross(place, force)
+        self.wrench[body] = need - force, turning - (arm if moment is None else arm + moment)

@@ -16,9 +16,9 @@ import numpy as np
 
 from cross_checks.truths.proofs.coverage import DRIVES, complaints
 from cross_checks.truths.proofs.derivation import LEVELS, Derivation, Exact, NotCovered, Units
-from cross_checks.truths.proofs.kinematics import Frame, plane_turn, product, space_turn, turned
+from cross_checks.truths.proofs.kinematics import Frame, plane_turn, product, space_turn
 from cross_checks.truths.proofs.loads import LAWS, impact
-from cross_checks.truths.proofs.tape import Formula, Vector, cross, dot, minus, plus, rate, times
+from cross_checks.truths.proofs.tape import Formula, Vector, rate
 from mbs_ref.scene import GROUND
 
 IDENTICAL = 1e-12  # of a closure in units of the scene's length that holds at any angle; the checker decides
@@ -96,14 +96,14 @@ def _is_closed(work: Derivation, loops: list[Any]) -> bool:
     kinds = {(getattr(joint, "type", None), getattr(joint, "axis", None)) for joint in joints}
     if [kind for kind, _ in kinds] != ["revolute"]:
         return False
-    return np.abs(work.somewhere([x for joint in loops for x in minus(*work.marks(joint))])).max() < IDENTICAL
+    return np.abs(work.somewhere([x for joint in loops for x in np.subtract(*work.marks(joint))])).max() < IDENTICAL
 
 
 def _free(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     position, (speed, _) = work.bodies[name].position, work.rate(name)
     starts = zip(work.vector(position, work.units.length), speed, range(len(position)), strict=False)
     place = [work.unknowns.motion(x, u) for x, u, _ in starts]
-    return replace(_spinning(work, name), place=(*place, *[work.tape.number(0)] * (3 - len(place))))  # type: ignore[arg-type]
+    return replace(_spinning(work, name), place=np.array([*place, *[work.tape.number(0)] * (3 - len(place))]))
 
 
 def _spinning(work: Derivation, name: str) -> Frame:
@@ -115,16 +115,16 @@ def _spinning(work: Derivation, name: str) -> Frame:
     zero, moving = tape.number(0), [x for x in spin if x.constant != 0]
     if work.parallel and not moving:
         return base
-    if work.parallel and spin not in work.shared:
-        work.shared[spin] = unknowns.motion(zero, moving[0])
+    if work.parallel and tuple(spin) not in work.shared:
+        work.shared[tuple(spin)] = unknowns.motion(zero, moving[0])
     if body.type == "planar":
-        angle = work.shared[spin] if work.parallel else unknowns.motion(zero, spin[2])
-        return replace(base, turn=plane_turn(tape, angle), spin=(zero, zero, angle.rate), angle=angle, e=())
+        angle = work.shared[tuple(spin)] if work.parallel else unknowns.motion(zero, spin[2])
+        return replace(base, turn=plane_turn(tape, angle), spin=np.array([zero, zero, angle.rate]), angle=angle, e=())
     if work.parallel:
-        x, y, z = (tape.number(int(rate in moving)) for rate in spin)
-        return _turning(base, (x, y, z), work.shared[spin])
+        axis = np.array([tape.number(int(rate in moving)) for rate in spin])
+        return _turning(base, axis, work.shared[tuple(spin)])
     e = tuple(unknowns.state(tape.number(int(k == 0))) for k in range(4))
-    w = tuple(unknowns.state(x) for x in spin)
+    w = np.array([unknowns.state(x) for x in spin])
     for one, change in zip(e, product((zero, *w), e), strict=True):
         unknowns.follow(one, change * Fraction(1, 2))
     for one in w:
@@ -135,14 +135,14 @@ def _spinning(work: Derivation, name: str) -> Frame:
 def _turning(base: Frame, axis: Vector, angle: Formula) -> Frame:
     """Return a turn about an axis of `base`."""
     s, c = (angle * Fraction(1, 2)).sin_cos()
-    e = product(base.e, (c, *times(axis, s)))
-    spin = plus(base.spin, times(base.along(axis), angle.rate))
+    e = product(base.e, (c, *(axis * s)))
+    spin = base.spin + base.along(axis) * angle.rate
     return replace(base, turn=space_turn(e), spin=spin, angle=None, e=e)
 
 
 def _hung(work: Derivation, parent: str, name: str, point: Any, own: Frame) -> Frame:
     """Return the frame of a body that turns as `own` about a point of its parent."""
-    return replace(own, place=minus(work.mark(parent, point), own.along(work.offset(name, point))))
+    return replace(own, place=work.mark(parent, point) - own.along(work.offset(name, point)))
 
 
 def _spherical(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
@@ -154,7 +154,7 @@ def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
         return _spherical(work, parent, name, joint)
     base = work.frames[parent]
     axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
-    speed = dot(axis, minus(work.rate(name)[1], work.rate(parent)[1]))
+    speed = axis @ (work.rate(name)[1] - work.rate(parent)[1])
     own = _turning(base, axis, work.unknowns.motion(work.tape.number(0), speed))
     return _hung(work, parent, name, joint.point, own)
 
@@ -162,10 +162,10 @@ def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
 def _prismatic(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     start, axis = work.bodies[name].position, work.vector(joint.axis)
     (va, wa), (vb, _) = work.rate(parent), work.rate(name)
-    along = dot(axis, minus(minus(vb, va), cross(wa, work.offset(parent, start))))
-    slide = work.unknowns.motion(work.tape.number(0), along / dot(axis, axis))
+    along = axis @ (vb - va - np.cross(wa, work.offset(parent, start)))
+    slide = work.unknowns.motion(work.tape.number(0), along / (axis @ axis))
     base = work.frames[parent]
-    return replace(base, place=plus(work.mark(parent, start), times(base.along(axis), slide)))
+    return replace(base, place=work.mark(parent, start) + base.along(axis) * slide)
 
 
 def _weld(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
@@ -181,31 +181,28 @@ def _inertial(work: Derivation, body: Any) -> tuple[Vector, Vector]:
     """Return what a body's acceleration needs beyond its weight: force, and moment about the origin."""
     units, frame, tape = work.units, work.frames[body.name], work.tape
     weight = work.vector(work.scene.gravity, units.length / units.time**2)
-    force = times(minus(rate(rate(frame.place)), weight), work.number(body.mass, units.mass))
+    force = (rate(rate(frame.place)) - weight) * work.number(body.mass, units.mass)
     unit = units.mass * units.length**2
     if body.type == "point_mass":
         moment = work.frames[GROUND].place
     elif body.type == "planar":
-        moment = (tape.number(0), tape.number(0), frame.spin[2].rate * work.number(body.inertia, unit))
+        moment = np.array([tape.number(0), tape.number(0), frame.spin[2].rate * work.number(body.inertia, unit)])
     else:
-        inertia, back = _inertia_at_start(work, body, unit), tuple(zip(*frame.turn, strict=True))
+        inertia = _inertia_at_start(work, body, unit)
 
         def momentum(w: Vector) -> Vector:
-            return turned(frame.turn, turned(inertia, turned(back, w)))  # type: ignore[arg-type]
+            return frame.turn @ (inertia @ (frame.turn.T @ w))
 
-        moment = plus(momentum(rate(frame.spin)), cross(frame.spin, momentum(frame.spin)))
-    return force, plus(moment, cross(frame.place, force))
+        moment = momentum(rate(frame.spin)) + np.cross(frame.spin, momentum(frame.spin))
+    return force, moment + np.cross(frame.place, force)
 
 
-def _inertia_at_start(work: Derivation, body: Any, unit: Fraction) -> Any:
+def _inertia_at_start(work: Derivation, body: Any, unit: Fraction) -> np.ndarray:
     """Return the inertia along world axes at t = 0; the orientation is divided by its norm, exactly."""
     xx, yy, zz, xy, xz, yz = (work.number(x, unit) for x in body.inertia)
-    inertia = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
-    parameters = [work.exact(x) for x in body.orientation]
-    size = dot(parameters, parameters)
-    turn = space_turn(tuple(work.tape.number(x) for x in parameters))
-    turn = tuple(tuple(x * (1 / size) for x in row) for row in turn)
-    return tuple(turned(turn, tuple(turned(inertia, row))) for row in turn)  # type: ignore[arg-type]
+    parameters = np.array([work.exact(x) for x in body.orientation])
+    turn = space_turn(tuple(map(work.tape.number, parameters))) * (1 / (parameters @ parameters))
+    return turn @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turn.T
 
 
 def _close(work: Derivation, joint: Any) -> None:
@@ -214,26 +211,26 @@ def _close(work: Derivation, joint: Any) -> None:
         _drive(work, joint)
         return
     a, b = work.marks(joint)
-    gap = minus(b, a)
+    gap = b - a
     if joint.type == "distance":
-        pull = times(gap, work.unknowns.dependent())
-        work.close(dot(gap, gap) * Fraction(1, 2))
+        pull = gap * work.unknowns.dependent()
+        work.close((gap @ gap) * Fraction(1, 2))
     else:
         moved = [_is_moved(work, row) for row in gap]
-        pull = tuple(work.unknowns.dependent() if k else work.tape.number(0) for k in moved)
+        pull = np.array([work.unknowns.dependent() if k else work.tape.number(0) for k in moved])
         for row in compress(gap, moved):
             work.close(row)
-    work.apply(joint.body_b, b, pull)  # type: ignore[arg-type]
-    work.apply(joint.body_a, a, times(pull, -1))  # type: ignore[arg-type]
-    for first, second in _square(joint, work.scene.dimension):
+    work.apply(joint.body_b, b, pull)
+    work.apply(joint.body_a, a, -pull)
+    for first, second in _square(joint):
         one = work.frames[joint.body_a].along(work.vector(first))
         other = work.frames[joint.body_b].along(work.vector(second))
-        if not _is_moved(work, dot(one, other)):
+        if not _is_moved(work, one @ other):
             continue
-        couple, still = times(cross(one, other), work.unknowns.dependent()), work.frames[GROUND].place
+        couple, still = np.cross(one, other) * work.unknowns.dependent(), work.frames[GROUND].place
         work.apply(joint.body_a, still, still, couple)
-        work.apply(joint.body_b, still, still, times(couple, -1))
-        work.close(dot(one, other))
+        work.apply(joint.body_b, still, still, -couple)
+        work.close(one @ other)
 
 
 def _is_moved(work: Derivation, row: Formula) -> bool:
@@ -246,15 +243,15 @@ def _drive(work: Derivation, joint: Any) -> None:
     frame, zero = work.frames[joint.body], work.tape.number(0)
     unit, push, still = work.units.length, work.unknowns.dependent(), work.frames[GROUND].place
     if joint.type == "coordinate_drive" and joint.coordinate == "angle":
-        work.apply(joint.body, still, still, (zero, zero, push))
+        work.apply(joint.body, still, still, np.array([zero, zero, push]))
         speed, size, unit = frame.spin[2], work.tape.number(1), 1
     else:
         chosen = joint.type == "coordinate_drive"
         axis = work.vector([float(c == joint.coordinate) for c in "xyz"] if chosen else joint.direction)
         place = work.mark(joint.body, work.bodies[joint.body].position if chosen else joint.point)
-        work.apply(joint.body, place, times(axis, push))
-        size = work.root(dot(axis, axis))
-        speed = dot(axis, rate(place))
+        work.apply(joint.body, place, axis * push)
+        size = work.root(axis @ axis)
+        speed = axis @ rate(place)
     level = LEVELS.index(joint.level)
     wanted = size * work.signal(joint.motion) * (work.units.time**level / unit)
     own, first = ((wanted.rate, wanted.rate.rate), (wanted, wanted.rate), (zero, wanted))[level]
@@ -262,11 +259,11 @@ def _drive(work: Derivation, joint: Any) -> None:
     work.residuals.append(speed.rate - first)
 
 
-def _square(joint: Any, dimension: int) -> list[tuple[Any, Any]]:
+def _square(joint: Any) -> list[tuple[Any, Any]]:
     """Return the directions of body a and of body b that a loop's joint keeps perpendicular."""
     if joint.type == "universal":
         return [(joint.axis_a, joint.axis_b)]
-    if joint.type != "revolute" or dimension == 2:
+    if joint.type != "revolute" or joint.axis is None:
         return []
     main = max(range(3), key=lambda k: abs(joint.axis[k]))
     across = [[0.0] * 3 for _ in range(2)]
@@ -285,10 +282,10 @@ def _balance(work: Derivation) -> None:
         if not work.shared:
             work.residuals += rows
         for k, spin in enumerate(work.shared):
-            turns = int(work.rate(name)[1] == spin) - int(work.rate(parent)[1] == spin)
+            turns = int(tuple(work.rate(name)[1]) == spin) - int(tuple(work.rate(parent)[1]) == spin)
             powers[k] = powers[k] + rows[0] * (mass * turns)
         if parent != GROUND:
-            work.wrench[parent] = plus(work.wrench[parent][0], force), plus(work.wrench[parent][1], moment)
+            work.wrench[parent] = work.wrench[parent][0] + force, work.wrench[parent][1] + moment
     work.residuals += powers
 
 
@@ -296,17 +293,17 @@ def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, m
     body, base = work.bodies[name], work.frames[parent]
     turning = {"planar": 2, "point_mass": 3}.get(body.type, 0)  # the first direction of its own turn
     if joint is None:
-        about = minus(moment, cross(work.frames[name].place, force))
+        about = moment - np.cross(work.frames[name].place, force)
         return [*force[: len(body.position)], *about[turning:]]
     if joint.type == "weld":
         return []
     if joint.type == "prismatic":
-        return [dot(turned(base.turn, work.vector(joint.axis)), force)]
-    about = minus(moment, cross(work.mark(parent, joint.point), force))
+        return [(base.turn @ work.vector(joint.axis)) @ force]
+    about = moment - np.cross(work.mark(parent, joint.point), force)
     if getattr(joint, "axis", None) is None:
         return list(about[turning:])
     axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
-    return [dot(turned(base.turn, axis), about)]
+    return [(base.turn @ axis) @ about]
 
 
 def _leave_rates_to_closures(work: Derivation) -> None:

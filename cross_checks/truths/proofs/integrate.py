@@ -1,9 +1,12 @@
 """The prover: it proposes a polynomial for every step and lets the checker's bounds decide; the log has what holds."""
 
+import gzip
+import json
 import math
 import time
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +20,7 @@ from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
 from cross_checks.truths.proofs.taylor import NoConvergence, continued, propose, rescaled
 from mbs_ref import Scene
+from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene.scales import scales_of
 
 SAMPLES = 32  # of a step, at which gaps are evaluated
@@ -206,3 +210,10 @@ def _header(
         "scene": scene.model_dump(mode="json"), "inputs": inputs, "bits": bits, "times": list(times),
         "system": derive(whole, READINGS[inputs], units),
     }  # fmt: skip
+
+
+def write_log(log: dict[str, Any], file: Path) -> int:
+    """Write a log as compressed JSON; return its bytes."""
+    data = gzip.compress(json.dumps(log, separators=(",", ":")).encode(), mtime=0)
+    write_atomic(file, data)
+    return len(data)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
-from cross_checks.truths.proofs.tape import Formula, Tape, Vector, cross, dot, plus
+import numpy as np
 
-Matrix = tuple[Vector, Vector, Vector]
+from cross_checks.truths.proofs.tape import Formula, Tape, Vector
 
 
 @dataclass(frozen=True)
@@ -14,22 +15,22 @@ class Frame:
     """A body in motion. `turn` has its rotation since t = 0, `angle` that angle in the plane, `e` its parameters."""
 
     place: Vector
-    turn: Matrix
+    turn: Any  # an array (3, 3) of formulas
     spin: Vector
     angle: Formula | None = None
     e: tuple[Formula, ...] = ()
 
     def along(self, direction: Vector) -> Vector:
         """Return the direction that the body carries, and that it had at t = 0. Its rate is spin x direction."""
-        now = turned(self.turn, direction)
-        for x, rate in zip(now, cross(self.spin, now), strict=True):
+        now = self.turn @ direction
+        for x, rate in zip(now, np.cross(self.spin, now), strict=True):
             if x.constant is None:
                 x.tape.rates.setdefault(x.place, rate)
         return now
 
     def carried(self, offset: Vector) -> Vector:
         """Return the point that the body carries, and that was at an offset from its centre at t = 0."""
-        return plus(self.place, self.along(offset))
+        return self.place + self.along(offset)
 
 
 @dataclass
@@ -69,26 +70,21 @@ class Unknowns:
         return q
 
 
-def turned(matrix: Matrix, vector: Vector) -> Vector:
-    """Return a matrix times a vector."""
-    return dot(matrix[0], vector), dot(matrix[1], vector), dot(matrix[2], vector)
-
-
-def plane_turn(tape: Tape, angle: Formula) -> Matrix:
+def plane_turn(tape: Tape, angle: Formula) -> np.ndarray:
     """Return the rotation about z."""
     s, c = angle.sin_cos()
     zero, one = tape.number(0), tape.number(1)
-    return (c, -s, zero), (s, c, zero), (zero, zero, one)
+    return np.array([[c, -s, zero], [s, c, zero], [zero, zero, one]])
 
 
-def space_turn(e: tuple[Formula, ...]) -> Matrix:
+def space_turn(e: tuple[Formula, ...]) -> np.ndarray:
     """Return the rotation of Euler parameters of norm 1."""
     a, b, c, d = e
-    return (
-        (a * a + b * b - c * c - d * d, (b * c - a * d) * 2, (b * d + a * c) * 2),
-        ((b * c + a * d) * 2, a * a - b * b + c * c - d * d, (c * d - a * b) * 2),
-        ((b * d - a * c) * 2, (c * d + a * b) * 2, a * a - b * b - c * c + d * d),
-    )
+    return np.array([
+        [a * a + b * b - c * c - d * d, (b * c - a * d) * 2, (b * d + a * c) * 2],
+        [(b * c + a * d) * 2, a * a - b * b + c * c - d * d, (c * d - a * b) * 2],
+        [(b * d - a * c) * 2, (c * d + a * b) * 2, a * a - b * b - c * c + d * d],
+    ])  # fmt: skip
 
 
 def product(p: tuple[Formula, ...], q: tuple[Formula, ...]) -> tuple[Formula, ...]:
@@ -106,6 +102,6 @@ def product(p: tuple[Formula, ...], q: tuple[Formula, ...]) -> tuple[Formula, ..
 def ground(tape: Tape) -> Frame:
     """Return the frame at rest."""
     zero, one = tape.number(0), tape.number(1)
-    still = (zero, zero, zero)
-    unit = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
+    still = np.array([zero] * 3)
+    unit = np.array([[one, zero, zero], [zero, one, zero], [zero, zero, one]])
     return Frame(still, unit, still, zero, (one, zero, zero, zero))

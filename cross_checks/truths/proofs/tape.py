@@ -105,40 +105,5 @@ class Formula:
         return self.tape.line("sin", self.place), self.tape.line("cos", self.place)
 
 
-Vector = tuple[Formula, Formula, Formula]
-
-
-def rate(a: Sequence[Formula]) -> Vector:
-    """Return the derivative by time."""
-    return a[0].rate, a[1].rate, a[2].rate
-
-
-def plus(*terms: Vector) -> Vector:
-    """Return the sum of vectors."""
-    total = terms[0]
-    for term in terms[1:]:
-        total = (total[0] + term[0], total[1] + term[1], total[2] + term[2])
-    return total
-
-
-def minus(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """Return a - b."""
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def times(a: Vector, factor: Formula | Fraction | int) -> Vector:
-    """Return a multiple of a vector."""
-    return a[0] * factor, a[1] * factor, a[2] * factor
-
-
-def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """Return the sum of products."""
-    total = a[0] * b[0]
-    for x, y in zip(a[1:], b[1:], strict=True):
-        total = total + x * y
-    return total
-
-
-def cross(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """Return the cross product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+Vector = Any  # an array (3,) of formulas
+rate = np.frompyfunc(lambda formula: formula.rate, 1, 1)  # the derivative by time, element by element

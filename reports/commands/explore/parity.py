@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
+from cross_checks.robots import RobotError
 from cross_checks.robots.parity import Difference, Dynamics, Parity, parity
-from cross_checks.robots.robot import RobotError
 from reports import inputs
 from reports.terminal.console import Failed, NothingSelected, echo_json, number, show_table
 

@@ -53,10 +53,9 @@ def command(
         _check(Path(log_file), as_json)
         return
     assert scene is not None
-    from cross_checks.truths.proofs import log as logs
     from cross_checks.truths.proofs.checker.formulas import Refused
     from cross_checks.truths.proofs.derivation import NotCovered
-    from cross_checks.truths.proofs.integrate import prove, prove_family
+    from cross_checks.truths.proofs.integrate import prove, prove_family, write_log
 
     made = inputs.scene(scene, parameters)
     end = made.duration if t_end is None else t_end
@@ -80,7 +79,7 @@ def command(
         except (Refused, ValueError) as error:
             raise Failed(f"{made.name}: {error}") from error
     files = [f"{output}.{k}" if k else str(output) for k in range(len(proofs) if output else 0)]
-    sizes = [logs.write(one.log, Path(file)) for one, file in zip(proofs, files, strict=False)]
+    sizes = [write_log(one.log, Path(file)) for one, file in zip(proofs, files, strict=False)]
     enclosures = [_hull(at) for at in zip(*(one.proof.enclosures for one in proofs), strict=False)]
     least, widest = min(proofs, key=lambda one: one.proof.reached), max(one.proof.radius for one in proofs)
     facts = {"parts": len(proofs), "steps": sum(len(one.log["steps"]) for one in proofs), "log_bytes": sum(sizes),
@@ -122,13 +121,12 @@ def need_flint() -> None:
 
 
 def _check(file: Path, as_json: bool) -> None:
-    from cross_checks.truths.proofs import log as logs
     from cross_checks.truths.proofs.checker.formulas import Refused
-    from cross_checks.truths.proofs.checker.proof import check
+    from cross_checks.truths.proofs.checker.proof import check, read_log
 
     began = time.process_time()
     try:
-        log = logs.read(file)
+        log = read_log(file)
         proof = check(log)
     except Refused as error:
         raise Failed(f"{file} is refused: {error}") from error

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
-from cross_checks.engine.plan import inconsistency, worst_gap
+from cross_checks.engine.plan import broken_start, inconsistency
 from mbs_ref import scenes
 from mbs_ref.scene import Revolute
 from tests.cross_checks.linkage.test_motion import mixed_tree
@@ -24,9 +23,7 @@ def test_a_loop_that_starts_open_is_named():
 
 def test_the_worst_gap_names_its_joint():
     scene = mixed_tree()
-    assert worst_gap(scene.model_copy(update={"joints": ()})) is None
+    assert broken_start(scene.model_copy(update={"joints": ()}), 0.0) == ""
     bad = scene.joints[-1].model_copy(update={"length": 2.0})
-    gap = worst_gap(scene.model_copy(update={"joints": (*scene.joints[:-1], bad)}))
-    assert gap is not None
-    assert gap.joint == "string"
-    assert gap.position == pytest.approx(2.0 - np.hypot(0.3, 0.8))
+    broken = broken_start(scene.model_copy(update={"joints": (*scene.joints[:-1], bad)}), 1e-9)
+    assert f"breaks joint 'string' by {2.0 - np.hypot(0.3, 0.8):.3g} (m, rad)" in broken

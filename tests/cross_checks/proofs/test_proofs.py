@@ -20,15 +20,14 @@ from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
 from cross_checks.truths import seek_truth, stored_poses
 from cross_checks.truths.proofs import integrate
-from cross_checks.truths.proofs import log as logs
 from cross_checks.truths.proofs.certified import as_truth, examine, kept, varied
 from cross_checks.truths.proofs.checker.formulas import Formulas, Refused, precision
 from cross_checks.truths.proofs.checker.impacts import Impacts
 from cross_checks.truths.proofs.checker.mechanics import Mechanics
 from cross_checks.truths.proofs.checker.model import root
-from cross_checks.truths.proofs.checker.proof import Proof, check
+from cross_checks.truths.proofs.checker.proof import Proof, check, read_log
 from cross_checks.truths.proofs.derivation import NotCovered
-from cross_checks.truths.proofs.integrate import prove, prove_family
+from cross_checks.truths.proofs.integrate import prove, prove_family, write_log
 from cross_checks.truths.proofs.taylor import propose, rescaled
 from cross_checks.truths.truth import Truth
 from mbs_ref import Settings, scenes, simulate
@@ -592,9 +591,9 @@ def test_a_kept_log_is_checked_again(tmp_path):
     ((made, times, aim),) = kept(tmp_path)
     assert (made.name, times.tolist(), aim >= first["radius"]) == ("pendulum", list(TIMES), True)
     (file,) = tmp_path.iterdir()
-    log = logs.read(file)
+    log = read_log(file)
     log["steps"][1][2][0][1] += 1 << 110
-    logs.write(log, file)
+    write_log(log, file)
     assert (examined()["truth"], str(file) in examined()["reason"]) == ("refused", True)
 
 

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from cross_checks.robots import RobotError
 from cross_checks.robots.parity import Values, by_us, differences, joints_of, parity, readers
-from cross_checks.robots.robot import RobotError
 from reports.cli import main
 
 pytest.importorskip("pinocchio")

@@ -16,8 +16,8 @@ from reports.cli import main
 mujoco = pytest.importorskip("mujoco")
 
 from cross_checks import engines  # noqa: E402
+from cross_checks.robots import RobotError  # noqa: E402
 from cross_checks.robots.mujoco_ import read_mjcf  # noqa: E402
-from cross_checks.robots.robot import RobotError  # noqa: E402
 
 CRANE = Path(__file__).parents[2] / "data" / "crane.xml"
 START = {"swing": 0.4, "sway": -0.2, "pitch": 0.3, "slew": 0.5, "reach": 0.05}

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from cross_checks.truths import known, seek_truth, truth_for
-from cross_checks.truths.made_by.agreement import Formulation, agree
+from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.rod_chain import solve
 from cross_checks.truths.made_by.numerics.solvers import extrapolate
 from cross_checks.truths.truth import NoConvergenceError, NoTruth

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cross_checks.truths.oracle.dense_oracle import Moment, judged_rows
+from cross_checks.truths.oracle import Moment, judged_rows
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.oracle.dense_oracle import AUGMENTED_CUTOFF, Augmented, Moment, Solution, augmented
+from cross_checks.truths.oracle import AUGMENTED_CUTOFF, Augmented, Moment, Solution, augmented
 from mbs_ref.scene import Scene
 
 EXTENDED = np.longdouble

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cross_checks.truths.oracle.dense_oracle import Augmented, Moment, Solution, augmented
+from cross_checks.truths.oracle import Augmented, Moment, Solution, augmented
 from cross_checks.truths.oracle.random_scenes import DURATION, random_scene
 from mbs_ref import observables
 from mbs_ref.cores.choice import compile_scene

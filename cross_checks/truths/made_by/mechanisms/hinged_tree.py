@@ -1,7 +1,7 @@
 """A tree of hinged planar bodies on a free root, in absolute angles: Lagrange's and Hamilton's equations.
 
 The bodies that are welded to ground are ground. y holds the root's place x, y (m), then every body's
-angle (rad), then as many rates or momenta.
+angle (rad), then as many rates or momenta. Vectors of the plane are complex numbers, x + i y.
 """
 
 from collections.abc import Callable
@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation
+from cross_checks.truths.made_by import Formulation
 from cross_checks.truths.made_by.mechanisms import hinged_tree_loads
-from cross_checks.truths.made_by.mechanisms.hinged_tree_loads import Loads, loads_of, mark, planar
+from cross_checks.truths.made_by.mechanisms.hinged_tree_loads import Loads, Motion, loads_of, mark, planar
 from cross_checks.truths.made_by.mechanisms.rod_chain import factor_and_solve
 from cross_checks.truths.truth import OutsideDomainError
 from mbs_ref.kernels.jit import strict_jit
@@ -19,12 +19,11 @@ from mbs_ref.scene import GROUND, Revolute, Scene, Weld
 
 
 class Tree(NamedTuple):
-    """r_i = r_root + sum_k R(theta_k) arm[i, k]; compiled code takes it as it is."""
+    """r_i = r_root + sum_k exp(i theta_k) arm[i, k]; compiled code takes it as it is."""
 
-    arm: np.ndarray  # (n, n, 2) m, in body k's axes; zero where k is not between the root and i
+    arm: np.ndarray  # (n, n) m, in body k's axes; zero where k is not between the root and i
     mass: np.ndarray  # (n,) kg
-    inertia: np.ndarray  # (n,) kg m^2
-    coupling: np.ndarray  # (2, n, n) kg m^2: M_jk = [0] cos(theta_j - theta_k) + [1] sin(theta_j - theta_k)
+    coupling: np.ndarray  # (n, n) kg m^2: M_jk is the real part of coupling_jk exp(i theta_k - i theta_j)
 
 
 def formulations(scene: Scene) -> tuple[Formulation, Formulation]:
@@ -34,12 +33,10 @@ def formulations(scene: Scene) -> tuple[Formulation, Formulation]:
     tree, loads = _tree(scene, free, _hinges(scene, free)), loads_of(scene, free)
     rates = _start(scene, free)
     momenta, n = rates.copy(), len(rates) // 2
-    momenta[n:] = _mass_matrix(tree, _turned_arms(tree, rates), rates) @ rates[n:]
+    momenta[n:] = _mass_matrix(tree, rates) @ rates[n:]
     known = scene, free, tree, loads
     lagrange = _formulation(*known, _lagrange_slope, lambda y: y, rates)
-    return lagrange, _formulation(
-        *known, _hamilton_slope, lambda y: _with_rates(tree, _turned_arms(tree, y), y), momenta
-    )
+    return lagrange, _formulation(*known, _hamilton_slope, lambda y: _with_rates(tree, y), momenta)
 
 
 def _hinges(scene: Scene, free: list[str]) -> dict[str, Revolute]:
@@ -60,8 +57,7 @@ def _hinges(scene: Scene, free: list[str]) -> dict[str, Revolute]:
 
 
 def _tree(scene: Scene, free: list[str], hinge: dict[str, Revolute]) -> Tree:
-    n = len(free)
-    arm = np.zeros((n, n, 2))
+    arm = np.zeros((len(free), len(free)), dtype=complex)
     for child, joint in hinge.items():
         parent = joint.body_a if joint.body_b == child else joint.body_b
         (i, outwards), (p, along) = (mark(scene, free, name, joint.point) for name in (child, parent))
@@ -69,11 +65,8 @@ def _tree(scene: Scene, free: list[str], hinge: dict[str, Revolute]) -> Tree:
         arm[i, p] += along
         arm[i, i] -= outwards
     bodies = [planar(scene, name) for name in free]
-    mass, inertia = np.array([b.mass for b in bodies]), np.array([b.inertia for b in bodies])
-    cosine = np.einsum("i,ijc,ikc->jk", mass, arm, arm) + np.diag(inertia)
-    x, y = arm[..., 0], arm[..., 1]
-    sine = np.einsum("i,ij,ik->jk", mass, x, y) - np.einsum("i,ij,ik->jk", mass, y, x)
-    return Tree(arm, mass, inertia, np.stack((cosine, sine)))
+    mass = np.array([b.mass for b in bodies])
+    return Tree(arm, mass, arm.conj().T @ (mass[:, None] * arm) + np.diag([b.inertia for b in bodies]))
 
 
 def _formulation(
@@ -85,10 +78,10 @@ def _formulation(
         return slope(tree, loads.arrays, loads.factors(t), y, on)
 
     def switches(t, y):
-        return _switches(tree, loads.arrays, rates_of(y))
+        return hinged_tree_loads.measure_switches(loads.arrays, _motion(tree, rates_of(y))[0])
 
     def poses(t, y):
-        return _all_poses(scene, free, _motion(tree, _turned_arms(tree, y), y)[0][:-1])
+        return _all_poses(scene, free, _motion(tree, y)[0])
 
     def derivative(t, y):
         values = switches(t, y)  # NaN in a trial step that goes too far; error control then rejects the step
@@ -109,126 +102,73 @@ def _start(scene: Scene, free: list[str]) -> np.ndarray:
     return np.array([*place, *speed, *(b.angular_velocity for b in bodies)])
 
 
-def _all_poses(scene: Scene, free: list[str], moving: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    bodies = [planar(scene, name) for name in scene.body_names]
-    poses = np.array([[*b.position, b.angle] for b in bodies])
-    poses[[scene.body_index(name) for name in free]] = moving
-    return poses[:, :2], poses[:, 2]
+def _all_poses(scene: Scene, free: list[str], motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    bodies, moving = [planar(scene, name) for name in scene.body_names], [scene.body_index(name) for name in free]
+    place, angle = np.array([b.position for b in bodies]), np.array([b.angle for b in bodies])
+    place[moving] = np.column_stack((np.real(motion.place), np.imag(motion.place)))[:-1]
+    angle[moving] = motion.angle[:-1]
+    return place, angle
 
 
 @strict_jit
-def _turned_arms(tree, y):
-    """R(theta_k) arm[i, k], (n, n, 2)."""
-    n = tree.mass.shape[0]
-    turned = np.zeros((n, n, 2))
-    for k in range(n):
-        c, s = np.cos(y[2 + k]), np.sin(y[2 + k])
-        for i in range(n):
-            ux, uy = tree.arm[i, k]
-            turned[i, k, 0] = c * ux - s * uy
-            turned[i, k, 1] = s * ux + c * uy
-    return turned
+def _motion(tree, y):
+    """Return the bodies' motion, and their arms (n, n) in the world."""
+    n = len(tree.mass)
+    place, velocity = np.zeros(n + 1, dtype=np.complex128), np.zeros(n + 1, dtype=np.complex128)
+    angle, spin = np.zeros(n + 1), np.zeros(n + 1)
+    angle[:n], spin[:n] = y[2 : n + 2], y[n + 4 :]
+    turned = tree.arm * np.exp(1j * angle[:n])
+    place[:n] = y[0] + 1j * y[1] + turned.sum(axis=1)
+    velocity[:n] = y[n + 2] + 1j * y[n + 3] + 1j * (turned * spin[:n]).sum(axis=1)
+    return Motion(place, angle, velocity, spin), turned
 
 
 @strict_jit
-def _motion(tree, turned, y):
-    """Poses and rates (n + 1, 3) of the bodies, ground last, and h (n, 2)."""
-    n = tree.mass.shape[0]
-    pose, rate, bend = np.zeros((n + 1, 3)), np.zeros((n + 1, 3)), np.zeros((n, 2))
-    v = y[n + 2 :]
-    for i in range(n):
-        pose[i, 0], pose[i, 1], pose[i, 2] = y[0], y[1], y[2 + i]
-        rate[i, 0], rate[i, 1], rate[i, 2] = v[0], v[1], v[2 + i]
-        for k in range(n):
-            ax, ay = turned[i, k]
-            w = v[2 + k]
-            pose[i, 0] += ax
-            pose[i, 1] += ay
-            rate[i, 0] -= w * ay
-            rate[i, 1] += w * ax
-            bend[i, 0] += w * w * ax
-            bend[i, 1] += w * w * ay
-    return pose, rate, bend
-
-
-@strict_jit
-def _mass_matrix(tree, turned, y):
-    n = tree.mass.shape[0]
+def _mass_matrix(tree, y):
+    n = len(tree.mass)
+    turn = np.exp(1j * y[2 : n + 2])
+    swing = 1j * turn * (tree.mass.reshape(n, 1) * tree.arm).sum(axis=0)
     m = np.zeros((n + 2, n + 2))
-    for i in range(n):
-        m[0, 0] += tree.mass[i]
-        m[1, 1] += tree.mass[i]
-        for k in range(n):
-            m[0, 2 + k] -= tree.mass[i] * turned[i, k, 1]
-            m[1, 2 + k] += tree.mass[i] * turned[i, k, 0]
-    c, s = np.cos(y[2 : n + 2]), np.sin(y[2 : n + 2])
-    for j in range(n):
-        m[2 + j, 0], m[2 + j, 1] = m[0, 2 + j], m[1, 2 + j]
-        for k in range(n):
-            cosine, sine = c[j] * c[k] + s[j] * s[k], s[j] * c[k] - c[j] * s[k]
-            m[2 + j, 2 + k] = tree.coupling[0, j, k] * cosine + tree.coupling[1, j, k] * sine
+    m[0, 0] = m[1, 1] = tree.mass.sum()
+    m[0, 2:], m[1, 2:] = swing.real, swing.imag
+    m[2:, 0], m[2:, 1] = swing.real, swing.imag
+    m[2:, 2:] = (np.conj(turn).reshape(n, 1) * tree.coupling * turn).real
     return m
 
 
 @strict_jit
-def _generalized(turned, force):
-    """J^T of forces (n + 1, 3) at the centres of mass."""
-    n = turned.shape[0]
-    q = np.zeros(n + 2)
-    for i in range(n):
-        q[0] += force[i, 0]
-        q[1] += force[i, 1]
-        q[2 + i] += force[i, 2]
-        for k in range(n):
-            q[2 + k] += turned[i, k, 0] * force[i, 1] - turned[i, k, 1] * force[i, 0]
-    return q
-
-
-@strict_jit
-def _switches(tree, arrays, y):
-    pose, rate, _ = _motion(tree, _turned_arms(tree, y), y)
-    return hinged_tree_loads.measure_switches(arrays, pose, rate)
+def _generalized(turned, force, moment):
+    """Return J^T of forces (n,) and moments (n,) at the centres of mass."""
+    total = force.sum()
+    about = (np.conj(turned) * force.reshape(len(force), 1)).sum(axis=0).imag
+    return np.concatenate((np.array([total.real, total.imag]), moment + about))
 
 
 @strict_jit
 def _lagrange_slope(tree, arrays, factors, y, on):
     """M q'' = J^T (F + m h) with r'' = J q'' - h."""
-    n = tree.mass.shape[0]
-    turned = _turned_arms(tree, y)
-    pose, rate, bend = _motion(tree, turned, y)
-    force = hinged_tree_loads.apply_loads(arrays, tree.mass, factors, pose, rate, on)
-    for i in range(n):
-        force[i, 0] += tree.mass[i] * bend[i, 0]
-        force[i, 1] += tree.mass[i] * bend[i, 1]
-    slope = np.empty(2 * n + 4)
-    slope[: n + 2] = y[n + 2 :]
-    slope[n + 2 :] = factor_and_solve(_mass_matrix(tree, turned, y), _generalized(turned, force))
-    return slope
+    n = len(tree.mass)
+    motion, turned = _motion(tree, y)
+    force, moment = hinged_tree_loads.apply_loads(arrays, tree.mass, factors, motion, on)
+    bend = (turned * motion.spin[:n] ** 2).sum(axis=1)
+    push = _generalized(turned, force[:n] + tree.mass * bend, moment[:n])
+    return np.concatenate((y[n + 2 :], factor_and_solve(_mass_matrix(tree, y), push)))
 
 
 @strict_jit
-def _with_rates(tree, turned, y):
+def _with_rates(tree, y):
     """Momenta to rates."""
-    n = tree.mass.shape[0]
-    moving = y.copy()
-    moving[n + 2 :] = factor_and_solve(_mass_matrix(tree, turned, y), y[n + 2 :])
-    return moving
+    n = len(tree.mass) + 2
+    return np.concatenate((y[:n], factor_and_solve(_mass_matrix(tree, y), y[n:])))
 
 
 @strict_jit
 def _hamilton_slope(tree, arrays, factors, y, on):
     """p = M q', p' = J^T F + J'^T m v."""
-    n = tree.mass.shape[0]
-    turned = _turned_arms(tree, y)
-    moving = _with_rates(tree, turned, y)
-    pose, rate, _ = _motion(tree, turned, moving)
-    q = _generalized(turned, hinged_tree_loads.apply_loads(arrays, tree.mass, factors, pose, rate, on))
-    slope = np.empty(2 * n + 4)
-    slope[: n + 2] = moving[n + 2 :]
-    slope[n + 2 :] = q
-    for k in range(n):
-        swing = 0.0
-        for i in range(n):
-            swing += tree.mass[i] * (turned[i, k, 0] * rate[i, 0] + turned[i, k, 1] * rate[i, 1])
-        slope[n + 4 + k] -= moving[n + 4 + k] * swing
-    return slope
+    n = len(tree.mass)
+    moving = _with_rates(tree, y)
+    motion, turned = _motion(tree, moving)
+    force, moment = hinged_tree_loads.apply_loads(arrays, tree.mass, factors, motion, on)
+    swing = (np.conj(turned) * (tree.mass * motion.velocity[:n]).reshape(n, 1)).sum(axis=0).real
+    push = _generalized(turned, force[:n], moment[:n] - motion.spin[:n] * swing)
+    return np.concatenate((moving[n + 2 :], push))

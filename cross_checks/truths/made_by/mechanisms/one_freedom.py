@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation, agree
+from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.made_by.numerics import jet
 from cross_checks.truths.made_by.numerics.jet import Jet
 from cross_checks.truths.truth import Truth

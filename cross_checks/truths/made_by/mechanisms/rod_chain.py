@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation
+from cross_checks.truths.made_by import Formulation
 from mbs_ref.kernels.jit import strict_jit
 
 EXTENDED_UP_TO = 12  # rods; beyond, an elimination in Python is too slow

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cross_checks.truths.made_by.agreement import Formulation
+from cross_checks.truths.made_by import Formulation
 from cross_checks.truths.made_by.mechanisms.rod_chain import solve
 from mbs_ref.scene import GROUND, Scene, SpatialBody, Spherical, symmetric
 from mbs_ref.scene.euler_parameters import rotation_matrices

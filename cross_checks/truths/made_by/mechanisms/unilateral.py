@@ -206,7 +206,8 @@ class _Walk:
         z, k, self.seen = z.copy(), self.broken, None
         restitution = self.line.contacts[k].restitution
         if restitution is not None:
-            self._impact(k, restitution, z)
+            speed, push = self.rows[k] @ z[self.n : 2 * self.n], self.rows[k] / self.line.mass
+            z[self.n : 2 * self.n] -= (1.0 + restitution) * min(speed, 0.0) / (self.rows[k] @ push) * push
         elif self.modes[k] == OPEN:
             self.modes[k] = CLOSED
         elif self.which == 0:
@@ -214,9 +215,3 @@ class _Walk:
         else:
             self.modes[k] = LIFTED if self.modes[k] == CLOSED else CLOSED
         return z
-
-    def _impact(self, k: int, restitution: float, z: np.ndarray) -> None:
-        speed = self.rows[k] @ z[self.n : 2 * self.n]
-        if speed < 0.0:
-            push = self.rows[k] / self.line.mass
-            z[self.n : 2 * self.n] -= (1.0 + restitution) * speed / (self.rows[k] @ push) * push

@@ -1,7 +1,6 @@
 """Velocities of a truth that gives poses: differences of order six, with an error bar from other differences."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,14 +21,6 @@ AMPLIFIED = float(np.abs(SIXTH).sum())  # of an error in the values
 Poses = tuple[np.ndarray, np.ndarray]  # position (n_bodies, d) m, orientation (n_bodies,) rad or (n_bodies, 4)
 
 
-class Rates(NamedTuple):
-    """Velocities at the output times and how well they are known."""
-
-    velocity: np.ndarray  # (n_t, n_bodies, d) m/s
-    angular_velocity: np.ndarray  # (n_t, n_bodies) or (n_t, n_bodies, 3) rad/s
-    uncertainty: np.ndarray  # (n_t,) m/s and rad/s
-
-
 def along(derivative: Callable, poses: Callable, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Return the velocities at (t, y), the slopes of poses(t + s, y + s y') at s = 0, and how well they are known."""
     slope = derivative(t, y)
@@ -47,8 +38,13 @@ def stencil_times(times: np.ndarray, scale: float) -> tuple[np.ndarray, float]:
     return np.unique(np.concatenate([(times + j * h)[times + j * h >= 0.0] for j in AROUND])), h
 
 
-def of_poses(times: np.ndarray, h: float, at: np.ndarray, poses: Poses, uncertainty: float, scales: Scales) -> Rates:
+def of_poses(
+    times: np.ndarray, h: float, at: np.ndarray, poses: Poses, uncertainty: float, scales: Scales
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the rates at `times` from poses at the times `at` (see stencil_times), known to `uncertainty` (m).
+
+    They are velocities (n_t, n_bodies, d), angular velocities (n_t, n_bodies) or (n_t, n_bodies, 3), and how well both
+    are known (n_t,), in m/s and rad/s.
 
     The error bar is the difference of the central from both one-sided derivatives of the same order: across a jump
     the central one is the mean of both sides, at any place of the jump. At the start, which no pose precedes, and
@@ -67,7 +63,7 @@ def of_poses(times: np.ndarray, h: float, at: np.ndarray, poses: Poses, uncertai
         spin[k] = turning if turning.ndim == spin.ndim - 1 else 0.0  # particles have no orientation
         if max(doubts[0] / scales.speed, doubts[1] * scales.time) < RESOLVED:
             first[k] = max(doubts) + AMPLIFIED * uncertainty / h
-    return Rates(velocity, spin, first)
+    return velocity, spin, first
 
 
 def _slopes(

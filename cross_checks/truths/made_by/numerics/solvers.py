@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import lru_cache, partial
-from typing import Any
 
 import numpy as np
 from scipy.optimize import root_scalar
@@ -13,15 +12,6 @@ from cross_checks.truths.truth import EPS, NoConvergenceError, check_time
 COLUMNS = 9  # order 18 at most
 EASY = 5  # converged this early, the next step may be longer: twice the step takes some three columns more
 SMALLEST_STEP = 1e-9  # s
-
-
-def extrapolate(derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float) -> np.ndarray:
-    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n), in start's precision.
-
-    Modified midpoint rule, substeps 2, 4, 6, ... (Hairer, Norsett & Wanner, Solving ODEs I, II.9).
-    `tolerance` is relative to max(1, |y|). Raises NoConvergenceError with the time it failed at.
-    """
-    return _stepped(lambda on: derivative, None, start, times, tolerance, 0.05)
 
 
 def attempt(derivative: Callable, t, y: np.ndarray, h, tolerance: float) -> tuple[np.ndarray | None, int]:
@@ -55,35 +45,32 @@ def _midpoint(derivative: Callable, t, y: np.ndarray, slope: np.ndarray, h, subs
     return (before + now + small * derivative(t + h, now)) / 2
 
 
-FIRST_STEP = 1e-3  # s
+FIRST_STEP = 1e-3  # s, where forces set in or end
 RESOLUTION = 1e-15  # s, to which a change of branch is located
 MOST_CHANGES = 20_000
 BRANCH_TOLERANCE = 1e-12  # of max(1, |y|): stiff forces leave some 1e-13 of roundoff in a step's last columns
 
 
-def extrapolate_branches(frozen: Callable, switches: Callable, start: np.ndarray, times: np.ndarray) -> np.ndarray:
-    """Integrate y' = frozen(t, y, on), on = switches(t, y) > 0 held within a step; return y at `times`, (n_t, n).
-
-    A step in which a switch changes sign is cut just past the first change. NoConvergenceError where steps
-    or branches do not come to an end.
-    """
-    return _stepped(lambda on: partial(frozen, on=on), switches, start, times, BRANCH_TOLERANCE, FIRST_STEP)
-
-
-def _stepped(
-    slope_in: Callable, switches: Callable | None, start: np.ndarray, times: np.ndarray, tolerance: float, step: Any
+def extrapolate(
+    derivative: Callable, start: np.ndarray, times: np.ndarray, tolerance: float, switches: Callable | None = None
 ) -> np.ndarray:
-    """Return y at `times`; slope_in(on) is the right-hand side (t, y) of a branch, the only one without switches."""
+    """Integrate y' = derivative(t, y) from times[0]; return y at `times`, shape (n_t, n), in start's precision.
+
+    Modified midpoint rule, substeps 2, 4, 6, ... (Hairer, Norsett & Wanner, Solving ODEs I, II.9). `tolerance` is
+    relative to max(1, |y|). With `switches`, y' = derivative(t, y, on) and on = switches(t, y) > 0, held within a step:
+    a step in which a switch changes sign is cut just past the first change. Raises NoConvergenceError with the time
+    where steps or branches do not come to an end.
+    """
     states = np.empty((len(times), len(start)), dtype=start.dtype)
     states[0] = y = start
-    t, step, changes = start.dtype.type(times[0]), start.dtype.type(step), 0
+    t, step, changes = start.dtype.type(times[0]), start.dtype.type(FIRST_STEP if switches else 0.05), 0
     on = None if switches is None else switches(t, y) > 0.0
     for k, goal in enumerate(times[1:].astype(start.dtype), start=1):
         while t < goal:
             check_time(t)
             whole = step >= goal - t
             h = goal - t if whole else step
-            slope = slope_in(on)
+            slope = partial(derivative, on=on) if switches else derivative
             ahead, columns = attempt(slope, t, y, h, tolerance)
             if ahead is None:
                 step = h / 2

@@ -1,9 +1,11 @@
-"""Where poles, Moon and Sun point, in ICRF axes: the published series as tables.
+"""Where poles, Moon and Sun point, in ICRF axes: the published series, whose tables are beside this file.
 
 `d` (m,) is days of TDB from J2000; every direction is (m, 3).
 """
 
+import tomllib
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
@@ -14,38 +16,7 @@ from mbs_ref.scene.celestial import DAY_S, J2000_JD, Epoch
 CENTURY = 36_525  # days
 OBLIQUITY = 84_381.406  # seconds of arc, of the ecliptic of J2000: IAU 2006
 
-# Archinal et al., Celest. Mech. Dyn. Astr. 109 (2011) 101, table 2: E_1 to E_13 in degrees, and their rates a day
-MOON_ARGUMENTS = (
-    (125.045, -0.0529921), (250.089, -0.1059842), (260.008, 13.0120009), (176.625, 13.3407154), (357.529, 0.9856003),
-    (311.589, 26.4057084), (134.963, 13.0649930), (276.617, 0.3287146), (34.226, 1.7484877), (15.134, -0.1589763),
-    (119.743, 0.0036096), (239.961, 0.1643573), (25.053, 12.9590088),
-)  # fmt: skip
-# degrees, of sin E_k, cos E_k and sin E_k
-MOON_RIGHT_ASCENSION = (-3.8787, -0.1204, 0.0700, -0.0172, 0.0, 0.0072, 0.0, 0.0, 0.0, -0.0052, 0.0, 0.0, 0.0043)
-MOON_DECLINATION = (1.5419, 0.0239, -0.0278, 0.0068, 0.0, -0.0029, 0.0009, 0.0, 0.0, 0.0008, 0.0, 0.0, -0.0009)
-MOON_MERIDIAN = (
-    3.5610, 0.1208, -0.0642, 0.0158, 0.0252, -0.0066, -0.0047, -0.0046, 0.0028, 0.0052, 0.0040, 0.0019, -0.0044,
-)  # fmt: skip
-
-# Montenbruck and Gill 2000, eq 3.47: L_0, l, l', F, D in degrees, and their rates a century
-MEAN_ARGUMENTS = (
-    (218.31617, 481_267.88088 - 1.3972), (134.96292, 477_198.86753), (357.52543, 35_999.04944),
-    (93.27283, 483_202.01873), (297.85027, 445_267.11135),
-)  # fmt: skip
-# ibid., eq 3.48 to 3.50: amplitude, and the multiples of l, l', F, D
-MOON_LONGITUDE = (  # seconds of arc, of sines
-    (22_640, 1, 0, 0, 0), (769, 2, 0, 0, 0), (-4586, 1, 0, 0, -2), (2370, 0, 0, 0, 2), (-668, 0, 1, 0, 0),
-    (-412, 0, 0, 2, 0), (-212, 2, 0, 0, -2), (-206, 1, 1, 0, -2), (192, 1, 0, 0, 2), (-165, 0, 1, 0, -2),
-    (148, 1, -1, 0, 0), (-125, 0, 0, 0, 1), (-110, 1, 1, 0, 0), (-55, 0, 0, 2, -2),
-)  # fmt: skip
-MOON_LATITUDE = (  # seconds of arc, of sines
-    (-526, 0, 0, 1, -2), (44, 1, 0, 1, -2), (-31, -1, 0, 1, -2), (-25, -2, 0, 1, 0), (-23, 0, 1, 1, -2),
-    (21, -1, 0, 1, 0), (11, 0, -1, 1, -2),
-)  # fmt: skip
-MOON_DISTANCE = (  # km, of cosines
-    (385_000, 0, 0, 0, 0), (-20_905, 1, 0, 0, 0), (-3699, -1, 0, 0, 2), (-2956, 0, 0, 0, 2), (-570, 2, 0, 0, 0),
-    (246, 2, 0, 0, -2), (-205, 0, 1, 0, -2), (-171, 1, 0, 0, 2), (-152, 1, 1, 0, -2),
-)  # fmt: skip
+SERIES = {name: real(rows) for name, rows in tomllib.loads(Path(__file__).with_suffix(".toml").read_text()).items()}
 
 
 def date_of(scene: Scene) -> Callable[[np.ndarray], np.ndarray]:
@@ -67,12 +38,12 @@ def earth_pole(d: np.ndarray) -> np.ndarray:
 def moon_axes(d: np.ndarray) -> np.ndarray:
     """Return (m, 3, 3), rows the Moon's axes, x towards the Earth: R_z(W) R_x(90 deg - dec) R_z(90 deg + ra)."""
     t = d / CENTURY
-    constant, rate = real(MOON_ARGUMENTS).T
+    constant, rate = SERIES["moon_arguments"].T
     arguments = _radians(constant + np.outer(d, rate))
     sines, cosines = np.sin(arguments), np.cos(arguments)
-    ascension = _series((269.9949, 0.0031), t) + sines @ real(MOON_RIGHT_ASCENSION)
-    declination = _series((66.5392, 0.0130), t) + cosines @ real(MOON_DECLINATION)
-    meridian = _series((38.3213, 13.17635815, -1.4e-12), d) + sines @ real(MOON_MERIDIAN)
+    ascension = _series((269.9949, 0.0031), t) + sines @ SERIES["moon_right_ascension"]
+    declination = _series((66.5392, 0.0130), t) + cosines @ SERIES["moon_declination"]
+    meridian = _series((38.3213, 13.17635815, -1.4e-12), d) + sines @ SERIES["moon_meridian"]
     return _about_z(_radians(meridian)) @ _about_x(_radians(90 - declination)) @ _about_z(_radians(90 + ascension))
 
 
@@ -86,19 +57,19 @@ def sun_place(d: np.ndarray) -> np.ndarray:
 
 def moon_place(d: np.ndarray) -> np.ndarray:
     """Return the Moon seen from the Earth, m (Montenbruck and Gill 2000, eq 3.47 to 3.51)."""
-    constant, rate = real(MEAN_ARGUMENTS).T
+    constant, rate = SERIES["mean_arguments"].T
     mean, *rest = _radians(constant + np.outer(d / CENTURY, rate)).T
     arguments = np.array(rest)  # l, l', F, D
     _, anomaly_of_sun, node_distance, _ = arguments
-    shift = _sum(np.sin, MOON_LONGITUDE, arguments)
+    shift = _sum(np.sin, "moon_longitude", arguments)
     inner = node_distance + _arcsec(shift + 412 * np.sin(2 * node_distance) + 541 * np.sin(anomaly_of_sun))
-    latitude = 18_520 * np.sin(inner) + _sum(np.sin, MOON_LATITUDE, arguments)
-    distance = 1000 * _sum(np.cos, MOON_DISTANCE, arguments)
+    latitude = 18_520 * np.sin(inner) + _sum(np.sin, "moon_latitude", arguments)
+    distance = 1000 * _sum(np.cos, "moon_distance", arguments)
     return _from_ecliptic(mean + _arcsec(shift), _arcsec(latitude), distance)
 
 
-def _sum(function: Callable, table: tuple, arguments: np.ndarray) -> np.ndarray:
-    rows = real(table)
+def _sum(function: Callable, name: str, arguments: np.ndarray) -> np.ndarray:
+    rows = SERIES[name]
     return rows[:, 0] @ function(rows[:, 1:] @ arguments)
 
 

@@ -89,7 +89,10 @@ def _solve_twice(scene: Scene, times: np.ndarray, units: Units) -> tuple[np.ndar
     """Return places (n_t, n_bodies, 3), m, by extrapolation and by collocation, and velocities; `times` in units."""
     place, rate = start(scene)
     place, rate = place / units.length, rate * (units.time / units.length)
-    field = _scaled(acceleration(scene), units)
+    total, speed = acceleration(scene), units.length / units.time
+
+    def field(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return total(t * units.time, x * units.length, v * speed) / (units.length / units.time**2)
 
     def derivative(t: np.longdouble, y: np.ndarray) -> np.ndarray:
         x, v = y.reshape(2, *place.shape)
@@ -104,11 +107,6 @@ def _solve_twice(scene: Scene, times: np.ndarray, units: Units) -> tuple[np.ndar
 def start(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """Return positions (n_bodies, 3), m, and velocities, m/s, in extended precision."""
     return real([body.position for body in scene.bodies]), real([body.velocity for body in scene.bodies])
-
-
-def _scaled(field: Callable, units: Units) -> Callable:
-    speed, pull = units.length / units.time, units.length / units.time**2
-    return lambda t, x, v: field(t * units.time, x * units.length, v * speed) / pull
 
 
 def _collisions(scene: Scene, units: Units) -> Callable[[np.ndarray], None]:

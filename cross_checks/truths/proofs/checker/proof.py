@@ -1,6 +1,9 @@
 """The proof of a log, step by step."""
 
+import gzip
+import json
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -117,6 +120,17 @@ def _moved(s: Fraction, flow: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray
     """Return the basis at a time of the step, and a bound of its rounding."""
     here = np.tensordot(float(s) ** np.arange(ORDER), flow, 1) @ basis
     return here, up(GAMMA * up(size_of(flow) @ np.abs(basis)))
+
+
+def read_log(file: Path) -> dict[str, Any]:
+    """Return the log in a file. Refused where it holds none."""
+    try:
+        log = json.loads(gzip.decompress(file.read_bytes()))
+    except (OSError, EOFError, ValueError) as error:
+        raise Refused(f"{file} holds no log: {error}") from error
+    if not isinstance(log, dict):
+        raise Refused(f"{file} holds no log")
+    return log
 
 
 def check(log: dict[str, Any]) -> Proof:
