@@ -120,6 +120,7 @@ def _rolling() -> tuple[dict[str, Value], dict[str, Curves]]:
     return {
         "track.rest": float(np.abs(still.position - still.position[:1]).max()) if still.ok else still.message,
         "track.slip_median": float(np.nanmedian(every)), "track.slip_95": float(np.nanpercentile(every, 95.0)),
+        "track.slip_most": float(np.nanmax(every)),
         "track.sliding_turns": float(np.abs(sliding.angular_velocity[:, [bare.body_index(w) for w in WHEELS]]).max()),
         "track.travel": float(path.position[-1, 0, 0] - path.position[0, 0, 0]),
         "track.sliding_travel": float(sliding.position[-1, 0, 0] - sliding.position[0, 0, 0]),
