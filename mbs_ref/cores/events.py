@@ -60,7 +60,9 @@ def event_sources(scene: Scene) -> list[str]:
 
 
 def _tension_only(scene: Scene) -> list[SpringDamper]:
-    return [load for load in scene.loads if isinstance(load, SpringDamper) and load.tension_only]
+    """Return the springs that pull only, but those without stiffness and damping, which never pull."""
+    springs = [load for load in scene.loads if isinstance(load, SpringDamper) and load.tension_only]
+    return [load for load in springs if load.stiffness or load.damping]
 
 
 def contact_modes(scene: Scene) -> shared.ContactModes:

@@ -62,6 +62,15 @@ def test_a_damper_never_pulls_beyond_the_limit_and_only_takes_energy():
     assert path.velocity[-1, 0, 0] > -SPEED
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_string_without_stiffness_and_damping_never_pulls(dimension):
+    scene = thrown(dimension)
+    none = scene.loads[0].model_copy(update={"stiffness": 0.0})
+    path = simulate(scene.model_copy(update={"loads": (none,)}), Settings(estimate="off", max_steps=100))
+    assert path.ok, path.message
+    assert path.velocity[-1, 0, 0] == pytest.approx(SPEED, rel=1e-12)
+
+
 def test_a_limit_needs_a_string():
     with pytest.raises(ValueError, match=r"limit = 60\.0 N requires tension_only = true"):
         SpringDamper(
