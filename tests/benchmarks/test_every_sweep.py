@@ -88,13 +88,13 @@ def test_times_are_measured_of_what_the_store_lacks_and_all_again_where_requeste
     runs, told = [run_of("rk4", 0.1 * k) for k in range(1, 5)], []
     monkeypatch.setattr(timing, "machine", lambda: "box")
     monkeypatch.setattr(timing.Isolated, "__call__", lambda self, function, scene, engine, settings, held: (
-        [settings.step, *held], 1.0))  # fmt: skip
+        [*held, 9.0 + settings.step], 1.0))  # fmt: skip
     with Store() as store:
         for run in runs[:2]:
             store.keep_timings(timing._key(SCENE, run), "box", [7.0, 7.1, 7.2])
         found = timing.timed_all(store, runs, lambda done, total, what: told.append((done, total)), again)
     assert found.keys() == {id(run) for run in runs}
-    expected = [run.settings["step"] if again or k > 1 else 7.0 for k, run in enumerate(runs)]
+    expected = [9.0 + run.settings["step"] if again or k > 1 else 7.0 for k, run in enumerate(runs)]
     assert [found[id(run)].times["loop_s"] for run in runs] == pytest.approx(expected)
     assert told == [(k, 4 if again else 2) for k in range(4 if again else 2)]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import random
+import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -78,3 +79,12 @@ def test_facts_are_written_and_printed(tmp_path, capsys, as_json):
     assert shown == ([] if as_json else [facts])
     with pytest.raises(ValueError, match="not JSON compliant"):
         console.write_table({"a": math.nan}, tmp_path / "other.json")
+
+
+@pytest.mark.parametrize("longer", [False, True])
+def test_what_is_awaited_is_announced_only_while_it_lasts(monkeypatch, capsys, longer):
+    monkeypatch.setattr(console, "PAUSE", 0.02)
+    with console.awaited("the truth"):
+        time.sleep(0.2 * longer)
+    time.sleep(0.1)
+    assert capsys.readouterr().err == "the truth ...\n" * longer

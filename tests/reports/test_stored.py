@@ -28,6 +28,8 @@ from mbs_ref.simulate import simulate
 from reports.cli import main
 from reports.facts import environment, stored
 from reports.page.render import pages
+from reports.page.sections.matrix import view
+from reports.page.slug import slug
 from reports.poses_file import write_poses
 from tests.reports.page.test_shown_figures import irregular
 
@@ -103,6 +105,32 @@ def test_a_page_shows_what_concerns_it():
     kinds = [page.kind for page in pages(data)]
     assert kinds.count("scene") == len(data.scenes)
     assert kinds.count("engine") == len(data.engines)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_part_of_a_report_holds_what_was_chosen_alone(seed):
+    data, chance = irregular(seed), random.Random(seed)
+    facts: Any = [SimpleNamespace(scene=label, engine=name) for label in data.scenes for name in data.engines]
+    data = replace(data, truths=facts, mechanisms=facts, capabilities=facts, extremes=facts)
+    for _ in range(5):
+        labels, names, targets = (
+            chance.sample(list(of), chance.choice((0, 1, 2))) for of in (data.scenes, data.engines, data.targets)
+        )
+        part = data.only(labels, names, targets)
+        of_scene, of_engine = set(labels or data.scenes), set(names or data.engines)
+        for one, whole in ((part.cells, data.cells), (part.records, data.records)):
+            assert set(map(id, one)) == {id(x) for x in whole if x.label in of_scene and x.engine in of_engine}
+        assert list(part.truths) == list(part.mechanisms) == [x for x in facts if x.scene in of_scene]
+        assert list(part.capabilities) == list(part.extremes) == [x for x in facts if x.engine in of_engine]
+        assert list(part.targets) == [x for x in data.targets if x in targets or not targets]
+        for cell in part.cells:
+            shown = view(cell, part.targets)["targets"]
+            assert len(shown) == sum(result.target in part.targets for result in cell.targets)
+
+
+def test_no_two_labels_share_a_file():
+    labels = ["a", "a b", "a-b", "a/b", "a<b", "a>b", " a", "a ", "é", "x" * 99, "x" * 98]
+    assert len(set(map(slug, labels))) == len(labels)
 
 
 def test_the_environment_states_every_engine_and_package():

@@ -40,7 +40,7 @@ from cross_checks.metrics.errors import COMPONENTS
 from cross_checks.prices import pick as picking
 from cross_checks.records import lines
 from cross_checks.records.numbers import setting
-from cross_checks.records.record import BUSY_NOTE, Error, Record
+from cross_checks.records.record import BUSY_NOTE, CANNOT, MISSING, Error, Record
 from cross_checks.robots.parity import Difference, Parity
 from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth
@@ -50,7 +50,7 @@ from mbs_ref.scene.traits import PART_TYPES
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
-from mbs_ref.trajectory import Trajectory
+from mbs_ref.trajectory import Status, Trajectory
 from reports.cli import main
 from reports.commands.choose import sweep
 from reports.commands.engines import engines as engines_command
@@ -300,6 +300,18 @@ def test_simulate(monkeypatch, tables, seed):
         g(max(curve[1:])), g(min(curve[1:]))]  # fmt: skip
 
 
+STATUSES = (*map(str, Status), CANNOT, MISSING, "crashed", "timeout", "out-of-memory")
+
+
+@pytest.mark.parametrize("status", STATUSES)
+def test_every_status_of_a_run_has_its_exit_code(monkeypatch, status):
+    made = record(random.Random(1), status=status, message="as it is")
+    monkeypatch.setattr(one_run, "judged_run", lambda *given, **more: (made, None))
+    code = {"success": 0, "stop-event": 0, "engine-missing": 3, "interrupted": 4, "out-of-memory": 4}.get(status, 1)
+    assert run("simulate", "pendulum", "--no-truth").exit_code == code
+    assert run("simulate", "pendulum", "--no-truth", "--json").exit_code == code
+
+
 @pytest.mark.parametrize("name", ["spring_pendulum", "sliding_block", "android_simplified"])
 def test_inspect(tables, name):
     scene = scenes.make(name)
@@ -386,10 +398,10 @@ def test_extremes(monkeypatch, tables, tmp_path, seed):
         for engine in ("mujoco", OURS, "exudyn"):
             for full in (True, False):
                 values = axes[name].values
-                last = chance.choice((None, *values))
+                right = chance.choice((None, *values))
                 fate = chance.choice([fate for fate in Fate if (engine, fate) != (OURS, Fate.SILENTLY_WRONG)])
                 points = tuple(point(chance, value) for value in values)
-                made.append(ExtremeCell(name, families[name], engine, f"m{len(made)}", full, fate, last, points,
+                made.append(ExtremeCell(name, families[name], engine, f"m{len(made)}", full, fate, right, points,
                                         f"why {len(made)} " * 20))  # fmt: skip
     lines.append_data(tmp_path / "cells.jsonl", [one.to_dict() for one in made])
     monkeypatch.setattr(extreme_runs, "matrix", lambda *given, **more: ())
@@ -594,7 +606,9 @@ def test_history(tables, tmp_path, monkeypatch):
         for name, values in series.items() for k, value in enumerate(values)
     ]  # fmt: skip
     chance.shuffle(made)
+    made = [replace(e, error=chance.choice((None, size(chance)))) for e in made]
     history.append(tmp_path / "h.jsonl", made)
+    assert history.read(tmp_path / "h.jsonl") == (made, [])
     assert run("history", "--file", str(tmp_path / "h.jsonl")).exit_code == 0
     at = {(e.series, e.made): e for e in made}
     own = {name: [at[name, f"2026-01-{k + 1:02d}"] for k in range(12)] for name in sorted(series)}

@@ -302,10 +302,12 @@ def test_rules_of_steps(ran):
     squares = system.contact_oscillators(0.0, system.initial_state(), 0.0)[:, 0]  # k/m, 1/s^2
     rules = []
     for part, square in zip(scene.contacts, squares, strict=True):
-        law, deepest = part.law.numbers(), path.contacts[part.name][:, 0].max()
+        law: Any = part.law.numbers()
+        deepest = path.contacts[part.name][:, 0].max()
         rules.append(law.damping * deepest * square / law.stiffness)
-    least = [(joint, min(scene.bodies[scene.body_index(name)].inertia for name in joint.ends)) for joint in scene.loads
-             if joint.type == "torsion_spring"]  # type: ignore[union-attr]  # fmt: skip
+    springs: list[Any] = [joint for joint in scene.loads if joint.type == "torsion_spring"]
+    bodies: Any = {body.name: body for body in scene.bodies}
+    least = [(joint, min(bodies[name].inertia for name in joint.ends)) for joint in springs]
     assert found["rules.simplified.damping"] == pytest.approx(1.0 / max(rules))
     assert found["rules.simplified.oscillation"] == stiff.oscillation_rule
     assert found["rules.simplified.stable"] == pytest.approx(stiff.step_limit(lessons.RK4))
@@ -314,14 +316,16 @@ def test_rules_of_steps(ran):
     assert found["stiff.simplified"] == pytest.approx(max(abs(stiff.modes)))
     assert found["stiff.simplified.modes"] == len(stiff.eigenvalues)
     assert found["stiff.simplified.undamped"] != found["stiff.simplified"]
-    assert found["rules.vertebral.stable"] < found["rules.simplified.stable"]
+    stable: list[Any] = [found[f"rules.{kind}.stable"] for kind in ("vertebral", "simplified")]
+    assert stable[0] < stable[1]
 
 
 def test_the_leading_matrix_has_a_negative_eigenvalue_for_each_row(ran):
-    found = lessons.leading_matrix()
+    found: dict[str, Any] = dict(lessons.leading_matrix())
     for kind in ("simplified", "vertebral"):
         scene = scenes.make(f"android_{kind}", **crash.PAPER)
-        masses = [x for body in scene.bodies for x in (body.mass, body.inertia)]  # type: ignore[union-attr]
+        bodies: Any = scene.bodies
+        masses = [x for body in bodies for x in (body.mass, body.inertia)]
         assert found[f"leading.{kind}.mass"] == pytest.approx(max(masses) / min(masses))
         assert found[f"leading.{kind}.negative"] == found[f"leading.{kind}.rows"] > 0.0
         system = lessons.compile_scene(scene)
