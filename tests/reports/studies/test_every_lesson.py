@@ -198,6 +198,7 @@ def test_outlines_are_where_the_parts_are(ran):
         assert sum(row["kind"] == "seat" for row in own) == len(seats) * bool(k)
 
 
+@pytest.mark.slow
 def test_the_track_of_the_second_paper(monkeypatch, ran):
     monkeypatch.setattr(track_figures, "film", lambda scene, path, every: "film")
     monkeypatch.setattr(track_figures, "rolling_slip", lambda motion, wheel: slips[wheel])
@@ -376,6 +377,7 @@ def test_the_papers_sky_and_indices(monkeypatch, ran):
     assert not found
 
 
+@pytest.mark.slow
 def test_a_satellite_swings_as_the_linear_theory_says_and_a_large_swing_keeps_to_its_truth():
     found = papers.satellites()
     assert found["satellite.frequency"] == pytest.approx(1.0, abs=2e-3)
