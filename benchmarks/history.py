@@ -14,7 +14,7 @@ EFFECT = 1.05  # a level that changes by less is no change
 CHANCE = 0.01  # of a permutation doing as well
 SHUFFLES = 500
 LEAST = 4  # entries on either side of a change
-ACCURACIES = ("error_m", "error_mps2")  # of a benchmark's extra_info
+ACCURACIES = ("error", "error_mps2")  # of a benchmark's extra_info
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Entry:
     value: float  # a ratio to the job's own baseline where unit is 1, else s
     unit: str
     verdict: str = ""
-    error: float | None = None  # m, the accuracy at which it was timed; m/s^2 of a right-hand side
+    error: float | None = None  # of the scene, the accuracy at which it was timed; m/s^2 of a right-hand side
 
 
 def series(entries: Iterable[Entry], name_contains: str = "") -> dict[str, list[Entry]]:
@@ -87,12 +87,12 @@ def from_benchmarks(data: dict[str, Any], job: str, made: str, commit_id: str, m
 def from_records(
     records: Sequence[Record], label: str, error: float, job: str, made: str, commit_id: str, machine: str
 ) -> list[Entry]:
-    """Return each engine's cheapest loop time within an error (m) on one scene; none for an engine that missed it."""
+    """Return each engine's cheapest loop time within an error of one scene; none for an engine that missed it."""
     entries = []
     for engine in dict.fromkeys(record.engine for record in records):
         best = pick([record for record in records if record.engine == engine], error).best
         if best is not None and best.error is not None:
-            series = f"loop {label} {engine} within {error:g} m"
+            series = f"loop {label} {engine} within {error:g} of the scene"
             text = setting(best)
             entries.append(Entry(job, made, commit_id, machine, series, loop_time(best), "s", text, best.error.bound))
     return entries

@@ -42,7 +42,7 @@ class Tree:
         self._child.communicate()
 
     def climb(self, **case: Any) -> list[dict[str, Any]]:
-        """Return settings, status, error (m) and loop time (s) of a method's ladder."""
+        """Return settings, status, error (of the scene) and loop time (s) of a method's ladder."""
         return self._ask("climb", case)
 
     def time(self, **case: Any) -> Sample:
@@ -73,13 +73,13 @@ MOST_PAIRS = 3  # of processes, to confirm that one tree is faster
 
 @dataclass(frozen=True)
 class Case:
-    """What is timed: the cheapest rung of a method's ladder that reaches `error` (m)."""
+    """What is timed: the cheapest rung of a method's ladder that reaches `error`."""
 
     scene: str
     method: str
     parameters: dict[str, Any] = field(default_factory=dict)
     engine: str = "mbs_ref"
-    error: float = 1e-6  # m
+    error: float = 1e-6  # of the scene
 
     @property
     def name(self) -> str:
@@ -151,7 +151,7 @@ def examine(before: Tree, after: Tree, case: Case, seed: int = 0) -> Finding:
     chosen = [cheapest(tree.climb(**what, method=case.method), case.error) for tree in (before, after)]
     for settings, name in zip(chosen, ("baseline", "current tree"), strict=True):
         if settings is None:
-            text = f"no setting of the {name} reaches {case.error:g} m"
+            text = f"no setting of the {name} reaches {case.error:g} of the scene"
             return Finding(case.name, NOT_MEASURED, text, case.error)
     first, second = chosen
     timing = compare(lambda: before.time(**what, settings=first), lambda: after.time(**what, settings=second), seed)
@@ -168,7 +168,7 @@ def cheapest(rungs: list[dict[str, Any]], error: float) -> dict[str, Any] | None
 def _sentence(timing: Comparison, case: Case) -> str:
     change = f"{timing.ratio:.3f} times the baseline's loop time [{timing.low:.3f}, {timing.high:.3f}]"
     busy = f"; {timing.disturbed:.0%} of the runs shared the machine" if timing.disturbed > 0.1 else ""
-    return f"{change} to {case.error:g} m, {timing.blocks} blocks{busy}"
+    return f"{change} to {case.error:g} of the scene, {timing.blocks} blocks{busy}"
 
 
 class Rate(NamedTuple):

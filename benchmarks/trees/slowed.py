@@ -64,7 +64,7 @@ def excess(before: Tree, after: Tree, case: Case) -> float:
     """Return by how much of the first tree's time the second takes longer: fastest of many alternating runs."""
     settings = cheapest(before.climb(**case.what, method=case.method), case.error)
     if settings is None:
-        raise ValueError(f"no setting of {case.name} reaches {case.error:g} m")
+        raise ValueError(f"no setting of {case.name} reaches {case.error:g} of the scene")
     runs = [partial(tree.time, **case.what, settings=settings) for tree in (before, after)]
     for run in runs:
         run()  # compile

@@ -29,7 +29,7 @@ def _say(answers: TextIO, data: Any) -> None:
 
 
 def climb(scene: str, parameters: dict[str, Any], engine: str, method: str) -> list[dict[str, Any]]:
-    """Judge every rung of a method's ladder: settings, error (m), loop time (s)."""
+    """Judge every rung of a method's ladder: settings, error (of the scene), loop time (s)."""
     from cross_checks import engines
     from cross_checks.judge import ladder
     from cross_checks.judge.one_run import evaluate

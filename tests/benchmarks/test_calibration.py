@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from benchmarks import calibration
 from benchmarks.calibration import Trial, proven, stored, table, trial
 from cross_checks.records.lines import append
+from cross_checks.truths.truth import Truth
+from mbs_ref import scenes
+from mbs_ref.integrators import integrators
+from mbs_ref.scene.scales import free_fall_time, scales_of, tolerance_unit
 
 
 def made(error: float | None, estimate: float | None, uncertainty: float = 0.0, method: str = "m") -> Trial:
@@ -53,6 +60,55 @@ def test_a_run_of_a_proven_scene_is_judged_by_its_proof():
     assert one.uncertainty is not None
     assert one.uncertainty < 1e-14
     assert one.is_decided
+
+
+def test_settings_are_drawn_over_their_ranges():
+    """A tolerance of 1e-11 to 1e-2 with the scene's own unit; steps of a share of its fall, 20 of them at least."""
+    scene, met = scenes.make("double_pendulum", length_1=3.0), set()
+    for seed in range(60):
+        t_end = scene.duration * (0.5 + seed % 3)
+        method, settings = calibration._settings(np.random.default_rng(seed), scene, t_end)
+        assert (settings.method, settings.t_end) == (method, t_end)
+        if settings.step:
+            fall = free_fall_time(scene)
+            assert 1e-4 * fall <= settings.step <= min(10**-1.5 * fall, t_end / 20.0)
+            assert integrators()[method].kind in ("fixed", "both")
+        else:
+            assert settings.rtol
+            assert 1e-11 <= settings.rtol <= 1e-2
+            assert settings.atol == pytest.approx(settings.rtol * tolerance_unit(scene))
+        met.add(method)
+    assert len(met) > 6
+
+
+def test_a_run_that_has_no_estimate_or_no_truth_says_how_it_ended(monkeypatch):
+    run = SimpleNamespace(status="too-many-steps", estimate=None, timing=SimpleNamespace(loop_s=1.0))
+    monkeypatch.setattr(calibration, "simulate", lambda *given: run)
+    one = trial(3)
+    assert (one.status, one.estimate, one.error, one.cost) == ("too-many-steps", None, None, None)
+    run.estimate = SimpleNamespace(value=np.inf, cost_s=3.0)
+    monkeypatch.setattr(calibration, "_truth", lambda *given: None)
+    one = trial(3)
+    assert (one.estimate, one.error, one.uncertainty, one.cost) == (1e300, None, None, 3.0)
+
+    def refused(*given: object) -> None:
+        raise ValueError("too stiff")
+
+    monkeypatch.setattr(calibration, "simulate", refused)
+    assert trial(3).status == "refused: too stiff"
+
+
+def test_a_proven_truth_is_known_to_the_worst_of_radius_rounding_and_rates():
+    scene, n = scenes.make("double_pendulum", length_1=3.0), 4
+    scales = scales_of(scene)
+    place, turn = np.zeros((n, 2, 2)), np.zeros((n, 2))
+    turn[2, 1] = -7.0
+    for radius, rates in ((1e-9, None), (1e-20, None), (1e-20, np.array([1e-20, 3e-6, 1e-20, 1e-20]))):
+        truth = Truth(place, turn, radius, "proven", "", rate_uncertainty=rates)
+        worst = max(radius / scales.length, 7.0 * np.finfo(float).eps)
+        if rates is not None:
+            worst = max(worst, 3e-6 / (scales.length / scales.time), 3e-6 * scales.time)
+        assert calibration._rounding(scene, truth) == pytest.approx(worst, rel=1e-9)
 
 
 @pytest.mark.slow

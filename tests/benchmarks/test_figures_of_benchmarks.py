@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
@@ -91,16 +92,50 @@ def test_the_cost_of_a_call_is_its_processor_time(monkeypatch):
     assert method_table._cost(None, "rk4", 1e-3) == 2.5  # type: ignore[arg-type]
 
 
-def test_a_choice_is_compared_with_the_cheapest_that_errs_no_more(monkeypatch):
-    """Radau at 1e-5 is the cheapest of all and errs more; DOP853 at 1e-6 is the cheapest that errs no more."""
-    costs = {("dop853", 1e-6): 3.0, ("radau", 1e-5): 1.0, ("auto", 1e-4): 6.0}
-    errors = {("dop853", 1e-6): 1e-7, ("radau", 1e-5): 1e-3, ("auto", 1e-4): 1e-6}
-    run = lambda scene, method, rtol: SimpleNamespace(ok=True, key=(method, rtol), method=method)  # noqa: E731
+@pytest.mark.parametrize("seed", range(4))
+def test_a_choice_is_compared_with_the_cheapest_that_errs_no_more(monkeypatch, seed):
+    """Costs and errors have no pattern; errors below roundoff are alike, and calls that fail do not count."""
+    chance, known = random.Random(seed), {}
+
+    def drawn(key: tuple[str, float]) -> tuple[float, float, bool]:
+        return known.setdefault(key, (chance.uniform(1, 9), 10 ** chance.uniform(-15, -3), chance.random() < 0.7))
+
+    def run(scene: Any, method: str, rtol: float) -> Any:
+        return SimpleNamespace(
+            ok=rtol == method_table.TIGHT or drawn((method, rtol))[2], key=(method, rtol), method=method
+        )
+
+    monkeypatch.setattr(method_table, "LOST", 1.0)
     monkeypatch.setattr(method_table, "_run", run)
-    monkeypatch.setattr(method_table, "_error", lambda scene, path, tight: errors.get(path.key, 1e-5))
-    monkeypatch.setattr(method_table, "_in_turns", lambda scene, *keys: [costs.get(key, 9.0) for key in keys])
-    row = next(method_table.rows("pendulum"))
-    assert (row.wanted, row.error, row.best, row.cost_s, row.ratio) == (1e-4, 1e-6, "dop853 1e-06", 6.0, 2.0)
+    monkeypatch.setattr(method_table, "_error", lambda scene, path, tight: drawn(path.key)[1])
+    monkeypatch.setattr(method_table, "_in_turns", lambda scene, *keys: [drawn(key)[0] for key in keys])
+    rows = {row.wanted: row for row in method_table.rows("pendulum")}
+    fixed = [(key, *of) for key, of in known.items()
+             if key[0] in method_table.METHODS and key[1] in method_table.TRIED and of[2]]  # fmt: skip
+    for wanted in method_table.ASKED:
+        cost, error, _ = known["auto", wanted]
+        fitting = [(c, key) for key, c, e, _ in fixed if e <= max(error, 1e-12)]
+        assert (wanted in rows) == bool(fitting)
+        if fitting:
+            best, (method, rtol) = min(fitting)
+            assert rows[wanted] == method_table.Row(
+                "pendulum", wanted, "auto", error, f"{method} {rtol:g}", cost, cost / best
+            )
+
+
+@pytest.mark.parametrize(("first", "calls"), [(0.9, 4), (1.1, 2)])
+def test_slow_calls_are_timed_once_more_and_quick_ones_thrice(monkeypatch, first, calls):
+    """Two choices whose first calls take 0.9 s or 1.1 s each; 2 s is slow. The least of the later calls counts."""
+    made: dict[str, list[float]] = {"a": [], "b": []}
+
+    def cost(scene: Any, method: str, rtol: float) -> float:
+        made[method].append(first + 0.01 * len(made[method]) * (-1) ** len(made[method]))
+        return made[method][-1]
+
+    monkeypatch.setattr(method_table, "_cost", cost)
+    found = method_table._in_turns(None, ("a", 1.0), ("b", 1.0))  # type: ignore[arg-type]
+    assert {name: len(own) for name, own in made.items()} == {"a": calls, "b": calls}
+    assert found == [min(own[1:]) for own in made.values()]
 
 
 def test_right_hand_sides_of_two_trees_are_compared_pair_by_pair(monkeypatch):

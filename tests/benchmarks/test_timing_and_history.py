@@ -85,7 +85,7 @@ def test_series_follow_the_lines_and_skip_what_is_corrupt(tmp_path):
 
 
 def test_benchmarks_become_entries():
-    data = {"benchmarks": [{"name": "chain", "stats": {"min": 2.0}, "extra_info": {"error_m": 1e-7, "loop_s": 0.5}}]}
+    data = {"benchmarks": [{"name": "chain", "stats": {"min": 2.0}, "extra_info": {"error": 1e-7, "loop_s": 0.5}}]}
     (found,) = from_benchmarks(data, "job", "now", "abc", "box")
     assert (found.value, found.error) == (0.5, 1e-7)
 

@@ -38,6 +38,7 @@ WATCHERS: dict[str, tuple[str, ...]] = {
         "tests/reports/page",
         "tests/reports",
     ),
+    "reports/commands": ("tests/reports/commands/test_every_table.py", "tests/reports/commands", "tests/reports"),
     "mbs_ref": ("tests/mbs_ref",),
     "mbs_ref/kernels": (*PLANE, "tests/mbs_ref/cores/test_spatial.py"),
     "mbs_ref/kernels/particles": SKY,

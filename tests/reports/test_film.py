@@ -19,7 +19,7 @@ from mbs_ref.scene.base.part import unit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
-from reports.film.drawing import _paper, drawing
+from reports.film.drawing import Drawing, _paper, drawing
 from reports.film.files import (
     Camera,
     as_gif,
@@ -185,3 +185,130 @@ def test_bodies_that_travel_far_stay_in_the_picture_and_the_ground_passes_by():
     assert Camera(riding).size == pytest.approx(Camera(drawing(scene, still)).size, abs=3)
     moved = [surface for surface in riding.surfaces if np.allclose(surface[2] - surface[0], (-10.0, 0.0), atol=1e-3)]
     assert len(moved) > len(scene.contacts) // 3, "the ground, and the marks below it"
+
+
+def scenery(rng: np.random.Generator) -> Drawing:
+    """Return bodies anywhere, and circles about them, without a law."""
+    size, middle = 10 ** rng.uniform(-3, 9), 10 ** rng.uniform(-3, 9)
+    centres = middle + size * rng.normal(size=(7, 3, 2)) * rng.uniform(0.1, 1.0, 2)
+    circles = [(centres[:, k], size * rng.uniform(0.1, 2.0)) for k in range(2)]
+    return Drawing([], [], [], [], circles, [], centres, np.linspace(0.0, 3.0, 7))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_camera_shows_everything_to_one_scale(seed):
+    rng = np.random.default_rng(seed)
+    seen = [scenery(rng) for _ in range(1 + seed % 2)]
+    camera = Camera(*seen)
+    places = np.concatenate([place for one in seen for place in (one.centres.reshape(-1, 2), *(
+        centre + sign * radius for centre, radius in one.circles for sign in (-1.0, 1.0)))])  # fmt: skip
+    pixels = np.array([camera(place) for place in places]) / 2.0  # twice as many are drawn
+    wide, high = camera.size
+    assert (pixels >= 0.0).all()
+    assert (pixels <= (wide + 1, high + 1)).all()
+    gaps, apart = places - places[0], pixels - pixels[0]
+    assert apart == pytest.approx(camera.scale * gaps * (1.0, -1.0), rel=1e-6, abs=1e-4)
+    assert wide <= 960
+    assert high <= 540
+    assert wide * high <= 480**2
+    assert max(wide / 960, high / 540, (wide * high) ** 0.5 / 480) > 0.98
+    free = np.array([pixels.min(axis=0), (wide, high) - pixels.max(axis=0)])  # the margins
+    assert free == pytest.approx(np.full((2, 2), 0.06 * np.ptp(pixels, axis=0).max()), abs=1.1)
+    (bar,) = np.flatnonzero((np.asarray(camera.picture(seen[0], 3)) == (68, 68, 68)).all(axis=2).sum(axis=1) > 8)[-1:]
+    drawn = (np.asarray(camera.picture(seen[0], 3))[bar] == (68, 68, 68)).all(axis=1).sum()
+    assert drawn == pytest.approx(camera.scale * round_length(0.3 * wide / camera.scale)[0], abs=3.0)
+
+
+def test_moments_are_a_part_of_the_run_apart_and_a_film_lasts_as_long_as_requested(monkeypatch, runs):
+    scene, paths = runs
+    pictures = beside(scene, {"one": paths["one"]})
+    film = Image.open(io.BytesIO(as_gif(pictures, 1.8)))
+    lasted = 0.0
+    for k in range(film.n_frames):
+        film.seek(k)
+        lasted += film.info["duration"]
+    assert lasted == pytest.approx(1800.0, abs=10.0 * film.n_frames)
+    shown: list[int] = []
+    monkeypatch.setattr(Camera, "picture", lambda self, one, k: shown.append(k) or Image.new("RGB", self.size))
+    filmstrip(scene, paths["one"], 4)
+    assert shown == [0, 2, 4, 6]  # of nine samples
+
+
+def moved(scene: Scene, seed: int) -> Trajectory:
+    """Return a motion of no law, near the start."""
+    rng, n, bodies = np.random.default_rng(seed), 4, len(scene.bodies)
+    start = np.array([body.position for body in scene.bodies])
+    place = start + 0.05 * rng.normal(size=(n, bodies, scene.dimension))
+    if scene.dimension == 2:
+        angles = np.array([getattr(body, "angle", 0.0) for body in scene.bodies])
+        turn = angles + 0.3 * rng.normal(size=(n, bodies))
+        turn[0] = angles
+        place[0] = start
+        return Trajectory(np.arange(4.0), place, turn, np.zeros_like(place), np.zeros_like(turn))
+    own = np.array([getattr(body, "orientation", (1.0, 0.0, 0.0, 0.0)) for body in scene.bodies])
+    turn = np.tile(own, (n, 1, 1))
+    return Trajectory(np.arange(4.0), place, turn, np.zeros_like(place), np.zeros_like(place))
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "spring_pendulum", "sliding_block", "newtons_cradle", "bouncing_ball",
+                                  "n_four_bar", "tracked_vehicle"])  # fmt: skip
+def test_marks_move_with_their_bodies(name):
+    """Spokes, pins, springs, surfaces and circles stand where a mark of the body does, by its place and turn."""
+    scene = scenes.make(name)
+    path = moved(scene, 3)
+    shown, names = drawing(scene, path), list(scene.body_names)
+    assert np.ptp(shown.centres.mean(axis=1), axis=0).max() < 0.2
+
+    def at(body: str, mark: tuple[float, ...]) -> np.ndarray:
+        if body == "ground":
+            return np.tile(mark, (4, 1))
+        k = names.index(body)
+        arm, turn = np.array(mark) - path.position[0, k], path.orientation[:, k] - path.orientation[0, k]
+        c, s = np.cos(turn), np.sin(turn)
+        return path.position[:, k] + np.stack((c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]), axis=1)
+
+    def has(lines: list[np.ndarray], wanted: np.ndarray) -> bool:
+        return any(line.shape == wanted.shape and np.allclose(line, wanted, atol=1e-9) for line in lines)
+
+    assert np.allclose(shown.centres, path.position)
+    spokes, drawn = [line for _, line in shown.spokes], 0
+    for joint in scene.joints:
+        for end in ("body_a", "body_b"):
+            body, mark = getattr(joint, end, None), joint.mark(end)
+            if body is not None and mark is not None:
+                drawn += 1
+                place = at(body, mark)
+                own = [place] if body == "ground" else [path.position[:, names.index(body)], place]
+                assert has(shown.pins, place) if body == "ground" else has(spokes, np.stack(own, axis=1))
+    for load in scene.loads:
+        if load.type == "spring_damper":
+            ends = [at(getattr(load, f"body_{end}"), getattr(load, f"point_{end}")) for end in "ab"]
+            assert has(shown.springs, np.stack(ends, axis=1))
+            drawn += 1
+    circles = [(radius, place) for place, radius in shown.circles]
+    for contact in scene.contacts:
+        if contact.type == "circle_on_line" and getattr(contact, "extent", "") != "line":
+            ends = [at(contact.body_b, point) for point in (contact.point_1, contact.point_2)]
+            assert has(shown.surfaces, np.stack(ends, axis=1))
+        balls = {"circle_on_line": [("body_a", "center", "radius")],
+                 "circle_on_circle": [(f"body_{end}", f"center_{end}", f"radius_{end}") for end in "ab"]}  # fmt: skip
+        for body, center, radius in balls.get(contact.type, []):
+            size = getattr(contact, radius)
+            place = at(getattr(contact, body), getattr(contact, center))
+            assert size == 0.0 or any(r == size and np.allclose(own, place) for r, own in circles)
+            drawn += 1
+    assert drawn
+
+
+def test_a_plane_in_space_is_drawn_around_its_spheres():
+    scene = scenes.make("rolling_sphere")
+    path = moved(scene, 1)
+    (contact,), paper = scene.contacts, _paper(scene)
+    sides = np.concatenate([side[0] for side in drawing(scene, path).surfaces])
+    low, high = sides.min(axis=0), sides.max(axis=0)
+    for place in path.position[:, 0]:
+        foot = place - (place - np.array(contact.point)) @ unit(contact.normal) * np.array(unit(contact.normal))
+        assert (paper @ foot >= low).all()
+        assert (paper @ foot <= high).all()
+    assert len({tuple(np.round(corner, 9)) for corner in sides}) == 4
+    assert np.ptp(sides, axis=0).max() > 4.0 * contact.radius

@@ -1,6 +1,11 @@
+import math
+import re
+
 import pytest
 
 from mbs_ref import scenes
+from mbs_ref.scene.scales import scales_of
+from mbs_ref.simulate.linearised import stiffness_at_start
 from reports.scene_summary import summary
 
 KNOWN = [  # bodies, loops, freedoms by Gruebler's count, or as the papers say where it fails
@@ -26,7 +31,32 @@ def test_a_forgotten_joint_is_seen():
     assert "3 degrees of freedom" in found.sentence()
 
 
-def test_size_and_mass():
-    found = summary(scenes.make("pendulum"))
-    assert found.mass == 1.0
-    assert found.length == pytest.approx(1.0)
+@pytest.mark.parametrize(("name", "parameters"), [("pendulum", {"length": 0.37, "mass": 2.3}),
+                                                  ("spring_pendulum", {}), ("pendulum_chain", {"links": 3}),
+                                                  ("solar_system", {}), ("slider_crank", {})])  # fmt: skip
+def test_the_sentence_states_every_figure_in_its_unit(name, parameters):
+    scene = scenes.make(name, **parameters)
+    found = summary(scene)
+    assert found.length == pytest.approx(scales_of(scene).length)
+    assert found.mass == pytest.approx(sum(body.mass for body in scene.bodies))
+    fastest = stiffness_at_start(scene).fastest / math.tau if found.freedoms else 0.0
+    assert (found.fastest_hz or 0.0) == pytest.approx(fastest)
+    figures = [len(scene.bodies), len(scene.joints), found.loops, found.freedoms, found.length, found.mass]
+    figures += [found.fastest_hz] if found.fastest_hz else []
+    assert [float(x) for x in re.findall(r"(?<![\w.])\d[\d.]*(?:e[+-]?\d+)?", found.sentence())] == [
+        float(f"{x:.3g}") for x in figures]  # fmt: skip
+    units = ["m, mass", "kg, fastest", "Hz"] if found.fastest_hz else ["m, mass", "kg"]
+    assert re.findall(r"(?:m|kg|Hz)(?:, \w+)?(?= |$)", found.sentence().partition("; size")[2]) == units
+
+
+def test_bodies_that_no_joint_connects_are_counted():
+    """Two chains on the ground are two groups; particles alone are not listed as groups."""
+    chain = scenes.make("double_pendulum")
+    apart = chain.model_copy(update={"joints": chain.joints[:1]})
+    assert (summary(chain).groups, summary(apart).groups) == (1, 2)
+    assert "groups" not in summary(apart).sentence()  # each body is one
+    crank = scenes.make("n_four_bar")
+    loose = crank.model_copy(update={"joints": tuple(joint for joint in crank.joints if joint.ends[0] == "ground")})
+    assert (" groups that no joint connects" in summary(loose).sentence()) == (
+        1 < summary(loose).groups < len(loose.bodies)
+    )

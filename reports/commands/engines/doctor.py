@@ -47,7 +47,7 @@ def _sanity() -> dict[str, Any]:
     from cross_checks.judge import one_run as compare
 
     record = compare.evaluate(inputs.scene("pendulum"), "mbs_ref", inputs.settings(rtol=1e-9, t_end=2.0))
-    error = record.error.value if record.error else math.inf
+    error = record.error.metres if record.error else math.inf
     return {"ok": record.status == "success" and error < LARGEST_ERROR, "error": error, "message": record.message}
 
 

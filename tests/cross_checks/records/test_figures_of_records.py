@@ -139,3 +139,9 @@ def test_a_band_lies_between_its_quantiles_about_the_median():
     assert band["y"] == [*quantiles[2, :, 1], *quantiles[0, ::-1, 1]]
     assert band["x"] == [0.0, 1.0, 2.0, 4.0, 8.0, 8.0, 4.0, 2.0, 1.0, 0.0]
     assert line["y"] == quantiles[1, :, 1].tolist()
+
+
+@pytest.mark.parametrize(("observed", "documented", "text"), [(None, None, ""), (None, 4, ""), (3.9876, None, "4"),
+                                                              (2.1234, 4, "2.1 of 4")])  # fmt: skip
+def test_an_order_beside_the_documented_one(observed, documented, text):
+    assert numbers.order_of(observed, documented) == text

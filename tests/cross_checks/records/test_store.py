@@ -8,13 +8,14 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from cross_checks.records import machine
 from cross_checks.records.record import Record
-from cross_checks.records.store import Run, Store
+from cross_checks.records.store import Run, Store, default_path
 from mbs_ref.trajectory import Trajectory
 
 RECORD = Record("pendulum", {}, "swing", "second", {"step": 0.1}, "success", measures={"energy_drift": 1e-9})
@@ -130,3 +131,21 @@ def test_new_times_of_a_run_replace_those_before(tmp_path):
             store.keep_timings("run", "box", loops)
         store.keep_timings("run", "other", [9.0])
         assert store.timings("run", "box") == [1.5]
+
+
+def test_times_replace_those_before_of_the_same_machine():
+    with Store() as store:
+        for key, host, loops in (("a", "x", [1.0]), ("a", "y", [2.0]), ("b", "x", [3.0]), ("a", "x", [4.0, 5.0])):
+            store.keep_timings(key, host, loops)
+        assert [store.timings(*of) for of in (("a", "x"), ("a", "y"), ("b", "x"), ("b", "y"))] == [
+            [4.0, 5.0], [2.0], [3.0], []]  # fmt: skip
+
+
+def test_the_store_is_the_file_that_is_named_else_one_of_the_cache(monkeypatch, tmp_path):
+    monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "mine"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    assert default_path() == tmp_path / "mine"
+    monkeypatch.delenv("MBS_REF_STORE")
+    assert default_path() == tmp_path / "cache" / "mbs-ref" / "runs.sqlite"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    assert default_path() == Path.home() / ".cache" / "mbs-ref" / "runs.sqlite"

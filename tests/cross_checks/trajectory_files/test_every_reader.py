@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import constants
 
 from cross_checks.records.record import Error
 from cross_checks.trajectory_files import columns, formats
@@ -36,7 +37,14 @@ def test_a_file_is_read_whole_in_small_parts(monkeypatch, tmp_path, suffix, n):
     delimiter = {".csv": ";", ".tsv": "\t"}.get(suffix, ",")
     if suffix == ".npz":
         pair = np.column_stack((made["a"], made["b"]))
-        np.savez(file, t=made["t"], p=np.asfortranarray(pair), q=pair.astype(np.float32), word=np.array(["x"] * n))
+        np.savez(
+            file,
+            t=made["t"],
+            p=np.asfortranarray(pair),
+            q=pair.astype(np.float32),
+            k=pair.astype(np.int64),
+            word=np.array(["x"] * n),
+        )
     else:
         rows = [delimiter.join(made), "# a remark", *(delimiter.join(f" {x!r}" for x in map(float, row))
                                                      for row in zip(*made.values(), strict=True)), ""]  # fmt: skip
@@ -45,7 +53,8 @@ def test_a_file_is_read_whole_in_small_parts(monkeypatch, tmp_path, suffix, n):
     found = read_columns(file, delimiter, report=lambda done, total, what: shares.append((done, total, what)))
     if suffix == ".npz":
         single = {"q[0]": made["a"].astype(np.float32), "q[1]": made["b"].astype(np.float32)}
-        made = {"t": made["t"], "p[0]": made["a"], "p[1]": made["b"], **single}
+        whole = {"k[0]": made["a"].astype(np.int64), "k[1]": made["b"].astype(np.int64)}
+        made = {"t": made["t"], "p[0]": made["a"], "p[1]": made["b"], **single, **whole}
     assert found.values.keys() == made.keys()
     for name, column in made.items():
         assert np.array_equal(found.values[name], column), name
@@ -54,13 +63,13 @@ def test_a_file_is_read_whole_in_small_parts(monkeypatch, tmp_path, suffix, n):
     assert (found.total, found.stride, found.word) == (n, 1, "row" if suffix == ".npz" else "line")
     assert found.place(0, "a") == f"{file.name}: {found.word} {first}, column 'a'"
     assert shares[-1] == (100, 100, f"% ({n} rows)")
-    assert columns.read_header(file) if delimiter == "," else True
+    assert delimiter != "," or columns.read_header(file) == list(made)  # in the file's order
 
 
 def test_a_motion_of_our_own_files_has_the_columns_of_its_csv(tmp_path):
     path, _, _ = irregular(1)
     parts = {name: getattr(path, name) for name in POSES}
-    np.savez(tmp_path / "a.npz", times=path.times, bodies=np.array(SCENE.body_names), **parts)
+    np.savez(tmp_path / "a.npz", estimate=np.zeros(3), times=path.times, bodies=np.array(SCENE.body_names), **parts)
     found = read_columns(tmp_path / "a.npz")
     first, second = SCENE.body_names
     assert np.array_equal(found.values["t"], path.times)
@@ -120,14 +129,21 @@ def test_rows_that_cannot_be_are_named_by_their_place():
         columns_of({"t": np.zeros(0)})
 
 
-@pytest.mark.parametrize(
-    ("kind", "unit", "size"),
-    [("length", "km", 1e3), ("length", "in", 0.0254), ("angle", "deg", np.pi / 180.0), ("angle", "rev", 2.0 * np.pi),
-     ("time", "day", 86400.0), ("time", "us", 1e-6), ("velocity", "km/h", 1.0 / 3.6),
-     ("angular velocity", "rev/min", np.pi / 30.0), ("velocity", "au/day", 149597870700.0 / 86400.0)],
-)  # fmt: skip
-def test_units(kind, unit, size):
-    assert columns.factor(kind, unit) == pytest.approx(size, rel=1e-14)
+def test_every_unit_is_that_of_the_standard():
+    """NIST SP 811, table 8 and appendix B.8, as scipy states them."""
+    own = {
+        "length": {"m": 1.0, "mm": constants.milli, "cm": constants.centi, "km": constants.kilo, "ft": constants.foot,
+                   "in": constants.inch, "au": constants.au},
+        "angle": {"rad": 1.0, "deg": constants.degree, "rev": 360.0 * constants.degree},
+        "time": {"s": 1.0, "ms": constants.milli, "us": constants.micro, "min": constants.minute, "h": constants.hour,
+                 "day": constants.day},
+    }  # fmt: skip
+    for kind, units in own.items():
+        assert set(columns.allowed(kind)) == set(units)
+        assert {unit: columns.factor(kind, unit) for unit in units} == pytest.approx(units, rel=1e-15)
+    for kind, above in (("velocity", "length"), ("angular velocity", "angle")):
+        rates = {f"{a}/{t}": x / y for a, x in own[above].items() for t, y in own["time"].items()}
+        assert {unit: columns.factor(kind, unit) for unit in columns.allowed(kind)} == pytest.approx(rates, rel=1e-15)
 
 
 @pytest.mark.parametrize(

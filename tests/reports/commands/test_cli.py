@@ -36,8 +36,8 @@ from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.toml import write_scene
 from mbs_ref.trajectory import Trajectory
 from reports.cli import main
+from reports.commands.engines import doctor
 from reports.commands.judge import check as checking
-from reports.inputs import seconds
 
 RECORD = Record(
     scene="pendulum", parameters={}, engine="quick", method="rk4", settings={"step": 0.01}, status="success",
@@ -129,6 +129,7 @@ def stand(monkeypatch, tmp_path):
     monkeypatch.setattr(picking, "pick", pick)
     monkeypatch.setattr(engines, "get", get)
     monkeypatch.setattr(engines, "names", lambda: ["quick", "gone"])
+    monkeypatch.setattr(doctor, "engine_versions", doctor.engine_versions.__wrapped__)  # not those of an earlier test
     return fakes
 
 
@@ -454,12 +455,6 @@ def test_pick(stand):
 )  # fmt: skip
 def test_pick_refuses_what_is_no_number(stand, words):
     assert run("pick", "pendulum", *words).exit_code == 2
-
-
-def test_durations():
-    assert [seconds(text) for text in ("2", "2s", "50ms", "3us", "1min", "1e-3s")] == pytest.approx(
-        [2.0, 2.0, 0.05, 3e-6, 60.0, 1e-3]
-    )
 
 
 @pytest.mark.parametrize(("error", "code"), [(1e-9, 0), (1.0, 1), (math.nan, 1)])

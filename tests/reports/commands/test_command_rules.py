@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import nullcontext
-from dataclasses import asdict, replace
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
-from benchmarks import history
-from cross_checks.conformance import cases, repeatability
-from cross_checks.conformance.repeatability import WAYS
 from cross_checks.prices import sweep
-from cross_checks.records.lines import append, read
+from cross_checks.records.lines import read
 from reports import query
 from reports.cli import main
 from reports.studies.models import choice
-from tests.benchmarks.test_figures_of_benchmarks import entries
 from tests.reports.commands.test_trade_cli import PENDULUM, RECORD
 
 
@@ -37,24 +32,6 @@ def test_an_option_that_would_do_nothing_is_refused(monkeypatch, words, message)
     done = run(*words)
     assert done.exit_code == 2, done.output
     assert message in " ".join(done.stderr.split())
-
-
-@pytest.mark.parametrize(("engine", "way", "code"), [
-    ("mbs_ref", "another order", 1), ("mbs_ref", "two threads", 0), ("exudyn", "at once", 0)])  # fmt: skip
-def test_one_way_in_which_our_bits_differ_is_a_failure(monkeypatch, engine, way, code):
-    row = {"engine": engine, "method": "m", "scene": "s", "setting": "", "stopped": "",
-           "differs": dict.fromkeys(WAYS, 0.0) | {way: 1e-16}}  # fmt: skip
-    monkeypatch.setattr(cases, "cases", lambda *given: [SimpleNamespace(name="one")])
-    monkeypatch.setattr(repeatability, "measured", lambda *given: [row])
-    assert run("repeatability", "--json").exit_code == code
-
-
-def test_a_change_is_named_by_its_own_job(monkeypatch, tmp_path):
-    made = entries([1.0, 2.0, 3.0, 4.0])
-    append(tmp_path / "h.jsonl", made)
-    monkeypatch.setattr(history, "change_points", lambda values: [2])
-    printed = json.loads(run("history", "--file", str(tmp_path / "h.jsonl"), "--json").stdout)
-    assert printed["chain"]["changes"] == [asdict(made[2])["made"]]
 
 
 def test_a_sweep_goes_on_without_doubles_and_an_interrupted_one_keeps_what_is_not_timed(monkeypatch, tmp_path):

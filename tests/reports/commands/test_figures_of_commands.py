@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import re
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +13,6 @@ from click.testing import CliRunner
 
 from benchmarks import history
 from benchmarks.trees import regression
-from cross_checks.extremes.fate import Fate
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records import lines
@@ -24,18 +22,15 @@ from mbs_ref.scene.scales import scales_of
 from reports import gather
 from reports.commands.choose import pick
 from reports.commands.engines import doctor
-from reports.commands.explore import extremes as extremes_command
-from reports.commands.judge import certify, check, judge, proofs
+from reports.commands.judge import judge, proofs
 from reports.commands.maintenance import compare, nightly
-from reports.commands.maintenance.history import command as history_command
-from reports.commands.publish import rerun, show
+from reports.commands.publish import show
 from reports.commands.run import ensemble
 from reports.facts import compiling
 from reports.facts.cheapest import Standing
 from reports.page import slug
-from reports.poses_file import csv_table
 from reports.studies import papers
-from reports.terminal.console import Failed, NothingSelected, number
+from reports.terminal.console import Failed, NothingSelected
 from tests.reports.page.test_shown_figures import irregular
 
 CHANCE = random.Random(8)
@@ -48,11 +43,6 @@ def run_of(error: float | None, **more: Any) -> Record:
 
 def invoked(command: Any, *words: str) -> Any:
     return CliRunner().invoke(command, list(words))
-
-
-@pytest.mark.parametrize(("value", "text"), [(None, "-"), (np.nan, "-"), (np.inf, "-"), (0.0, "0"), (-12.346, "-12.3")])
-def test_a_number_of_a_table(value, text):
-    assert number(value) == text
 
 
 def test_the_best_so_far_is_named_as_soon_as_one_run_has_an_error(monkeypatch):
@@ -92,17 +82,6 @@ def test_a_machine_is_sane_where_a_run_ends_and_is_right(monkeypatch, status, er
     assert doctor._sanity()["ok"] is ok
 
 
-def test_the_last_job_of_a_series_is_the_last_one(monkeypatch, tmp_path):
-    values = [3.0, 5.0, 7.0]
-    made = [SimpleNamespace(value=v, unit=f"u{v:g}", verdict=f"v{v:g}", made=f"day {k}") for k, v in enumerate(values)]
-    monkeypatch.setattr(lines, "read", lambda file, kind: (made, []))
-    monkeypatch.setattr(history, "series", lambda entries, text: {"one": entries})
-    monkeypatch.setattr(history, "change_points", lambda values: [1])
-    (tmp_path / "file").write_text("")
-    found = invoked(history_command, "--file", str(tmp_path / "file"))
-    assert re.search(r"one\s+3\s+7\s+u7\s+v7\s+day 1", found.output), found.output
-
-
 def test_a_change_of_level_is_one_of_ratios_and_listed_in_order(monkeypatch):
     """A series at a thousandth of the size has the same changes."""
     monkeypatch.setattr(history, "SHUFFLES", 100)
@@ -112,13 +91,6 @@ def test_a_change_of_level_is_one_of_ratios_and_listed_in_order(monkeypatch):
     found = history.change_points(values.tolist())
     assert found == sorted(found) == history.change_points((1e-3 * values).tolist())
     assert set(found) == {7, 14}
-
-
-def test_the_loop_time_of_a_target_is_that_of_its_run(monkeypatch, capsys):
-    run = run_of(1e-4, times={"loop_s": 0.0321, "build_s": 9.0})
-    cell = Cell("pendulum", {}, "exudyn", "m", Verdict.AGREES, "", targets=(TargetResult(1e-3, "reached", run),))
-    rerun._tables(cell)
-    assert "0.0321" in capsys.readouterr().out
 
 
 def test_damaged_data_of_a_report_are_named(tmp_path):
@@ -135,14 +107,6 @@ def test_an_emptied_cache_is_compiled_again(monkeypatch, tmp_path):
         monkeypatch.setattr(compiling, "cache_folder", lambda folder=folder: folder)
         compiling.compile_kernels(None, lambda *given: None)  # type: ignore[arg-type]
     assert compiled == list(compiling.CORES)
-
-
-def test_every_cell_lists_its_own_contact_figures(capsys):
-    cells = [Cell("pendulum", {}, "exudyn", "m", Verdict.AGREES, "", contact={f"depth {k}": 0.1 + k}) for k in (1, 2)]
-    check._show(cells)
-    shown = capsys.readouterr().out
-    assert "depth 1 1.1" in shown
-    assert "depth 2 2.1" in shown
 
 
 def test_a_judged_file_is_held_against_the_other_by_its_own_map_and_until_its_end(monkeypatch, tmp_path):
@@ -287,32 +251,6 @@ def test_a_run_afresh_meets_the_bounds_or_fails(capsys, error, gap, ends):
     assert stated in str(failed.value)
 
 
-def test_extremes_count_cells_by_fate_and_every_failure_that_was_caught(capsys, monkeypatch):
-    from cross_checks import extremes as families
-
-    axis = SimpleNamespace(name="a", label=str, labels=(), unit="m")
-    monkeypatch.setattr(families, "named", lambda name: SimpleNamespace(axis=axis))
-    fates = [*Fate, Fate.CANNOT, Fate.CANNOT, Fate.STOPPED]
-    cells: Any = [SimpleNamespace(fate=fate, family="f", extreme="x", engine="e", method=f"m{k}", last=0.5, reason="r",
-                                  points=[SimpleNamespace(caught=(k + j) % 3 == 0) for j in range(5)])
-                  for k, fate in enumerate(fates)]  # fmt: skip
-    extremes_command._show(cells)
-    shown = capsys.readouterr().out
-    for fate in Fate:
-        assert f"{fate} {fates.count(fate)}" in shown
-    assert f"detected: {sum(p.caught for c in cells for p in c.points)}" in shown
-
-
-@pytest.mark.parametrize(("verdicts", "code"), [(["holds", "no truth"], 0), (["holds", "new"], 0), (["no truth"], 5),
-                                                (["holds", "departs"], 1)])  # fmt: skip
-def test_certificates_fail_where_a_truth_departs(monkeypatch, verdicts, code):
-    rows = iter({"file": f"{k}.json", "verdict": verdict} for k, verdict in enumerate(verdicts))
-    monkeypatch.setattr(certify, "every_truth", lambda: [scenes.make("pendulum")] * len(verdicts))
-    monkeypatch.setattr(certify, "_examined", lambda *given: next(rows))
-    found = invoked(certify.command, "--json").exception
-    assert {0: type(None), 1: Failed, 5: NothingSelected}[code] is type(found) or getattr(found, "code", 0) == code
-
-
 def test_changes_of_trends_are_those_of_the_series_in_time(monkeypatch, tmp_path):
     drawn: list[Any] = []
     entries = [SimpleNamespace(value=v) for v in (1.0, 2.0, 7.0)]
@@ -333,11 +271,6 @@ def test_each_law_is_about_the_own_value_of_what_it_varies(monkeypatch):
     monkeypatch.setattr(ensemble.ensembles, "design", lambda laws, count, seed: laws)
     (_, laws) = ensemble._planned(source, ("a=+-1%", "b=+-2%"), (), None, 0)
     assert laws == {"a": ("+-1%", 2.0), "b": ("+-2%", 5.0)}
-
-
-def test_columns_of_a_csv_stand_under_their_heads():
-    text = csv_table({"t": [0.0, 0.5], "x": [1.0, None], "word": ["a", "b, c"]})
-    assert text == 't,x,word\n0.0,1.0,a\n0.5,,"b, c"\n'
 
 
 def test_coordinates_are_compared_by_places_and_by_time(monkeypatch):

@@ -149,7 +149,7 @@ def test_a_night_is_kept_and_drawn(night, tmp_path):
         assert done.exit_code == 0, done.output
     found = json.loads(run("history", "--file", str(tmp_path / "history.jsonl"), "--json").stdout)
     assert found["ratio pendulum mbs_ref rk4"]["values"] == [1.01, 1.01]
-    assert found["loop pendulum mbs_ref within 1e-06 m"]["values"] == [1e-3, 1e-3]
+    assert found["loop pendulum mbs_ref within 1e-06 of the scene"]["values"] == [1e-3, 1e-3]
     assert "plotly" in (tmp_path / "trends.html").read_text()
     assert (tmp_path / "sweeps-before" / "pendulum.jsonl").is_file()
 

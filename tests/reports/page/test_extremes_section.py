@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import random
+from collections import Counter
+
 import pytest
 
-from cross_checks.extremes import fate
+from cross_checks.extremes import fate, named
 from cross_checks.extremes.extreme import Axis
-from cross_checks.extremes.fate import Fate
+from cross_checks.extremes.fate import Fate, Point
+from cross_checks.judge.vocabulary import OURS
 from cross_checks.records import lines
+from cross_checks.records.numbers import short
 from cross_checks.records.store import Store
+from reports.facts.report_data import ReportData
 from reports.gather import Gathering
 from reports.page.sections.extremes import LEFT, WIDTH, context, place
 from tests.reports.page.synthetic_report import report_data
@@ -40,13 +46,45 @@ def test_what_an_engine_did_not_say_is_listed_with_what_is_true(shown):
     assert [row["caught"] for row in shown["tally"] if row["engine"] == "mujoco"] == [1]
 
 
-def test_the_table_lists_methods_by_their_fate_and_how_far_they_go(shown):
-    assert [str(fate) for fate in shown["fates"]] == ["survived", "stopped", "degraded", "silently-wrong", "cannot"]
-    row = next(row for row in shown["table"] if row["name"] == shown["families"][1]["extremes"][0]["name"])
-    methods = {fate: {engine: [(m["name"], m["figure"]) for m in own] for engine, own in engines.items()}
-               for fate, engines in row["fates"].items() if engines}  # fmt: skip
-    far = [("rk4", "to 100 N/m")]
-    assert methods == {"degraded": {"mbs_ref": far}, "silently-wrong": {"mujoco": far}}
+@pytest.mark.parametrize("seed", range(4))
+def test_tables_hold_every_method_that_ran_anywhere(seed):
+    """By fate and engine, ours first; how far it is right, unless it survives or cannot; who never ran is left out."""
+    chance, cells = random.Random(seed), []
+    names = ("stiff-spring-quiet", "crash-pulse")
+    for name in names:
+        for engine in ("mujoco", OURS, "exudyn"):
+            for method in "cab":
+                values, ran = named(name).axis.values, method != "b" and (engine != "mujoco" or name == names[0])
+                points = tuple(
+                    Point(value, chance.choice(list(Fate)[:4]), chance.random(), chance.random() < 0.5, None,
+                          chance.choice(("success", "reset")), f"because {chance.random()}") for value in values
+                ) if ran else ()  # fmt: skip
+                fate_ = chance.choice(list(Fate)[:4]) if ran else Fate.CANNOT
+                last = chance.choice((None, *values)) if ran else None
+                cells.append(fate.Cell(name, named(name).family, engine, method, False, fate_, last, points,
+                                       f"reason {len(cells)}"))  # fmt: skip
+    chance.shuffle(cells)
+    ordered = sorted(cells, key=lambda c: (c.engine != OURS, c.engine, c.method))
+    found, ran = context(ReportData((), (), extremes=tuple(cells))), [c for c in ordered if c.method != "b"]
+    assert {row["name"] for row in found["table"]} == set(names)
+    for row in found["table"]:
+        axis, own = named(row["name"]).axis, [c for c in ran if c.extreme == row["name"]]
+        for kind, engines in row["fates"].items():
+            shown = [(engine, m["name"], m["figure"], m["reason"]) for engine, of in engines.items() for m in of]
+            end = lambda c, axis=axis: f"to {short(c.last)} {axis.unit}".rstrip()  # noqa: E731
+            assert shown == [
+                (c.engine, c.method, "" if kind in ("survived", "cannot") else "nowhere right" if c.last is None
+                 else f"to {axis.label(c.last)}" if axis.labels else end(c), c.reason)
+                for c in own if c.fate == kind]  # fmt: skip
+    both = dict.fromkeys((c.engine, c.method) for c in ran)
+    assert [(t["engine"], t["method"]) for t in found["tally"]] == list(both)
+    for t in found["tally"]:
+        own = [c for c in cells if (c.engine, c.method) == (t["engine"], t["method"])]
+        assert t["counts"] == Counter(str(c.fate) for c in own)
+        assert t["caught"] == sum(p.caught for c in own for p in c.points)
+    firsts = [(c, next((p for p in c.points if p.caught), None)) for c in ordered]
+    assert found["silent"] == [{"engine": c.engine, "method": c.method, "extreme": c.extreme, "status": p.status,
+                                "reason": p.reason} for c, p in firsts if p]  # fmt: skip
 
 
 def test_values_between_listed_ones_stand_between_them_by_their_logarithm():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from dataclasses import replace
@@ -17,7 +16,7 @@ from reports.page.advice import advice
 from reports.page.build import DATA, publish, read_data, write_report
 from reports.page.render import pages
 from reports.page.sections.prices import price_table
-from reports.page.slug import command, engine_file, scene_file
+from reports.page.slug import engine_file, scene_file
 from tests.reports.page.synthetic_report import HOSTILE, report_data
 
 LOADING = {"src", "href", "data", "poster", "action", "srcset"}  # attributes that make a browser fetch
@@ -177,17 +176,6 @@ def test_rendering_again_from_the_kept_data_gives_the_same_pages(folder, data, t
 def test_jsonl_holds_the_records(folder, data):
     lines = (folder / "records.jsonl").read_text().splitlines()
     assert [json.loads(line) for line in lines] == [json.loads(json.dumps(r.to_dict())) for r in data.records]
-
-
-def test_csv_agrees_with_the_records(folder, data):
-    with (folder / "records.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == len(data.records)
-    for row, record in zip(rows, data.records, strict=True):
-        assert (row["engine"], row["method"], row["status"]) == (record.engine, record.method, record.status)
-        assert float(row["loop_s"]) == record.times["loop_s"]
-        assert row["error_m"] == ("" if record.error is None else repr(record.error.metres))
-        assert row["command"] == command(record)
 
 
 def test_markdown_shows_every_cell_and_is_escaped(folder, data):

@@ -333,6 +333,8 @@ def test_time_split(data):
     for links in LINKS:
         figure = plots.time_split(data.of_scene(f"pendulum_chain links={links}"))
         assert figure
+        loops = figure["data"][2]["x"]
+        assert loops == sorted(loops, reverse=True)
         for bar, phase in zip(figure["data"], ("build_s", "first_call_s", "loop_s"), strict=True):
             for name, ms in zip(bar["y"], bar["x"], strict=True):
                 engine = name.split(" · ")[0]

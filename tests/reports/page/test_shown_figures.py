@@ -12,7 +12,7 @@ import pytest
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, TargetResult, Verdict
 from cross_checks.prices.timing import with_loops
-from cross_checks.records.numbers import short
+from cross_checks.records.numbers import count, short
 from cross_checks.records.record import BUSY_NOTE, Error, Record
 from reports.commands.publish.board import board
 from reports.facts.cheapest import MIDDLE, standings
@@ -97,7 +97,10 @@ def test_the_median_factor_is_the_same_on_every_page(seed):
     shown = {engine: f"{short(median(own))} ×" for engine, own in expected.items() if own}
     rows = next(block["rows"] for block in profiles(data)["blocks"] if block["error"] == short(MIDDLE))
     assert {row["engine"]: row["median"] for row in rows} == {e: f for e, f in shown.items() if e != OURS}
-    assert {line.engine: line.pace.split(" the time")[0] for line in advice(data) if line.pace} == shown
+    told = {line.engine: line.pace for line in advice(data) if line.pace}
+    assert {engine: text.split(" the time")[0] for engine, text in told.items()} == shown
+    for engine, text in told.items():
+        assert text.endswith(f"(median of {count(len(expected[engine]), 'scene')})")
     text = board(data).decode()
     listed = {e: re.search(rf'id="rank-1e-6-{e}".*?([\d.e-]+ ×)</td></tr>', text) for e in shown}
     assert {engine: found and found[1] for engine, found in listed.items()} == shown
