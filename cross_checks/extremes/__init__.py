@@ -4,6 +4,7 @@ import tomllib
 from functools import cache
 from importlib import import_module
 from importlib.resources import files
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -12,6 +13,7 @@ from cross_checks.extremes.extreme import Axis, Extreme
 
 DATA = tomllib.loads((files(__name__) / "extremes.toml").read_text(encoding="utf-8"))
 LISTED, QUICK = DATA["extremes"], DATA["quick"]
+MAP = Path(str(files(__name__))) / "data" / "map.jsonl"  # the cells of the last run over all families
 
 
 @cache
