@@ -17,7 +17,7 @@ from reports.scene_summary import Summary, summary
 
 PICTURES = 40  # of a film
 MOST_BODIES = 120  # of a scene that is filmed: others take minutes
-MOST_BULGE = 0.02  # of the picture's size, between two pictures: 10 a turn
+MOST_BULGE = 0.01  # of the picture's size, between two pictures: 15 a turn
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,8 @@ class Camera:
             pen.line([self(place) for place in scenery.orbits[:, body]], fill=ROUND, width=FINE)
         for body, label in scenery.labels.items():
             x, y = self(scenery.centres[k, body])
-            box = pen.textbbox((x + FINE * BESIDE, y - 2 * FINE * BESIDE), label)
+            x = min(x + FINE * BESIDE, FINE * self.size[0] - pen.textlength(label))
+            box = pen.textbbox((x, y - 2 * FINE * BESIDE), label)
             if not any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in taken):
                 pen.text(box[:2], label, fill=SURFACE, anchor="la")
                 taken.append(box)
