@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from cross_checks import engines
-from cross_checks.extremes import DATA, LISTED, named
+from cross_checks.extremes import MAP
 from cross_checks.extremes.fate import Cell as ExtremeCell
 from cross_checks.extremes.fate import read as read_cells
-from cross_checks.extremes.run import matrix
 from cross_checks.isolation.parent import Isolated
 from cross_checks.isolation.workers import Report
 from cross_checks.judge.answers import questions
@@ -33,7 +32,6 @@ from reports.studies.study import every, measure_all, stored
 
 LISTS = tomllib.loads((files(__package__) / "scenes.toml").read_text(encoding="utf-8"))
 SCENES, QUICK = LISTS["report"], LISTS["quick"]
-FEW_EXTREMES = ("stiff-spring-quiet", "crash-pulse", "overflow")
 
 
 def chosen_scenes(quick: bool = False, wanted: Sequence[str] = ()) -> dict[str, Scene]:
@@ -54,8 +52,8 @@ class Gathering:
 
     Effort is bounded by the work that a search may do and, unless `full`, by the predicted processor time of a run that
     serves a target alone; what is left out states its cost. `quick` takes few scenes; `scenes` and
-    `engines` name others, without the studies; `again` times anew what the store has timed. What `files` of extremes
-    hold is shown, else a few extremes are run. Callers alike `call` execute the runs; times and studies
+    `engines` name others, without the studies; `again` times anew what the store has timed. The extremes are those of
+    `files`, else of the last run that the source tree holds. Callers alike `call` execute the runs; times and studies
     are always measured on this machine.
     """
 
@@ -138,7 +136,6 @@ class Gathering:
 
     def beyond(self, data: ReportData) -> ReportData:
         """Add what engines can model, the facts of the truths, and the extremes."""
-        reasons: list[str] = []
         chosen = self.shown
         held = [facts.recall(self.store, facts.truth_key(scene), TruthFacts) for scene in chosen.values()]
         filmed = [self.mechanism(label, scene) for label, scene in chosen.items()]
@@ -146,10 +143,7 @@ class Gathering:
         parts = ["capabilities", *facts.engine_keys(), list(chosen), code_of("cross_checks.judge.capabilities")]
         kind: Any = tuple[Capability, ...]
         able = facts.remembered(self.store, digest_of(parts), kind, lambda: capabilities(chosen))
-        data = replace(data, capabilities=able)
-        with _interruptible(reasons, lambda: "the timed runs, before the extremes"):
-            data = replace(data, extremes=self.extreme_cells())
-        return _ended(data.only(engines=self.engines), reasons)
+        return _ended(replace(data, capabilities=able, extremes=self.extreme_cells()).only(engines=self.engines), ())
 
     def mechanism(self, label: str, scene: Scene) -> SceneFacts:
         """Return a scene's facts."""
@@ -157,17 +151,9 @@ class Gathering:
         return facts.remembered(self.store, facts.scene_key(scene), SceneFacts, partial(scene_facts, scene))
 
     def extreme_cells(self) -> tuple[ExtremeCell, ...]:
-        """Return the cells that files hold, full ones before quick ones; without a file those of a few extremes."""
-        if self.files:
-            cells = sorted((cell for file in self.files for cell in read_cells(file)[0]), key=lambda cell: cell.full)
-            return tuple({(c.extreme, c.engine, c.method): c for c in cells}.values())
-        if self.is_part:
-            return ()
-        few, kind = [named(name) for name in FEW_EXTREMES], tuple[ExtremeCell, ...]
-        sources = [code_of(f"cross_checks.extremes.{name}") for name in ("run", *(f"families.{one}" for one in LISTED))]
-        key = digest_of(["extremes", list(FEW_EXTREMES), DATA, *facts.engine_keys(), *sources])
-        built = partial(matrix, few, engines.names(), progress=self.report, call=self.call)
-        return facts.remembered(self.store, key, kind, lambda: tuple(built()))  # type: ignore[type-var]
+        """Return the cells that files hold, full ones before quick ones; without a file those of the source tree."""
+        cells = (cell for file in self.files or (MAP,) for cell in read_cells(file)[0])
+        return tuple({(c.extreme, c.engine, c.method): c for c in sorted(cells, key=lambda cell: cell.full)}.values())
 
     def studied(self, data: ReportData) -> ReportData:
         """Add the studies; one that fails costs its own page only."""

@@ -11,6 +11,7 @@ import tomllib
 from functools import cache, lru_cache, partial
 from importlib import import_module
 from importlib.resources import files
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -26,6 +27,7 @@ from mbs_ref.scene.parameters import FORMULA
 
 DATA = tomllib.loads((files(__name__) / "extremes.toml").read_text(encoding="utf-8"))
 LISTED, QUICK = DATA["extremes"], DATA["quick"]
+MAP = Path(str(files(__name__))) / "data" / "map.jsonl"  # the cells of the last run over all families
 
 
 @cache

@@ -125,6 +125,7 @@ class Cell:
     last: float | None  # most extreme value up to which all went right
     points: tuple[Point, ...]
     reason: str = ""  # why it cannot, or the first of the worst failures
+    made: str = ""  # date and revision of the runs
 
     @property
     def key(self) -> tuple[str, str, str, bool]:

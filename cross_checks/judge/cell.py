@@ -73,8 +73,9 @@ def refusal_of(scene: Scene, engine: str, method: Method | None, targets: Sequen
 
 def cell_of(tried: Tried, results: Sequence[TargetResult]) -> Cell:
     """Return the verdict on a search; the same runs give the same cell."""
-    scene, truth, record = tried.scene, tried.truth, tried.representative()
+    scene, truth = tried.scene, tried.truth
     judgement, results = _of_one_package(truth, tried.verdict(), results)
+    record = tried.representative(judgement.verdict in SILENT)
     if truth.kind == "proven" and judgement.verdict in SILENT:
         judgement = judgement._replace(reason=f"{judgement.reason}; wrong by a theorem: the motion is proven")
     points, shown = (tried.points[knob] for knob in tried.knobs), tried.shown()

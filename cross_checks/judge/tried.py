@@ -12,7 +12,7 @@ from cross_checks.judge.bounds import AGREEMENT, FAILING, MOST_STEPS, TARGETS
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
-from cross_checks.judge.verdict import Point
+from cross_checks.judge.verdict import Point, at_error
 from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult, Verdict
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
@@ -106,9 +106,14 @@ class Tried(Search):
                     return record.error.value
         return None
 
-    def representative(self) -> Record | None:
-        """Return the run that represents the method: the finest in agreement, else the finest that succeeded."""
-        good = self.good
+    def representative(self, is_wrong: bool = False) -> Record | None:
+        """Return the run that represents the method: the finest in agreement, else the finest that succeeded.
+
+        Of a method that is classified as wrong, it is the run from whose error it is.
+        """
+        good, shown = self.good, self.shown()
+        if is_wrong and shown is not None:
+            return self.records[at_error(good, float(shown.ladder.errors[-1])).knob]
         agreeing = [point for point in good if point.error is not None and point.error <= AGREEMENT]
         return self.records[(agreeing or good)[-1].knob] if good else None
 

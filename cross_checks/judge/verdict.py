@@ -11,6 +11,7 @@ from cross_checks.judge.convergence import calibration
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import ROUNDED, Posterior, posterior
 from cross_checks.judge.vocabulary import REFUSED, Verdict
+from cross_checks.records.numbers import of_scene
 from cross_checks.truths.truth import ONE_FIGURE
 
 BLOWN_UP = frozenset({"non-finite", "reset"})
@@ -64,15 +65,16 @@ def _by_error(good: Sequence[Point], shown: Posterior, documented: float, levels
         coarser = [point for point in good if point.knob >= ladder.settings[place]]
         judged = _by_error(coarser, posterior(ladder.take(slice(place + 1))), documented, levels)
         return judged._replace(reason=f"{judged.reason}; rounding may explain the errors of finer runs")
-    last, error, uncertainty = good[-1].setting, float(ladder.errors[-1]), ladder.uncertainty
+    error, uncertainty = float(ladder.errors[-1]), ladder.uncertainty
+    last = at_error(good, error).setting
     bar = AGREEMENT + uncertainty  # a limit farther from the truth is off the motion by more than AGREEMENT
     limit, stall = shown.odds_of_limit(bar), shown.odds_of_stall(bar)
     slow = shown.odds_of_order_below(0.5 * min(documented, 1.0))  # of first order, or of what is documented if less
     if error + uncertainty <= AGREEMENT:
-        return _agreement(good, shown, limit + stall)
+        return _agreement(good, last, error, limit + stall)
     if error <= max(AGREEMENT, ONE_FIGURE * uncertainty):
         return Judgement(Verdict.BELOW_TRUTH, f"{error:.1e} at {last}; the truth is known to {uncertainty:.1e}")
-    wrong = _wrong(good, shown, limit, stall + shown.weights["right"] * slow) if len(ladder) >= LEVELS else None
+    wrong = _wrong(last, shown, limit, stall + shown.weights["right"] * slow) if len(ladder) >= LEVELS else None
     if wrong is not None:
         return wrong
     return _approach(last, shown, documented, slow, levels)
@@ -89,8 +91,12 @@ def above_rounding(ladder: Ladder) -> int:
     return first + int(np.argmin(ladder.errors[first:]))
 
 
-def _agreement(good: Sequence[Point], shown: Posterior, failing: float) -> Judgement:
-    error, last = float(shown.ladder.errors[-1]), good[-1].setting
+def at_error(good: Sequence[Point], error: float) -> Point:
+    """Return the finest run of this error: that of a level is its largest, which need not be its finest run's."""
+    return next((point for point in reversed(good) if point.error == error), good[-1])
+
+
+def _agreement(good: Sequence[Point], last: str, error: float, failing: float) -> Judgement:
     if len(good) < 2:
         return Judgement(Verdict.NOT_SHOWN, f"only {last} reaches {error:.1e}: one run shows no convergence")
     if failing < DOUBTFUL:
@@ -98,19 +104,18 @@ def _agreement(good: Sequence[Point], shown: Posterior, failing: float) -> Judge
     return Judgement(Verdict.NOT_SHOWN, f"{error:.1e} at {last}, and odds of {failing:.2g} that this is chance")
 
 
-def _wrong(good: Sequence[Point], shown: Posterior, limit: float, stall: float) -> Judgement | None:
+def _wrong(last: str, shown: Posterior, limit: float, stall: float) -> Judgement | None:
     """Return the classification as wrong-limit, lost or diverged where its odds suffice."""
-    ladder = shown.ladder
-    error, last = float(ladder.errors[-1]), good[-1].setting
+    ladder, error = shown.ladder, of_scene(float(shown.ladder.errors[-1]))
     if stall + limit <= FAILING or ladder.is_falling:
         return None
     odds, best = _capped(1.0 - stall - limit), float(np.min(ladder.errors))
     if limit > stall:
-        own = f"its own limit is {shown.limit_distance:.1e} from the truth"
-        return Judgement(Verdict.WRONG_LIMIT, f"{error:.1e} at {last}: {own}", odds)
+        own = f"its own limit is {of_scene(shown.limit_distance)} from the truth"
+        return Judgement(Verdict.WRONG_LIMIT, f"{error} at {last}: {own}", odds)
     if best <= AGREEMENT:
-        return Judgement(Verdict.LOST, f"{error:.1e} at {last}, after {best:.1e} at a coarser setting", odds)
-    return Judgement(Verdict.DIVERGED, f"the error does not fall: still {error:.1e} at {last}", odds)
+        return Judgement(Verdict.LOST, f"{error} at {last}, after {of_scene(best)} at a coarser setting", odds)
+    return Judgement(Verdict.DIVERGED, f"the error does not fall: still {error} at {last}", odds)
 
 
 def _approach(last: str, shown: Posterior, documented: float, slow: float, levels: int) -> Judgement:

@@ -77,8 +77,8 @@ class Omitted:
     seconds: float | None = None  # of processor time; None where no run shows what a step costs
 
     def __str__(self) -> str:
-        low, high = self.range
-        error = f"an error of about {self.error:.1g} (68 %: {low:.1g} to {high:.1g})"
+        error, low, high = (short(value, 1) for value in (self.error, *self.range))
+        error = f"an error of about {error} (68 %: {low} to {high})"
         cost = f"about {short(self.steps, 1)} steps" + (f", {duration(self.seconds)}," if self.seconds else "")
         return f"{cost} and show {error}"
 

@@ -17,14 +17,15 @@ PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "pydantic", "plotly")
 def environment() -> dict[str, str]:
     """Return the facts a reader needs to judge or repeat the figures."""
     return {
-        "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"), "commit": _commit(), "processor": processor(),
+        "made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"), "commit": commit(), "processor": processor(),
         "processors": str(os.cpu_count()), "system": platform.platform(), "python": platform.python_version(),
         **{name: package_version(name) for name in PACKAGES},
         **{f"engine {name}": version for name, version in engine_versions()},
     }  # fmt: skip
 
 
-def _commit() -> str:
+def commit() -> str:
+    """Return the revision of the source tree, or that there is none."""
     wanted = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
     try:
         result = subprocess.run(wanted, capture_output=True, text=True, check=False)

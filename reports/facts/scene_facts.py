@@ -12,10 +12,12 @@ from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Film, film
+from reports.film.drawing import ARCS, arcs, is_apart
 from reports.scene_summary import Summary, summary
 
 PICTURES = 40  # of a film
 MOST_BODIES = 120  # of a scene that is filmed: others take minutes
+MOST_BULGE = 0.01  # of the picture's size, between two pictures: 15 a turn
 
 
 @dataclass(frozen=True)
@@ -40,12 +42,24 @@ def scene_facts(scene: Scene) -> SceneFacts:
 
 
 def filmed(scene: Scene) -> tuple[Trajectory | None, str]:
-    """Return the motion that a film shows, or None and the sentence why there is none."""
+    """Return the motion that a film shows, or None and the sentence why there is none.
+
+    Of bodies on orbits it is as long as its pictures are dense enough to follow them.
+    """
     if len(scene.bodies) > MOST_BODIES:
         again = f"`mbs-ref animate {scene.name} -o film.gif` films it"
         return None, f"Not filmed here: {len(scene.bodies)} bodies; {again}"
     path = simulate(scene, Settings(samples=PICTURES, estimate="off", reactions=False))
+    if path.ok and is_apart(scene) and _bulge(path) > MOST_BULGE:
+        return filmed(scene.model_copy(update={"duration": 0.5 * scene.duration}))
     return (path, "") if path.ok else (None, f"Not filmed: {path.message}")
+
+
+def _bulge(path: Trajectory) -> float:
+    """Return how far orbits leave the lines between samples: the mean of the largest, over the size of the picture."""
+    way, place = arcs(path)[ARCS // 2 :: ARCS], path.position
+    off = np.linalg.norm(way - 0.5 * (place[:-1] + place[1:]), axis=2).max(axis=1)
+    return float(np.mean(off)) / max(float(np.ptp(place, axis=(0, 1)).max()), 1e-300)
 
 
 @dataclass(frozen=True)

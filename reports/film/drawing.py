@@ -19,6 +19,7 @@ from mbs_ref.scene.traits import touching
 ISOMETRIC = np.array([[-1.0, 1.0, 0.0], [-0.5, -0.5, 1.0]]) / np.array([[2.0**0.5], [1.5**0.5]])
 ALIKE = 8  # bodies of one mass, of which one is coloured: a link of a track
 SPOKES = 6  # of a wheel
+ARCS = 8  # places on an orbit for each sample
 FOLLOWED = 1.5  # times their own size: bodies that travel farther stay in the middle of the picture
 HATCHES = 8  # marks of a ground that passes by, over the length of the bodies
 UP = (0.0, 0.0, 1.0)  # in space without gravity
@@ -39,13 +40,14 @@ class Drawing:
     labels: Mapping[int, str] = field(default_factory=dict)  # of bodies that only a name distinguishes, heaviest first
     radii: Sequence[np.ndarray] = ()  # (n_t, 2, 2) of wheels
     accent: int = -1  # the body that is coloured among many alike
+    orbits: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 2)))  # (n, n_bodies, 2) of bodies with labels
 
 
 def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
     """Follow every mark of a scene along its motion."""
     motion, paper = Motion(scene, trajectory), _paper(scene)
     centres = trajectory.position @ paper.T
-    apart = not (scene.joints or touching(scene)) and len(scene.bodies) > 1
+    apart = is_apart(scene)
     ride, size = _ride(centres)
     if apart or np.ptp(ride, axis=0).max() <= FOLLOWED * size:
         ride = np.zeros_like(ride)
@@ -81,7 +83,22 @@ def drawing(scene: Scene, trajectory: Trajectory) -> Drawing:
         about(1), about(2),
         springs, [seen(surface) for surface in surfaces], [(seen(place), r) for place, r in circles if r > 0.0],
         pins, centres, trajectory.times, {k: scene.bodies[k].name for k in heaviest}, turning, _accent(scene),
+        arcs(trajectory) @ paper.T,
     )  # fmt: skip
+
+
+def is_apart(scene: Scene) -> bool:
+    """Return whether only names distinguish the bodies, as on orbits: nothing joins them, and none touches another."""
+    return not (scene.joints or touching(scene)) and len(scene.bodies) > 1
+
+
+def arcs(path: Trajectory) -> np.ndarray:
+    """Return the way of every body (n, n_bodies, dimension), m: cubics of ARCS places by the velocities of samples."""
+    h, s = np.diff(path.times)[:, None, None], np.linspace(0.0, 1.0, ARCS + 1)[:-1, None, None, None]
+    begin, way = path.position[:-1], np.diff(path.position, axis=0)
+    slope, last = h * path.velocity[:-1], h * path.velocity[1:]
+    inner = begin + s * (slope + s * (3.0 * way - 2.0 * slope - last + s * (slope + last - 2.0 * way)))
+    return np.concatenate((np.swapaxes(inner, 0, 1).reshape(-1, *begin.shape[1:]), path.position[-1:]))
 
 
 def _marks(part) -> list[tuple[str, tuple[float, ...]]]:

@@ -17,6 +17,7 @@ from reports.film.drawing import Drawing, drawing
 
 WIDEST, HIGHEST = 960, 540  # pixels of a picture ...
 SIDE = 480  # ... and of the square that has its area
+STRIP = 1120  # pixels of a row of a filmstrip at most: a page shows it as it is, with words that can be read
 FINE = 2  # times as many pixels are drawn, then averaged
 MARGIN = 0.06  # of the scene's size, m, around what moves
 PAPER, INK, SPRING, SURFACE, ROUND = "#ffffff", "#1f4e79", "#c8502d", "#444444", "#9db7cf"
@@ -24,7 +25,7 @@ FILL, ACCENT, ACCENT_FILL = "#dbe7f2", "#d97706", "#f6d9b0"
 FONT = 11  # pixels
 PIN = 8  # pixels of the triangle of a joint on the ground
 COIL, COILS = 5, 6  # pixels of a spring's half width, and its turns
-SPANS = ((31557600.0, "years"), (86400.0, "days"))  # s; a Julian year
+SPANS = ((31557600.0, "years"), (86400.0, "days"), (3600.0, "h"))  # s; a Julian year
 LONGEST_BAR = 0.3  # of the picture
 BESIDE = 5  # pixels between a body and its name
 UNITS = ((1.495978707e11, "au"), (1e3, "km"), (1.0, "m"), (1e-3, "mm"))  # m; au: IAU 2012, rounded
@@ -36,7 +37,7 @@ SMOOTH = 30  # pictures a second of an MP4 at most: more are not seen
 class Camera:
     """Turns metres on the paper into pixels; one frame holds the whole motion, of several runs if there are."""
 
-    def __init__(self, *sceneries: Drawing) -> None:
+    def __init__(self, *sceneries: Drawing, widest: float = WIDEST) -> None:
         seen: list[np.ndarray] = []
         for scenery in sceneries:
             seen += [scenery.centres.reshape(-1, 2), *(line.reshape(-1, 2) for _, line in scenery.spokes)]
@@ -47,7 +48,7 @@ class Camera:
         size = float(max(*(high - low), 1e-9))
         self.low, high = low - MARGIN * size, high + MARGIN * size
         span = high - self.low
-        self.scale = min(WIDEST / span[0], HIGHEST / span[1], SIDE / np.sqrt(span[0] * span[1]))
+        self.scale = min(widest / span[0], HIGHEST / span[1], SIDE / np.sqrt(span[0] * span[1]))
         self.size = (max(int(self.scale * span[0]), 16), max(int(self.scale * span[1]), 16))
 
     def __call__(self, place: np.ndarray) -> tuple[float, float]:
@@ -97,10 +98,11 @@ class Camera:
         """Draw the whole path of bodies that only a name distinguishes, and those names that hide no other."""
         taken: list[tuple[float, ...]] = []
         for body in scenery.labels:
-            pen.line([self(place) for place in scenery.centres[:, body]], fill=ROUND, width=FINE)
+            pen.line([self(place) for place in scenery.orbits[:, body]], fill=ROUND, width=FINE)
         for body, label in scenery.labels.items():
             x, y = self(scenery.centres[k, body])
-            box = pen.textbbox((x + FINE * BESIDE, y - 2 * FINE * BESIDE), label)
+            x = min(x + FINE * BESIDE, FINE * self.size[0] - pen.textlength(label))
+            box = pen.textbbox((x, y - 2 * FINE * BESIDE), label)
             if not any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in taken):
                 pen.text(box[:2], label, fill=SURFACE, anchor="la")
                 taken.append(box)
@@ -202,9 +204,9 @@ def as_mp4(pictures: list[Image.Image], seconds: float, av: Any) -> bytes:
 def filmstrip(scene: Scene, trajectory: Trajectory, count: int = 8) -> bytes:
     """Return a PNG of `count` pictures in rows of four, a `count`-th of the run apart from t = 0 on."""
     scenery = drawing(scene, trajectory)
-    camera = Camera(scenery)
-    wide, high = camera.size
     columns = min(count, 4)
+    camera = Camera(scenery, widest=STRIP / columns)
+    wide, high = camera.size
     sheet = Image.new("RGB", (wide * columns, high * -(-count // columns)), PAPER)
     picks = np.linspace(0, len(scenery.times) - 1, count, endpoint=False).round().astype(int)
     for place, k in enumerate(picks):

@@ -120,7 +120,7 @@ def pages(data: ReportData) -> list[Page]:
     return [
         Page(INDEX, "mbs-ref report", data, (overview.SECTION, overview.FRONTIER, findings.WORST), "index"),
         *(Page(scene_file(name), name, data.only(scenes=[name]), SCENE, "scene") for name in data.scenes),
-        *(Page(engine_file(name), name, data.only(engines=[name]), ENGINE, "engine") for name in data.engines),
+        *(Page(engine_file(name), name, data.only(engines=[name]), ENGINE, "engine") for name in data.installed),
         Page("extremes.html", "Extremes", data, (extremes.SECTION,), "study"),
         *_studies(data),
         Page(WRONG, "What went wrong", data, (findings.SECTION,), "more"),

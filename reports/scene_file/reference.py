@@ -132,7 +132,8 @@ def _parts(title: str, where: str, every: list[dict[str, Any]], name: str) -> It
     yield f"\n## {title}\n\nWritten as {where}.\n"
     for kind in every:
         places = {(2,): " In the plane alone.", (3,): " In space alone."}.get(tuple(kind.get("x-dimensions", ())), "")
-        yield f"### {kind_of(kind)}\n\n{kind['description']}{places}\n"
+        picture = f"![{kind_of(kind)}](images/parts/{kind_of(kind)}.svg)"
+        yield f"### {kind_of(kind)}\n\n{picture}\n\n{kind['description']}{places}\n"
         yield from _fields(kind)
         one = {"type": kind_of(kind), **examples()[name][kind_of(kind)]}
         lines = [f"[[{name}]]", *(f"{key} = {_toml(value)}" for key, value in one.items())]

@@ -15,6 +15,7 @@ from rich.text import Text
 from cross_checks.records.figures import work_precision
 from mbs_ref import Settings, scenes
 from mbs_ref.atomic_file import write_atomic
+from mbs_ref.scene.toml import loads
 from mbs_ref.simulate import simulate
 from reports.film.files import filmstrip
 from reports.page.browser import drawn
@@ -53,6 +54,12 @@ def mechanism(report: Path) -> bytes:
         return screenshot(page, PANEL)
 
 
+def swing(report: Path) -> bytes:
+    """Return moments of the tutorial's scene file, as PNG."""
+    scene = loads((ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8").split("```toml\n")[1].split("```")[0])
+    return filmstrip(scene, simulate(scene, Settings(estimate="off")), MOMENTS)
+
+
 def terminal(report: Path) -> bytes:
     """Return the command SESSION with what it prints, as SVG."""
     program, *words = shlex.split(SESSION)
@@ -63,7 +70,7 @@ def terminal(report: Path) -> bytes:
     return console.export_svg(title="mbs-ref", unique_id="terminal").encode()
 
 
-PICTURES = {"report.png": first_screen, "terminal.svg": terminal, "mechanism.png": mechanism}
+PICTURES = {"report.png": first_screen, "terminal.svg": terminal, "mechanism.png": mechanism, "swing.png": swing}
 
 
 def screenshot(page: Path, size: tuple[int, int]) -> bytes:

@@ -21,6 +21,7 @@ from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 from reports.film.drawing import Drawing, _paper, drawing
 from reports.film.files import (
+    STRIP,
     Camera,
     as_gif,
     as_mp4,
@@ -44,8 +45,9 @@ def test_every_sample_is_a_frame(name):
     film = Image.open(io.BytesIO(gif(scene, path)))
     assert film.n_frames == 9
     strip = Image.open(io.BytesIO(filmstrip(scene, path, 8)))
-    wide, high = Camera(drawing(scene, path)).size
+    wide, high = Camera(drawing(scene, path), widest=STRIP / 4).size
     assert strip.size == (4 * wide, 2 * high)
+    assert 4 * wide <= STRIP
 
 
 @pytest.fixture(scope="module")

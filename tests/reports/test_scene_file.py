@@ -6,6 +6,7 @@ import re
 import tomllib
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from click.testing import CliRunner
@@ -115,6 +116,14 @@ def test_every_kind_of_part_has_an_example_that_is_valid():
             assert problems(one, kind) == []
             classes()[kind_of(kind)].model_validate(one)
     assert set(classes()) - {kind_of(k) for every in listed.values() for k in every} == {"user_force"}
+
+
+def test_every_kind_of_part_has_a_small_picture():
+    pictures = {path.stem: path for path in (PAGE.parent / "images" / "parts").iterdir()}
+    assert set(pictures) == set(classes()) - {"user_force"}
+    for path in pictures.values():
+        assert ElementTree.parse(path).getroot().get("viewBox") == "0 0 160 96"
+        assert path.stat().st_size < 5000
 
 
 def numbers(rule: dict[str, Any]) -> bool:

@@ -1,7 +1,8 @@
 """mbs-ref extremes: up to where each engine and method can be trusted."""
 
 from contextlib import ExitStack
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from datetime import UTC, datetime
 
 import click
 
@@ -32,22 +33,23 @@ def command(
     silently wrong anywhere; other engines' failures are findings.
     """
     from cross_checks.extremes import every, fate, run
+    from reports.facts.environment import commit
 
     names = inputs.engine_names(chosen)
     extremes = [e for e in every() if only is None or only in e.name or only in e.family]
     if not extremes:
         raise NothingSelected(f"no extreme is named like {only!r}; there are {', '.join(e.name for e in every())}")
     extremes = inputs.shard(extremes, shard)
-    target = inputs.output(output, (".jsonl",))
+    target, made = inputs.output(output, (".jsonl",)), f"{datetime.now(UTC):%Y-%m-%d}, revision {commit()}"
     with ExitStack() as stack:
         report = stack.enter_context(progress("extremes"))
         call = stack.enter_context(cluster(scheduler))
         result = begun(stack, target, fate.read)
         stack.enter_context(interruptible(lambda: f"{len(result)} cells"))
         for one in run.matrix(extremes, names, full=full, known=tuple(result), progress=report, call=call):
+            result.append(replace(one, made=made))
             if target is not None:
-                lines.append(target, [one])
-            result.append(one)
+                lines.append(target, result[-1:])
     names = {e.name for e in extremes}
     shown = [c for c in result if c.extreme in names and c.full == full and (not chosen or c.engine in chosen)]
     for one in shown if as_json else ():

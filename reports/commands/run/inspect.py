@@ -15,6 +15,7 @@ from reports.scene_summary import summary
 from reports.terminal.console import compiling, echo_json, number, show_table
 
 SHOWN = 6  # eigenvalues
+CONTACT = ("rule_", "impact_")  # beginnings of the quantities that a scene without contacts has not
 
 
 @click.command(name="inspect", epilog="Example: mbs-ref inspect bouncing_ball")
@@ -53,7 +54,7 @@ def command(scene: str, parameters: tuple[str, ...], keep_rates: tuple[str, ...]
         echo_json(result)
         return
     alike = Counter(_closed(contact, speed) for contact in result.pop("closed_contacts"))
-    rows = [(name, _cell(value)) for name, value in result.items() if chosen.contacts or not name.startswith("rule_")]
+    rows = [(name, _cell(value)) for name, value in result.items() if chosen.contacts or not name.startswith(CONTACT)]
     rows += [(f"{count} contact{'s' if count > 1 else ''}, closed", said) for said, count in alike.items()]
     show_table(f"{chosen.name} at t = 0", ("quantity", "value"), rows)  # the papers' rules are for contacts
 

@@ -27,10 +27,14 @@ def context(data: ReportData) -> dict[str, Any]:
         for family, group in groupby(shown, key=lambda e: e.family)
     ]
     ran = dict.fromkeys((c.engine, c.method) for c in cells if c.points)
+    made = sorted({c.made for c in cells if c.made})
     return {
         "families": families,
         "fates": (Fate.SURVIVED, Fate.STOPPED, Fate.DEGRADED, Fate.SILENTLY_WRONG, Fate.CANNOT),
         "table": [_table_row(e, [c for c in result[e.name] if (c.engine, c.method) in ran]) for e in shown],
+        "engines": list(dict.fromkeys(engine for engine, _ in ran)),
+        "counts": {family: _by_engine(cells, family) for family in dict.fromkeys(e.family for e in shown)},
+        "made": " to ".join(dict.fromkeys((*made[:1], *made[-1:]))),
         "tally": [_tally(*own, cells) for own in ran],
         "silent": _silent(cells),
         "good": f"{TARGETS[0]:g}",
@@ -88,6 +92,14 @@ def _table_row(extreme: Extreme, cells: list[Cell]) -> dict[str, Any]:
         method = {"name": cell.method, "figure": figure, "reason": cell.reason}
         fates[cell.fate].setdefault(cell.engine, []).append(method)
     return {"name": extreme.name, "title": extreme.title, "fates": fates}
+
+
+def _by_engine(cells: list[Cell], family: str) -> dict[str, dict[str, int]]:
+    """Return how many extremes of a family each engine models, survives by a method, and gets wrong silently."""
+    met = {(c.engine, c.extreme, c.fate) for c in cells if c.family == family and c.fate is not Fate.CANNOT}
+    asked = {"of": set(Fate), "survived": {Fate.SURVIVED}, "wrong": {Fate.SILENTLY_WRONG}}
+    return {engine: {word: len({extreme for name, extreme, fate in met if name == engine and fate in fates})
+                     for word, fates in asked.items()} for engine, _, _ in met}  # fmt: skip
 
 
 def _tally(engine: str, method: str, cells: list[Cell]) -> dict[str, Any]:

@@ -22,7 +22,7 @@ def context(data: ReportData) -> dict[str, Any]:
         {"scene": scene, "file": scene_file(scene), "cells": [_cell(data, scene, name) for name in data.installed]}
         for scene in data.scenes
     ]
-    files = {name: engine_file(name) for name in data.engines}
+    files = {name: engine_file(name) for name in data.installed}
     return {"engines": data.installed, "rows": rows, "ours": OURS, "files": files}
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import random
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 
-from cross_checks.extremes import fate, named
+from cross_checks.extremes import MAP, every, fate, named
 from cross_checks.extremes.extreme import Axis
 from cross_checks.extremes.fate import Fate, Point
 from cross_checks.judge.vocabulary import OURS
@@ -44,6 +45,25 @@ def test_the_advice_says_how_far_to_trust_and_who_lies(shown):
 def test_what_an_engine_did_not_say_is_listed_with_what_is_true(shown):
     assert [(row["engine"], row["status"]) for row in shown["silent"]] == [("mujoco", "reset")]
     assert [row["caught"] for row in shown["tally"] if row["engine"] == "mujoco"] == [1]
+
+
+def test_families_are_counted_by_engine_and_their_runs_dated(shown):
+    once = {"of": 1, "survived": 0, "wrong": 0}
+    assert shown["counts"] == {
+        "pulses": {"mbs_ref": once | {"survived": 1}}, "stiffness": {"mbs_ref": once, "mujoco": once | {"wrong": 1}},
+    }  # fmt: skip
+    assert shown["made"] == ""
+    days = ("2026-11-26, revision b", "2026-11-20, revision a", "2026-11-25, revision c")
+    cells = tuple(replace(cell, made=day) for cell, day in zip(report_data().extremes, days, strict=False))
+    dated = context(replace(report_data(), extremes=cells))
+    assert dated["made"] == "2026-11-20, revision a to 2026-11-26, revision b"
+
+
+def test_the_source_tree_holds_dated_runs():
+    cells, problems = fate.read(MAP)
+    assert not problems
+    assert {cell.extreme for cell in cells} <= {extreme.name for extreme in every()}
+    assert all(cell.made.startswith("20") for cell in cells)
 
 
 @pytest.mark.parametrize("seed", range(4))
