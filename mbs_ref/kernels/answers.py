@@ -16,7 +16,7 @@ from mbs_ref.kernels import rigid
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.calls import addresses, unanswered
 from mbs_ref.kernels.border.handles import QUESTIONS
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import entry, jit
 from mbs_ref.kernels.particles import dynamics as particles
 from mbs_ref.kernels.particles.model import ParticleModel, ParticleWork
 from mbs_ref.kernels.planar import dynamics as planar
@@ -124,12 +124,12 @@ def prepare(core: str, handle: np.ndarray, group: str) -> None:
 
 
 # Entry points from Python.
-call_contact_forces = jit(lambda model, work, t, y, forces: ask.contact_forces(model, work, t, y, forces))
-call_contact_mobility = jit(lambda model, work, t, y, k: ask.contact_mobility(model, work, t, y, k))
-call_start_modes = jit(lambda model, work, t, y, located: ask.start_modes(model, work, t, y, located))
-call_roots = jit(lambda model, work, t, y, duration, table: ask.roots(model, work, t, y, duration, table))
-call_regularity = jit(lambda work: ask.regularity(work))
-call_derivative = jit(lambda model, work, t, y, dy: ask.derivative(model, work, t, y, dy))
-call_compliance = jit(lambda model, work, t, y: ask.compliance(model, work, t, y))
-call_project = jit(lambda model, work, t, y, tolerance, most: ask.project(model, work, t, y, tolerance, most))
-call_tangent = jit(lambda model, work, x: ask.tangent(model, work, x))
+call_contact_forces = entry(lambda model, work, t, y, forces: ask.contact_forces(model, work, t, y, forces))
+call_contact_mobility = entry(lambda model, work, t, y, k: ask.contact_mobility(model, work, t, y, k))
+call_start_modes = entry(lambda model, work, t, y, located: ask.start_modes(model, work, t, y, located))
+call_roots = entry(lambda model, work, t, y, duration, table: ask.roots(model, work, t, y, duration, table))
+call_regularity = entry(lambda work: ask.regularity(work))
+call_derivative = entry(lambda model, work, t, y, dy: ask.derivative(model, work, t, y, dy))
+call_compliance = entry(lambda model, work, t, y: ask.compliance(model, work, t, y))
+call_project = entry(lambda model, work, t, y, tolerance, most: ask.project(model, work, t, y, tolerance, most))
+call_tangent = entry(lambda model, work, x: ask.tangent(model, work, x))

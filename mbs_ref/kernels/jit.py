@@ -13,14 +13,16 @@ import os
 import re
 import sys
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numba
 from numba import types
 from numba.core import caching
 from numba.core.ccallback import CFunc
+from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 
 _PROJECT = Path(__file__).parents[2]
@@ -151,9 +153,29 @@ class _Cache(caching.FunctionCache):
         return (*super()._index_key(sig, codegen), layouts)
 
 
-def _compiler(**options: Any) -> Callable[[Callable], Any]:
+class _Inner(CPUDispatcher):
+    """What compiled code calls. Python calls it through a function of one line, which is compiled when it does."""
+
+    @cached_property
+    def _entry(self) -> Any:
+        function = FunctionType(_enter.__code__, {"inner": self}, self.__name__)
+        function.__module__, function.__qualname__ = self.__module__, f"{self.__qualname__}.entry"
+        return entry(function)
+
+    def __call__(self, *given: Any) -> Any:
+        return self._entry(*given)
+
+
+def _enter(*given):
+    return inner(*given)  # noqa: F821  # pyright: ignore[reportUndefinedVariable]
+
+
+def _compiler(is_inner: bool = False, **options: Any) -> Callable[[Callable], Any]:
     def compiled(function: Callable) -> Any:
+        options["no_cpython_wrapper"] = is_inner
         dispatcher: Any = numba.njit(**options)(function)
+        if is_inner:
+            dispatcher.__class__ = _Inner
         if _file_of(function.__module__) is not None:
             dispatcher._cache = _Cache(function)
         return dispatcher
@@ -161,15 +183,16 @@ def _compiler(**options: Any) -> Callable[[Callable], Any]:
     return compiled
 
 
-# Nobody calls these functions from C, and a wrapper for that would be a tenth of the compile time.
+# Nobody calls these functions from C, and a wrapper for that would be a tenth of the compile time; one for Python, too.
 # Contraction (fused multiply-add) alone is allowed: it keeps NaN, infinities and the order of sums.
 _ROUNDING: Any = {"error_model": "numpy", "fastmath": {"contract"}}
 _OPTIONS: Any = {**_ROUNDING, "no_cfunc_wrapper": True}
-jit = _compiler(**_OPTIONS)
+entry = _compiler(**_OPTIONS)  # from Python
+jit = _compiler(is_inner=True, **_OPTIONS)
 # Of code that makes no arrays: references to those that it is given are not counted, at every line that names one.
-bare = _compiler(_nrt=False, **_OPTIONS)
+bare = _compiler(is_inner=True, _nrt=False, **_OPTIONS)
 bare_loop = _compiler(_nrt=False, nogil=True, **_OPTIONS)
-placed = _compiler(forceinline=True, **_OPTIONS)
+placed = _compiler(is_inner=True, forceinline=True, **_OPTIONS)
 loop_jit = _compiler(nogil=True, **_OPTIONS)  # of whole runs: other threads go on meanwhile
 strict_jit = _compiler()  # every operation is rounded as it is written, and division by zero raises
 # For the parts of a loop: called, each would pass a dozen arrays at every step, and count their references.

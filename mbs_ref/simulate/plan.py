@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mbs_ref.cores.choice import core_name, state_units
+from mbs_ref.cores.events import event_sources
 from mbs_ref.integrators import DEFAULT, integrators
+from mbs_ref.integrators.loop.events import event_code
 from mbs_ref.integrators.loop.leg import Integrator, Options
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
@@ -81,12 +83,14 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     rtol, scales = settings.rtol or DEFAULT_TOLERANCE, scales_of(scene)
     units = state_units(scene, scales, settings.coordinates)
     size = max([1.0, *(abs(x) for body in scene.bodies for x in body.position)])
+    settle, watch = event_code() if event_sources(scene) else (0, 0)
     options = Options(
         step=float(settings.step or 0.0) if fixed else 0.0, rtol=float(rtol),
         atol=np.full_like(units, settings.atol) if settings.atol else rtol * ABSOLUTE * units, units=units,
         time=scales.time, project=stabilization == "projection", stop_on_compliance=settings.stop_on_compliance,
         max_steps=settings.max_steps, max_events=min(MAX_EVENTS, settings.max_steps),
         projection_tolerance=PROJECTION_TOLERANCE * size, chunk=CHUNK, dense=settings.outputs == "dense",
+        settle=settle, watch=watch,
     )  # fmt: skip
     gain = settings.baumgarte_gain if stabilization == "baumgarte" else 0.0
     return Plan(integrator, settings, times, options, gain, notes)

@@ -10,12 +10,16 @@ search aims between, at AIM, by the cubic through values and rates at both ends 
 rates are unknown.
 """
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import from_dtype, types
+from numba.core.typing.templates import signature
 
-from mbs_ref.integrators.loop.exclusion import BEYOND, FREEZE, first_open
-from mbs_ref.integrators.loop.leg import ENDLESS_EVENTS, RUNNING, STOP_EVENT
+from mbs_ref.integrators.loop.exclusion import BEYOND, FREEZE, Ends, first_open
+from mbs_ref.integrators.loop.leg import ENDLESS_EVENTS, PROGRESS, RUNNING, STOP_EVENT
+from mbs_ref.kernels.border.calls import COUNT, MATRIX, MODEL, NUMBER, VECTOR, WORK, address_of, called_at
 from mbs_ref.kernels.border.questions import root_count, roots, transition
 from mbs_ref.kernels.contact.laws import RATE, TURNED, VALUE
 from mbs_ref.kernels.contact.modes import STOP
@@ -174,3 +178,19 @@ def watch(model, work, t, h, ends, run, search, table):
         return EVENT
     search[H_NEXT] = search[H_HIGH]
     return RETRY
+
+
+_TABLES = types.NamedUniTuple(MATRIX, 3, Tables)
+_ENDS = types.NamedTuple([VECTOR] * 4 + [types.Array(COUNT, 1, "C")], Ends)
+_RUN = from_dtype(PROGRESS)
+_SETTLE = MODEL, WORK, NUMBER, VECTOR, _TABLES, _RUN, COUNT
+_WATCH = MODEL, WORK, NUMBER, NUMBER, _ENDS, _RUN, VECTOR, _TABLES
+# The same, called by their addresses: compiled once for all loops, and only for a scene with event functions.
+settle_at = called_at("settle_at(address, model, work, t, y, table, run, most)", COUNT, *_SETTLE)
+watch_at = called_at("watch_at(address, model, work, t, h, ends, run, search, table)", COUNT, *_WATCH)
+
+
+@cache
+def event_code() -> tuple[int, int]:
+    """Return the addresses of `settle` and `watch`; compile them, or load them from the disk, if need be."""
+    return address_of(settle, signature(COUNT, *_SETTLE)), address_of(watch, signature(COUNT, *_WATCH))

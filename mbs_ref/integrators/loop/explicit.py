@@ -207,7 +207,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
     search, table = event_tables(model)
     ends = step_ends(y, stages.slopes[0], stages.new, stages.slopes[last])
     budget = run.steps + options.chunk
-    code = stepping.begin(model, work, run, y, stages.slopes[0], table, options.max_events)
+    code = stepping.begin(model, work, options, run, y, stages.slopes[0], table)
     if code == leg.RUNNING and adaptive and run.h == 0.0:
         run.h = stepping.first_step(model, work, run.t, y, stages.slopes[0], tableau.order, options, span)
         run.rhs_calls += 1
@@ -257,7 +257,8 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             run.h, natural, avoided = resumed(run.h, natural), 0.0, 0
             code = stepping.accept(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)
             if code == leg.RUNNING and stepping.is_slope_known(ends, verdict):
-                stages.slopes[0, :] = stages.slopes[last]
+                for k in range(n):
+                    stages.slopes[0, k] = stages.slopes[last, k]
             elif code == leg.RUNNING:
                 derivative(model, work, attempt.t_new, y, stages.slopes[0])
                 run.rhs_calls += 1

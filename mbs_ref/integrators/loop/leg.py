@@ -53,6 +53,8 @@ class Options(NamedTuple):
     max_events: int
     chunk: int  # steps before compiled code returns to Python, so that Ctrl-C acts
     dense: bool  # outputs are interpolated inside of steps, and do not end them
+    settle: int  # address of the code that changes modes at events (loop/events.py); 0 in a scene without
+    watch: int  # likewise, of the code that looks for events inside a step
 
 
 # The state of a run, over chunks and legs: one record, whose fields Python and compiled code read and write alike.

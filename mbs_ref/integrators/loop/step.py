@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.integrators.loop import leg
-from mbs_ref.integrators.loop.events import ACTIVE, EVENT, H_NEXT, IDLE, KEEP, has_events, settle, watch
+from mbs_ref.integrators.loop.events import ACTIVE, EVENT, H_NEXT, IDLE, KEEP, has_events, settle_at, watch_at
 from mbs_ref.kernels.algebra.dense import all_finite, weighted_norm
 from mbs_ref.kernels.border.questions import compliance, derivative, project
 from mbs_ref.kernels.jit import inlined, jit
@@ -32,10 +32,10 @@ class Attempt(NamedTuple):
 
 
 @jit
-def begin(model, work, run, y, dy, table, max_events):
+def begin(model, work, options, run, y, dy, table):
     """Settle the modes at the start and evaluate dy/dt there; return a status code."""
     if has_events(table):
-        code = settle(model, work, run.t, y, table, run, max_events)
+        code = settle_at(options.settle, model, work, run.t, y, table, run, options.max_events)
         if code != leg.RUNNING:
             return code
     derivative(model, work, run.t, y, dy)
@@ -54,10 +54,13 @@ def first_step(model, work, t, y, dy, order, options, span):
     d1 = weighted_norm(dy, y, y, rtol, atol) * unit
     h0 = TINY * unit if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1 * unit
     h0 = min(h0, span)
-    trial = y + h0 * dy
-    slope = np.empty_like(y)
+    trial, slope = np.empty_like(y), np.empty_like(y)
+    for k in range(y.shape[0]):
+        trial[k] = y[k] + h0 * dy[k]
     derivative(model, work, t + h0, trial, slope)
-    d2 = weighted_norm(slope - dy, y, y, rtol, atol) / h0 * unit * unit
+    for k in range(y.shape[0]):
+        slope[k] -= dy[k]
+    d2 = weighted_norm(slope, y, y, rtol, atol) / h0 * unit * unit
     largest = max(d1, d2)
     h1 = max(TINY * unit, h0 * 1e-3) if largest <= 1e-15 else (0.01 / largest) ** (1.0 / (order + 1)) * unit
     return min(100.0 * h0, min(h1, span))
@@ -162,7 +165,7 @@ def close_attempt(model, work, options, run, attempt, span, ends, search, table)
         return withdraw(run, attempt.t, attempt.h, span), WITHDRAWN
     if code != leg.RUNNING or not has_events(table):
         return code, KEEP
-    return code, watch(model, work, attempt.t, attempt.h, ends, run, search, table)
+    return code, watch_at(options.watch, model, work, attempt.t, attempt.h, ends, run, search, table)
 
 
 @jit
@@ -186,7 +189,7 @@ def accept(model, work, options, run, attempt, verdict, y, trial, table, outputs
     if attempt.lands and is_cut(attempt.proposed, attempt.h):
         run.cut += 1
     if verdict == EVENT:
-        code = settle(model, work, attempt.t_new, y, table, run, options.max_events)
+        code = settle_at(options.settle, model, work, attempt.t_new, y, table, run, options.max_events)
         if code != leg.RUNNING:
             return code
     if attempt.lands:

@@ -13,7 +13,7 @@ import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators.loop import leg
-from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, has_events, settle
+from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, has_events, settle_at
 from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.integrators.loop.step import accept, close_attempt, next_attempt, stands_still
 from mbs_ref.kernels.answers import FORM
@@ -190,7 +190,7 @@ def _begin(model, work, options, run, y, motion, table):
     t, before = run.t, run.events
     if not has_events(table):
         return leg.RUNNING
-    code = settle(model, work, t, y, table, run, options.max_events)
+    code = settle_at(options.settle, model, work, t, y, table, run, options.max_events)
     if code == leg.RUNNING and run.events != before:
         _start(model, work, t, y, motion)
     return code

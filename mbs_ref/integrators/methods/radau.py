@@ -172,7 +172,7 @@ def advance_radau(model, work, options, run, y, outputs):
     search, table = event_tables(model)
     ends = step_ends(y, f, trial, np.empty_like(y))
     budget = run.steps + options.chunk
-    code = stepping.begin(model, work, run, y, f, table, options.max_events)
+    code = stepping.begin(model, work, options, run, y, f, table)
     if code != leg.RUNNING:
         return code
     if adaptive and run.h == 0.0:

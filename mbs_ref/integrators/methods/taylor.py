@@ -14,7 +14,7 @@ import numpy as np
 from mbs_ref.cores.series import MAX_ORDER, expansion_of, no_series
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
-from mbs_ref.integrators.loop.events import KEEP, RETRY, event_tables, has_events, watch
+from mbs_ref.integrators.loop.events import KEEP, RETRY, event_tables, has_events, watch_at
 from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.kernels.algebra.dense import all_finite
 from mbs_ref.kernels.jit import loop_jit
@@ -33,7 +33,7 @@ def advance_taylor(model, work, expanded, options, order, run, y, outputs):
     ends, is_new = step_ends(y, dy, y_new, dy_new), True
     ends.known[:] = 1
     budget, last = run.steps + options.chunk, outputs.times.shape[0] - 1
-    code = stepping.begin(model, work, run, y, dy, table, options.max_events)
+    code = stepping.begin(model, work, options, run, y, dy, table)
     while code == leg.RUNNING and run.steps < budget:
         if is_new:
             start_at(series, y)
@@ -48,7 +48,7 @@ def advance_taylor(model, work, expanded, options, order, run, y, outputs):
             return leg.NON_FINITE
         verdict = KEEP
         if has_events(table):
-            verdict = watch(model, work, attempt.t, attempt.h, ends, run, search, table)
+            verdict = watch_at(options.watch, model, work, attempt.t, attempt.h, ends, run, search, table)
             if verdict == RETRY:
                 continue
         while run.next_output < last and outputs.times[run.next_output] <= attempt.t_new:

@@ -84,14 +84,32 @@ def _call(place: int) -> Callable[..., Any]:
     def codegen(context, builder, kind, args):
         handle = builder.inttoptr(builder.extract_value(args[0], 0), ir.IntType(64).as_pointer())
         address = builder.load(cgutils.gep_inbounds(builder, handle, place))
-        function = context.call_conv.get_function_type(kind.return_type, kind.args)
-        callee = builder.inttoptr(address, function.as_pointer())
-        status, answer = context.call_conv.call_function(builder, callee, kind.return_type, kind.args, args)
-        with cgutils.if_unlikely(builder, status.is_error):
-            context.call_conv.return_status_propagate(builder, status)
-        return answer
+        return _call_at(context, builder, signature(kind.return_type, types.int64, *kind.args), [address, *args])
 
     return codegen
+
+
+def _call_at(context: Any, builder: Any, kind: Any, args: Any) -> Any:
+    """Emit the call of the code at the first argument, an address."""
+    takes, function = kind.args[1:], context.call_conv.get_function_type(kind.return_type, kind.args[1:])
+    callee = builder.inttoptr(args[0], function.as_pointer())
+    status, answer = context.call_conv.call_function(builder, callee, kind.return_type, takes, args[1:])
+    with cgutils.if_unlikely(builder, status.is_error):
+        context.call_conv.return_status_propagate(builder, status)
+    return answer
+
+
+def called_at(call: str, returns: Any, *takes: Any) -> Any:
+    """Return a function of this name and these parameters, the first of which is the address of the code that it calls.
+
+    That code takes the types `takes`; `address_of` returns where it begins.
+    """
+
+    def ask(typingctx, _address, *given):
+        fits = all(map(partial(_fits, typingctx), given, takes))
+        return (signature(returns, types.int64, *takes), _call_at) if fits else None
+
+    return intrinsic_of(call, ask)
 
 
 @jit
@@ -99,8 +117,8 @@ def _unanswered():
     raise RuntimeError("a question was asked that this system was not prepared for (System.prepare)")
 
 
-def _address(answer: Any, kind: Any) -> int:
-    """Return where the compiled code of an answer begins; compile it, or load it from the disk, if need be."""
+def address_of(answer: Any, kind: Any) -> int:
+    """Return where the code of a function of this signature begins; compile or load it if need be."""
     answer.compile(kind)
     compiled = answer.overloads[kind.args]
     return compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
@@ -112,7 +130,7 @@ def unanswered() -> np.ndarray:
 
     One function without arguments will do for all of them: it is the caller that clears the stack.
     """
-    return np.full(QUESTIONS, _address(_unanswered, signature(types.none)))
+    return np.full(QUESTIONS, address_of(_unanswered, signature(types.none)))
 
 
 def addresses(answers: Mapping[str, Any], model: type, work: type) -> tuple[np.ndarray, np.ndarray]:
@@ -125,7 +143,7 @@ def addresses(answers: Mapping[str, Any], model: type, work: type) -> tuple[np.n
     rows = []
     for name, answer in answers.items():
         place, kind = _asked[name]
-        rows.append((place, _address(answer, signature(*(own.get(x, x) for x in (kind.return_type, *kind.args))))))
+        rows.append((place, address_of(answer, signature(*(own.get(x, x) for x in (kind.return_type, *kind.args))))))
     places, where = np.array(rows, dtype=np.int64).reshape(-1, 2).T
     return places, where
 
