@@ -184,8 +184,7 @@ class Exudyn(Engine):
         return solver.advance_adaptive(model.model, plan, model.options)
 
     def collect(self, model: Built, plan: Plan, left: Left) -> Loop:
-        sampled = solver.sampled_fixed if plan.method.kind == "fixed" else solver.sampled_adaptive
-        rows, end = sampled(model.model, plan, left)
+        rows, end = solver.sampled(model.model, plan, left)
         model.left.append(left)
         return Loop(rows, end, left.steps, left.steps * STAGES.get(plan.method.name, 1))
 
@@ -196,8 +195,7 @@ class Exudyn(Engine):
         return model.model.reactions(states)
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
-        retried = [left.retried for left in model.left if left.retried]
-        return model.model.notes + tuple(f"sparse elimination stopped, and dense began anew: {why}" for why in retried)
+        return model.model.notes + tuple(why for left in model.left for why in left.retried)
 
 
 ENGINE = Exudyn

@@ -1,9 +1,11 @@
 """Exudyn's methods, and its solver with every option stated."""
 
 import re
-from dataclasses import dataclass
-from functools import reduce
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial, reduce
 from math import gcd
+from typing import Any
 
 import exudyn as exu
 import numpy as np
@@ -33,6 +35,7 @@ SOLVERS = {
     "tree_rk67": exu.DynamicSolverType.RK67,
     "tree_euler": exu.DynamicSolverType.ExplicitEuler,
 }
+IMPLICIT = {exu.DynamicSolverType.GeneralizedAlpha, exu.DynamicSolverType.TrapezoidalIndex2}
 # right-hand sides a step
 STAGES = {"contact_rk44": 4, "pair_contact_rk44": 4, "tree_rk44": 4, "tree_rk67": 9, "tree_euler": 1, "tree_dopri5": 7}
 SPATIAL, TOUCHING = frozenset({"spatial"}), frozenset({"contact"})
@@ -158,30 +161,51 @@ class Left:
 
     steps: int
     failure: str = ""  # why the solver stopped
-    rows: np.ndarray | None = None  # (n_t, n), adaptive methods: the states read between calls
+    rows: np.ndarray | None = None  # (n_t, n), of steps that Exudyn chose: the states read between calls
     samples: int = 0  # of rows
-    retried: str = ""  # why the run was repeated, with dense elimination
+    retried: tuple[str, ...] = ()  # why and how the run was repeated
 
 
 def advance_fixed(model, plan: Plan, options, *, loops: bool) -> Left:
     """Run the whole interval in one call; sensors record at a common divisor of the output intervals.
 
-    Where sparse elimination stops in a mechanism with loops, dense elimination starts again.
+    Where an implicit solver stops it starts again with what it offers against that: in a mechanism with loops dense
+    elimination, then, as by its default, steps that are halved where Newton's iteration fails, as at a jump of a force.
     """
     time = options.timeIntegration
     time.startTime, time.endTime, time.numberOfSteps = 0.0, float(plan.times[-1]), sum(plan.counts)
     options.solution.sensors.writePeriod = reduce(gcd, plan.counts) * plan.step
-    failure, retried = _solve(model, plan, options), ""
+    failure, retried = _solve(model, plan, options), []
     if failure and loops and options.linearSolver.solverType == exu.LinearSolverType.EigenSparse:
-        retried = failure
+        retried.append(f"sparse elimination stopped, and dense began anew: {failure}")
         eliminate(options, dense=True)
         failure = _solve(model, plan, options)
+    if failure and SOLVERS[plan.method.name] in IMPLICIT:
+        retried.append(f"fixed steps stopped, and steps that may be halved began anew: {failure}")
+        return replace(_halving(model, plan, options), retried=tuple(retried))
     # Exudyn's index points to the step to come
-    return Left(int(model.mbs.sys["dynamicSolver"].it.currentStepIndex) - 1, failure, retried=retried)
+    return Left(int(model.mbs.sys["dynamicSolver"].it.currentStepIndex) - 1, failure, retried=tuple(retried))
 
 
-def sampled_fixed(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
-    """Return what the sensors recorded at the output times, and how far that goes."""
+def _halving(model, plan: Plan, options) -> Left:
+    """Run an implicit method at steps that are halved where Newton's iteration fails, and grow again."""
+    options.timeIntegration.adaptiveStep = True
+    alpha = options.timeIntegration.generalizedAlpha
+    alpha.useIndex2Constraints = alpha.useNewmark = SOLVERS[plan.method.name] == exu.DynamicSolverType.TrapezoidalIndex2
+
+    def read(kind) -> np.ndarray:
+        return np.hstack([model.mbs.GetSensorValues(sensor, kind) for sensor in model.sensors])
+
+    return _output_by_output(model, plan, options, exu.MainSolverImplicitSecondOrder(), read)
+
+
+def sampled(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
+    """Return the states at the output times, and how far they go."""
+    return _recorded(model, plan, left) if left.rows is None else _read(plan, left.rows, left)
+
+
+def _recorded(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
+    """Return what the sensors recorded."""
     # all values of one sensor stand together, after its time
     data = [model.mbs.GetSensorStoredData(sensor) for sensor in model.sensors]
     at, values = data[0][:, 0], np.hstack([d[:, 1:] for d in data])
@@ -200,13 +224,18 @@ def sampled_fixed(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
 
 
 def advance_adaptive(model, plan: Plan, options) -> Left:
-    """Run one solver from output to output: it is initialised once, and lands on each."""
-    mbs, time = model.mbs, options.timeIntegration
+    """Run an explicit method at steps that Exudyn chooses."""
+    time = options.timeIntegration
     time.startTime, time.endTime, time.numberOfSteps = 0.0, float(plan.times[-1]), 1
     time.solverType = SOLVERS[plan.method.name]
+    return _output_by_output(model, plan, options, exu.MainSolverExplicit(), partial(_state, model.mbs))
+
+
+def _output_by_output(model, plan: Plan, options, solver, read: Callable[[Any], np.ndarray]) -> Left:
+    """Run one solver from output to output: it is initialised once, and lands on each, where `read` takes the state."""
+    mbs = model.mbs
     options.solution.sensors.active = False
-    solver = exu.MainSolverExplicit()
-    first = _state(mbs, exu.ConfigurationType.Initial)
+    first = read(exu.ConfigurationType.Initial)
     rows, steps, k = np.zeros((len(plan.times), len(first))), 0, 1
     rows[0] = first
     try:
@@ -215,7 +244,7 @@ def advance_adaptive(model, plan: Plan, options) -> Left:
             solver.it.endTime = stop
             done = solver.SolveSteps(mbs, options)
             steps += solver.it.currentStepIndex - 1  # it points to the step to come, and starts anew in each call
-            rows[k] = _state(mbs, exu.ConfigurationType.Current)
+            rows[k] = read(exu.ConfigurationType.Current)
             if not done or steps > plan.max_steps:
                 said = "" if done else f"exudyn's solver returned False at t = {mbs.systemData.GetTime():g} s"
                 return Left(steps, said, rows, k)
@@ -229,12 +258,12 @@ def _state(mbs, configuration) -> np.ndarray:
     return np.concatenate((data.GetODE2Coordinates(configuration), data.GetODE2Coordinates_t(configuration)))
 
 
-def sampled_adaptive(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
-    """Return the states read between calls, and how far they go."""
-    assert left.rows is not None
+def _read(plan: Plan, rows: np.ndarray, left: Left) -> tuple[np.ndarray, End]:
+    """Return what was read between calls."""
     if left.failure:
-        return left.rows, End(left.samples, Status.ENGINE_ERROR, left.failure)
+        status = Status.NOT_CONVERGED if left.retried else Status.ENGINE_ERROR
+        return rows, End(left.samples, status, left.failure)
     if left.samples < len(plan.times):
         said = f"max_steps = {plan.max_steps} exceeded at t = {plan.times[left.samples]:g} s"
-        return left.rows, End(left.samples, Status.TOO_MANY_STEPS, said)
-    return left.rows, End(left.samples)
+        return rows, End(left.samples, Status.TOO_MANY_STEPS, said)
+    return rows, End(left.samples)
