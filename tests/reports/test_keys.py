@@ -12,7 +12,6 @@ import pytest
 
 from cross_checks import engines, truths
 from cross_checks.engine import Engine
-from cross_checks.extremes import families
 from cross_checks.judge.answers import Question
 from cross_checks.records import store
 from cross_checks.truths import of
@@ -66,12 +65,6 @@ def modules_in(package: Any) -> list[str]:
     return [f"{package.__name__}.{info.name}" for info in pkgutil.iter_modules(package.__path__)]
 
 
-def extremes(monkeypatch) -> str:
-    """Return the key of a report's few extremes."""
-    monkeypatch.setattr(stored, "remembered", lambda store, key, kind, make: key)
-    return str(gather.Gathering(None).extreme_cells())  # type: ignore[arg-type]
-
-
 def capabilities(monkeypatch) -> str:
     """Return the key of what engines can model."""
     keys: list[str] = []
@@ -103,7 +96,6 @@ KEYS: dict[str, tuple[Callable[[Any], str], list[str]]] = {  # with modules whos
     "facts of a truth": (lambda _: stored.truth_key(SCENE),
                          ["cross_checks.judge.cell", "reports.facts.scene_facts", ADAPTER, *OF_TRUTHS[-1:]]),
     "facts of a scene": (lambda _: stored.scene_key(SCENE), ["reports.facts.scene_facts", *OF_TRUTHS[-1:]]),
-    "extremes": (extremes, ["cross_checks.extremes.run", ADAPTER, *modules_in(families)[::4]]),
     "capabilities": (capabilities, ["cross_checks.judge.capabilities", ADAPTER]),
     "kernels": (lambda _: compiling._key("plane"), [ADAPTER]),
     "study": (study_of_trust, ["reports.studies.trust"]),

@@ -84,7 +84,7 @@ def _add_surface(frames, linkage: Linkage, contact) -> None:
 def effective_mass(model: mujoco.MjModel, data: mujoco.MjData, geom: str, other: str) -> float:
     """Return 1/(J M^-1 J^T) (kg) of a sphere's normal on another geom at the pose of the data, loops left open."""
     geoms = [data.geom(name) for name in (geom, other)]
-    flat = model.geom(other).type in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_BOX)
+    flat = model.geom_type[geoms[1].id] in (int(mujoco.mjtGeom.mjGEOM_PLANE), int(mujoco.mjtGeom.mjGEOM_BOX))
     normal = geoms[1].xmat.reshape(3, 3)[:, 2] if flat else unit(geoms[0].xpos - geoms[1].xpos)
     place = geoms[0].xpos - model.geom(geoms[0].id).size[0] * normal
     row, jacobian, solved = np.zeros((1, model.nv)), np.empty((3, model.nv)), np.empty((1, model.nv))

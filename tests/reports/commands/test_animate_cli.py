@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from PIL import Image, ImageChops
 
 from reports.cli import main
+from reports.film.files import STRIP
 
 
 def animate(*words: str):
@@ -23,7 +24,8 @@ def test_a_scene_moves_in_its_gif(scene, tmp_path):
     assert found.stdout.split() == [str(target), str(target.with_suffix(".png"))]
     with Image.open(target) as film, Image.open(target.with_suffix(".png")) as strip:
         assert film.n_frames == 5
-        assert strip.width == 3 * film.width
+        assert strip.width % 3 == 0
+        assert strip.width == 3 * film.width if 3 * film.width <= STRIP else strip.width > STRIP - 6
         first = film.convert("RGB")
         film.seek(4)
         assert ImageChops.difference(first, film.convert("RGB")).getbbox() is not None
