@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 from cross_checks.records.numbers import metres, short
 from cross_checks.records.record import Record
@@ -386,44 +387,62 @@ def test_a_satellite_swings_as_the_linear_theory_says_and_a_large_swing_keeps_to
 
 
 def test_places_in_the_sky_are_compared_with_those_of_another_ephemeris(monkeypatch):
-    rng = np.random.default_rng(4)
-    theirs = {name: 1e11 * rng.normal(size=3) for name in ("sun", "mercury", "earth", "moon", "mars", "jupiter")}
+    rng, source = np.random.default_rng(4), "cross_checks.ephemerides.astropy_"
+    theirs = {name: rng.normal(size=(2, 3)) for name in ("sun", "mercury", "earth", "moon", "mars", "jupiter")}
+    directions = {"sun": np.array((1.0, 2.0, 2.0)), "moon": np.array((2.0, -1.0, 2.0))}
     dates: list[float] = []
+
+    def at(name: str, jd: float) -> np.ndarray:
+        return 1e11 * (theirs[name][0] + 0.01 * (jd - 2_451_545.0) * theirs[name][1])
 
     def place(source: str, name: str, jd: float) -> np.ndarray:
         dates.append(jd)
-        return theirs[name]
+        return at(name, jd)
 
-    astropy: Any = SimpleNamespace(place=place)
-    scene = scenes.make("solar_system", days=200.0, start="1998-01-01")
-    path = Runs(3)(scene)
-    path.position[-1] *= 1e11
-    monkeypatch.setattr(pairs, "simulate", lambda scene, settings, times: path)
-    (rows,) = pairs._planets(astropy, 200.0).values()
-    ours = dict(zip(scene.body_names, path.position[-1], strict=True))
-    assert [row["body"] for row in rows] == [n for n in scene.body_names if n in theirs and n not in ("sun", "pluto")]
-    for row in rows:
-        name = str(row["body"])
-        center = "earth" if name == "moon" else "sun"
-        true = theirs[name] - theirs[center]
-        apart = np.linalg.norm(ours[name] - ours[center] - true)
-        assert row["apart"] == metres(apart)
-        assert row["figures"] == pytest.approx(-np.log10(apart / np.linalg.norm(true)))
-    assert set(dates) == {julian_date("1998-01-01") + 200.0}
-    for name, direction in (("sun_place", (1.0, 2.0, 2.0)), ("moon_place", (2.0, -1.0, 2.0))):
+    names = scenes.make("solar_system").body_names
+    ends = {days: 1e11 * rng.normal(size=(len(names), 3)) for days in pairs.DAYS}
 
-        def put(days: float, out: np.ndarray, direction: Any = direction) -> None:
-            out[:] = np.array(direction) * (1.0 + days)
+    def run(scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:
+        path = Runs(3)(scene, settings, times)
+        days = float(scene.parameters["days"])
+        assert times[-1] == scene.duration == 86_400.0 * days
+        assert scene.parameters["start"] == "1998-01-01"
+        path.position[-1] = ends[days]
+        return path
 
-        monkeypatch.setattr(pairs, name, put)
-    dates.clear()
-    (rows,) = pairs._sun_and_moon(astropy, 100.0).values()
-    for row, direction in zip(rows, ((1.0, 2.0, 2.0), (2.0, -1.0, 2.0)), strict=True):
-        mine, true = 101.0 * np.array(direction), theirs[str(row["body"])] - theirs["earth"]
-        angle = math.acos(mine @ true / np.linalg.norm(mine) / np.linalg.norm(true))
-        assert row["apart"] == f"{short(angle)} rad"
-        assert row["figures"] == pytest.approx(-np.log10(np.linalg.norm(mine - true) / np.linalg.norm(true)))
-    assert set(dates) == {2_451_545.0 + 100.0}
+    def put(direction: np.ndarray, days: float, out: np.ndarray) -> None:
+        out[:] = direction * (1.0 + days)
+
+    monkeypatch.setitem(sys.modules, source, SimpleNamespace(place=place))
+    monkeypatch.setattr(pairs, "simulate", run)
+    for name, direction in directions.items():
+        monkeypatch.setattr(pairs, f"{name}_place", partial(put, direction))
+    found = pairs.sky_places()
+    planets, moons = list(found.items())[: len(pairs.DAYS)], list(found.items())[len(pairs.DAYS) :]
+    for (title, rows), days in zip(planets, pairs.DAYS, strict=True):
+        assert title.endswith(f", day {days:g}")
+        ours, jd = dict(zip(names, ends[days], strict=True)), julian_date("1998-01-01") + days
+        assert [row["body"] for row in rows] == [n for n in names if n in theirs and n not in ("sun", "pluto")]
+        for row in rows:
+            name = str(row["body"])
+            center = "earth" if name == "moon" else "sun"
+            true = at(name, jd) - at(center, jd)
+            apart = np.linalg.norm(ours[name] - ours[center] - true)
+            assert row["apart"] == metres(apart)
+            assert row["figures"] == pytest.approx(-np.log10(apart / np.linalg.norm(true)))
+    for (title, rows), days in zip(moons, pairs.SATELLITE_DAYS, strict=True):
+        assert title.endswith(f", day {days:g}")
+        jd = 2_451_545.0 + days
+        for row, (name, direction) in zip(rows, directions.items(), strict=True):
+            assert row["body"] == name
+            mine, true = (1.0 + days) * direction, at(name, jd) - at("earth", jd)
+            angle = math.acos(mine @ true / np.linalg.norm(mine) / np.linalg.norm(true))
+            assert row["apart"] == f"{short(angle)} rad"
+            assert row["figures"] == pytest.approx(-np.log10(np.linalg.norm(mine - true) / np.linalg.norm(true)))
+    starts = {julian_date("1998-01-01"): pairs.DAYS, 2_451_545.0: pairs.SATELLITE_DAYS}
+    assert set(dates) == {start + days for start, every in starts.items() for days in every}
+    monkeypatch.setitem(sys.modules, source, None)  # it is not installed
+    assert pairs.sky_places() == {}
 
 
 def test_a_splitting_method_loses_energy_and_the_moon(monkeypatch):
@@ -441,13 +460,32 @@ def test_a_splitting_method_loses_energy_and_the_moon(monkeypatch):
     assert measured.figures == {}
 
 
+def about(axis: int, angle: float) -> np.ndarray:
+    """Return the matrix to components in axes that are turned by an angle about one of them."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.roll([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]], axis, (0, 1))
+
+
 def test_turned_axes_and_elevations():
-    """Axes turn as SciPy turns them; the zenith of a station is its normal, not its radius."""
+    """Axes turn by the matrices of a textbook; the zenith of a station is its normal, not its radius."""
     rng = np.random.default_rng(2)
     angles, places = rng.uniform(-3.0, 3.0, 6), 7e6 * rng.normal(size=(6, 3))
-    for axis in range(3):
-        turns = Rotation.from_rotvec(angles[:, None] * np.eye(3)[axis])
-        assert frames._about(axis, angles, places) == pytest.approx(turns.inv().apply(places))
+    for axis, name in enumerate("xyz"):
+        expected = [about(axis, angle) @ place for angle, place in zip(angles, places, strict=True)]
+        assert frames._about(name, angles, places) == pytest.approx(np.array(expected))
+    days = 36_525.0 * rng.uniform(-30.0, 30.0, 6)
+    for level, turn in ((0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0)):
+        expected = []
+        for place, since in zip(places, days, strict=True):
+            powers = (since / 36_525.0) ** np.arange(3)
+            gamma, phi, psi, eps = np.radians(frames.SERIES["precession"] @ powers / 3600.0) * level
+            angle = math.tau * (0.7790572732640 + 1.00273781191135448 * since)
+            angle += math.radians(frames.SERIES["sidereal"] @ powers / 3600.0) * level
+            expected.append(about(2, turn * angle) @ about(0, -eps) @ about(2, -psi) @ about(0, phi) @ about(2, gamma)
+                            @ place)  # fmt: skip
+        assert frames.turned(places, 2_451_545.0 + days, level, turn) == pytest.approx(
+            np.array(expected), rel=1e-9, abs=0.1
+        )
     longitude, latitude = rng.uniform(-1.0, 1.0, 2)
     a, flattening = 6_378_137.0, 1.0 / 298.257223563
     e2 = flattening * (2.0 - flattening)
