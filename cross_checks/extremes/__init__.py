@@ -27,7 +27,7 @@ from mbs_ref.scene.parameters import FORMULA
 
 DATA = tomllib.loads((files(__name__) / "extremes.toml").read_text(encoding="utf-8"))
 LISTED, QUICK = DATA["extremes"], DATA["quick"]
-MAP = Path(str(files(__name__))) / "data" / "map.jsonl"  # the cells of the last run over all families
+MAP = Path(str(files(__name__))) / "data" / "map.jsonl"  # the cells of the last dated runs
 
 
 @cache

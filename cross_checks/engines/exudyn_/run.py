@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial, reduce
 from math import gcd
-from typing import Any
 
 import exudyn as exu
 import numpy as np
@@ -193,8 +192,8 @@ def _halving(model, plan: Plan, options) -> Left:
     alpha = options.timeIntegration.generalizedAlpha
     alpha.useIndex2Constraints = alpha.useNewmark = SOLVERS[plan.method.name] == exu.DynamicSolverType.TrapezoidalIndex2
 
-    def read(kind) -> np.ndarray:
-        return np.hstack([model.mbs.GetSensorValues(sensor, kind) for sensor in model.sensors])
+    def read() -> np.ndarray:
+        return np.hstack([model.mbs.GetSensorValues(sensor) for sensor in model.sensors])
 
     return _output_by_output(model, plan, options, exu.MainSolverImplicitSecondOrder(), read)
 
@@ -231,20 +230,20 @@ def advance_adaptive(model, plan: Plan, options) -> Left:
     return _output_by_output(model, plan, options, exu.MainSolverExplicit(), partial(_state, model.mbs))
 
 
-def _output_by_output(model, plan: Plan, options, solver, read: Callable[[Any], np.ndarray]) -> Left:
+def _output_by_output(model, plan: Plan, options, solver, read: Callable[[], np.ndarray]) -> Left:
     """Run one solver from output to output: it is initialised once, and lands on each, where `read` takes the state."""
     mbs = model.mbs
     options.solution.sensors.active = False
-    first = read(exu.ConfigurationType.Initial)
+    solver.InitializeSolver(mbs, options)
+    first = read()
     rows, steps, k = np.zeros((len(plan.times), len(first))), 0, 1
     rows[0] = first
     try:
-        solver.InitializeSolver(mbs, options)
         for k, stop in enumerate(plan.times[1:].tolist(), start=1):
             solver.it.endTime = stop
             done = solver.SolveSteps(mbs, options)
             steps += solver.it.currentStepIndex - 1  # it points to the step to come, and starts anew in each call
-            rows[k] = read(exu.ConfigurationType.Current)
+            rows[k] = read()
             if not done or steps > plan.max_steps:
                 said = "" if done else f"exudyn's solver returned False at t = {mbs.systemData.GetTime():g} s"
                 return Left(steps, said, rows, k)
@@ -253,9 +252,8 @@ def _output_by_output(model, plan: Plan, options, solver, read: Callable[[Any], 
     return Left(steps, "", rows, len(rows))
 
 
-def _state(mbs, configuration) -> np.ndarray:
-    data = mbs.systemData
-    return np.concatenate((data.GetODE2Coordinates(configuration), data.GetODE2Coordinates_t(configuration)))
+def _state(mbs) -> np.ndarray:
+    return np.concatenate((mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates_t()))
 
 
 def _read(plan: Plan, rows: np.ndarray, left: Left) -> tuple[np.ndarray, End]:

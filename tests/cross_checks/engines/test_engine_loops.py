@@ -66,9 +66,12 @@ def test_exudyn_generalized_alpha_passes_and_the_trapezoidal_rule_does_not_every
     good = run("exudyn", "generalized_alpha", FOUR_BAR, step=2.5e-3, samples=11)
     assert good.ok
     assert tip_error(good) < 1e-3
-    stopped = run("exudyn", "trapezoidal", FOUR_BAR, step=1e-3, samples=101)
+    halved = run("exudyn", "trapezoidal", FOUR_BAR, step=1e-3, samples=101)
+    assert any("steps that may be halved began anew" in note for note in halved.notes)
+    assert tip_error(halved) < 1e-3
+    stopped = run("exudyn", "trapezoidal", FOUR_BAR, step=2.5e-4, samples=101)
     assert stopped.status is Status.NOT_CONVERGED
-    assert "SolveDynamic terminated at t = " in stopped.message
+    assert "t = " in stopped.message
     assert 0 < len(stopped.times) < 101
     assert np.abs(constraint_residual(FOUR_BAR, stopped)).max() < 1e-3
 
