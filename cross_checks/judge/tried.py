@@ -109,7 +109,7 @@ class Tried(Search):
     def representative(self, is_wrong: bool = False) -> Record | None:
         """Return the run that represents the method: the finest in agreement, else the finest that succeeded.
 
-        Of a method that is classified as wrong, it is the run from whose error it is.
+        Of a method that is classified as wrong, it is the run that has the error which the verdict states.
         """
         good, shown = self.good, self.shown()
         if is_wrong and shown is not None:
@@ -182,6 +182,7 @@ def first_knob(scene: Scene, method: Method) -> float:
 
 def _result(tried: Tried, target: float, settled: bool) -> TargetResult:
     """Return what became of a target, from all runs within the work limit and a verdict that is settled or not."""
+    # a step is shortened to divide the outputs, so that the finest one may be beyond the work limit by a percent
     good, most, least = tried.good, 1.01 * tried.most_steps, 0.99 * tried.finest if tried.kind == "fixed" else math.inf
     records = [tried.records[point.knob] for point in good if point.knob >= least or point.steps <= most]
     if isinstance(tried.truth, NoTruth):

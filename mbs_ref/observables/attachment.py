@@ -7,6 +7,7 @@ import numpy as np
 
 from mbs_ref import scene as parts
 from mbs_ref.scene import GROUND, PlanarBody, PointMass
+from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.euler_parameters import floats, rotation_matrices
 from mbs_ref.trajectory import Trajectory
 
@@ -96,11 +97,6 @@ class Motion:
 def _swing(omega: np.ndarray, arm: np.ndarray) -> np.ndarray:
     """Return omega x arm (n_t, dimension)."""
     return np.cross(omega, arm) if arm.shape[1] == 3 else omega[:, None] * (arm @ PERP.T)
-
-
-def unit(vector) -> np.ndarray:
-    """Return the vector at length one."""
-    return floats(vector) / np.linalg.norm(floats(vector))
 
 
 def perpendiculars(axis) -> tuple[np.ndarray, np.ndarray]:

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.observables.attachment import PERP, Motion, length_of, perpendiculars, unit
+from mbs_ref.observables.attachment import PERP, Motion, length_of, perpendiculars
 from mbs_ref.scene import Scene, SpatialBody, joints
+from mbs_ref.scene.base.part import unit
 from mbs_ref.scene.euler_parameters import from_axis_angle, product, rotation_matrices
 from mbs_ref.scene.signals import prescribed
 from mbs_ref.trajectory import Trajectory

@@ -85,18 +85,18 @@ def test_methods_that_are_chosen_are_the_only_ones_and_unknown_ones_are_named():
 
 @pytest.mark.parametrize("again", [False, True])
 def test_times_are_measured_of_what_the_store_lacks_and_all_again_where_requested(monkeypatch, again):
-    runs, told = [run_of("rk4", 0.1 * k) for k in range(1, 5)], []
+    runs, reported = [run_of("rk4", 0.1 * k) for k in range(1, 5)], []
     monkeypatch.setattr(timing, "machine", lambda: "box")
     monkeypatch.setattr(timing.Isolated, "__call__", lambda self, function, scene, engine, settings, held: (
         [*held, 9.0 + settings.step], 1.0))  # fmt: skip
     with Store() as store:
         for run in runs[:2]:
             store.keep_timings(timing._key(SCENE, run), "box", [7.0, 7.1, 7.2])
-        found = timing.timed_all(store, runs, lambda done, total, what: told.append((done, total)), again)
+        found = timing.timed_all(store, runs, lambda done, total, what: reported.append((done, total)), again)
     assert found.keys() == {id(run) for run in runs}
     expected = [9.0 + run.settings["step"] if again or k > 1 else 7.0 for k, run in enumerate(runs)]
     assert [found[id(run)].times["loop_s"] for run in runs] == pytest.approx(expected)
-    assert told == [(k, 4 if again else 2) for k in range(4 if again else 2)]
+    assert reported == [(k, 4 if again else 2) for k in range(4 if again else 2)]
 
 
 def test_a_sample_is_the_loop_and_the_share_of_the_processor_while_it_ran(monkeypatch):

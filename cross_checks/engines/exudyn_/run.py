@@ -234,11 +234,10 @@ def _output_by_output(model, plan: Plan, options, solver, read: Callable[[], np.
     """Run one solver from output to output: it is initialised once, and lands on each, where `read` takes the state."""
     mbs = model.mbs
     options.solution.sensors.active = False
-    solver.InitializeSolver(mbs, options)
-    first = read()
-    rows, steps, k = np.zeros((len(plan.times), len(first))), 0, 1
-    rows[0] = first
+    rows, steps, k = np.zeros((len(plan.times), len(read()))), 0, 0
     try:
+        solver.InitializeSolver(mbs, options)
+        rows[0] = read()
         for k, stop in enumerate(plan.times[1:].tolist(), start=1):
             solver.it.endTime = stop
             done = solver.SolveSteps(mbs, options)
@@ -259,7 +258,7 @@ def _state(mbs) -> np.ndarray:
 def _read(plan: Plan, rows: np.ndarray, left: Left) -> tuple[np.ndarray, End]:
     """Return what was read between calls."""
     if left.failure:
-        status = Status.NOT_CONVERGED if left.retried else Status.ENGINE_ERROR
+        status = Status.NOT_CONVERGED if plan.method.kind == "fixed" else Status.ENGINE_ERROR
         return rows, End(left.samples, status, left.failure)
     if left.samples < len(plan.times):
         said = f"max_steps = {plan.max_steps} exceeded at t = {plan.times[left.samples]:g} s"

@@ -87,9 +87,8 @@ def _crash(scene: Scene, path: Trajectory, last: Scene, fullest: Trajectory) -> 
     result, reference = crash_results(scene, path), crash_results(last, fullest)
     travel, most = (float(np.abs(one.head_excursion[:, 0]).max()) for one in (result, reference))
     measures = {name: result.measures[name] for name in ("HIC36", "Nij")}
-    return measures | {"head's travel, m": travel, "passes through, m": max(deepest(scene, path), 0.0)}, _digits(
-        travel, most
-    )
+    measures |= {"head's travel, m": travel, "passes through, m": max(deepest(scene, path), 0.0)}
+    return measures, _digits(travel, most)
 
 
 def _drive(scene: Scene, path: Trajectory, last: Scene, fullest: Trajectory) -> tuple[dict[str, float], float | None]:

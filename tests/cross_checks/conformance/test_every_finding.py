@@ -208,11 +208,11 @@ def test_repeatability_counts_for_every_engine_in_its_turn(monkeypatch):
         for k in range(2)
         for e in "ba"
     ]
-    told: list[tuple[int, int, str]] = []
+    reported: list[tuple[int, int, str]] = []
     monkeypatch.setattr(repeatability, "_made", lambda cases, function, threads=1: {
         one.name: ("stops",) * 2 if function is repeatability.twice else "stops" for one in cases})  # fmt: skip
-    rows = repeatability.measured(made, lambda *given: told.append(given))  # type: ignore[arg-type]
-    assert told == [(0, 4, "b"), (2, 4, "a")]
+    rows = repeatability.measured(made, lambda *given: reported.append(given))  # type: ignore[arg-type]
+    assert reported == [(0, 4, "b"), (2, 4, "a")]
     assert [(row["engine"], row["scene"], row["stopped"]) for row in rows] == [
         ("b", "s0", "stops"), ("b", "s1", "stops"), ("a", "s0", "stops"), ("a", "s1", "stops")]  # fmt: skip
     run = ended().path

@@ -97,9 +97,9 @@ def test_the_median_factor_is_the_same_on_every_page(seed):
     shown = {engine: f"{short(median(own))} ×" for engine, own in expected.items() if own}
     rows = next(block["rows"] for block in profiles(data)["blocks"] if block["error"] == short(MIDDLE))
     assert {row["engine"]: row["median"] for row in rows} == {e: f for e, f in shown.items() if e != OURS}
-    told = {line.engine: line.pace for line in advice(data) if line.pace}
-    assert {engine: text.split(" the time")[0] for engine, text in told.items()} == shown
-    for engine, text in told.items():
+    paces = {line.engine: line.pace for line in advice(data) if line.pace}
+    assert {engine: text.split(" the time")[0] for engine, text in paces.items()} == shown
+    for engine, text in paces.items():
         assert text.endswith(f"(median of {count(len(expected[engine]), 'scene')})")
     text = board(data).decode()
     listed = {e: re.search(rf'id="rank-1e-6-{e}".*?([\d.e-]+ ×)</td></tr>', text) for e in shown}
