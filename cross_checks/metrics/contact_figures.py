@@ -5,8 +5,7 @@ touches, or never leaves, or never rests) are left out.
 """
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.spatial.transform import Rotation
+import scipy
 
 from mbs_ref import Trajectory
 from mbs_ref.observables.attachment import Motion
@@ -112,7 +111,7 @@ def _at_surface(motion: Motion, contact, pair: tuple[int, int], limit: int) -> t
     inside = np.flatnonzero(gap_of(_continued(motion, pair, near, grid), contact)[0] <= 0.0)
     if not len(inside) or inside[0] == 0:
         return None
-    time = float(brentq(gap, *grid[inside[0] - 1 : inside[0] + 1], xtol=1e-300, rtol=1e-15))  # type: ignore[arg-type]
+    time = float(scipy.optimize.brentq(gap, *grid[inside[0] - 1 : inside[0] + 1], xtol=1e-300, rtol=1e-15))  # type: ignore[arg-type]
     there, side = _continued(motion, pair, near, np.array([time])), np.ones(1)
     if isinstance(contact, RoundPair):
         side = there.point(contact.body_a, contact.center_a)[0][0] - there.point(contact.body_b, contact.center_b)[0][0]
@@ -131,8 +130,10 @@ def _continued(motion: Motion, pair: tuple[int, int], near: int, times: np.ndarr
     if motion.scene.dimension == 2:
         orientation = path.orientation[near] + turned
     else:
-        own = Rotation.from_quat(path.orientation[near], scalar_first=True)
-        orientation = np.array([(Rotation.from_rotvec(each) * own).as_quat(scalar_first=True) for each in turned])
+        own = scipy.spatial.transform.Rotation.from_quat(path.orientation[near], scalar_first=True)
+        orientation = np.array(
+            [(scipy.spatial.transform.Rotation.from_rotvec(each) * own).as_quat(scalar_first=True) for each in turned]
+        )
     rates = path.velocity[near] + after * change[0], path.angular_velocity[near] + turn * change[1]
     return Motion(motion.scene, Trajectory(times, moved, orientation, *rates))
 

@@ -4,6 +4,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy
 
 from mbs_ref.cores.builder import Builder, assembled, ends, forces, torsion_springs
 from mbs_ref.cores.jointed_system import JointedSystem
@@ -233,9 +234,7 @@ class SpatialSystem(JointedSystem):
         kept = every - int(np.sum(loops.count - loops.most))
         if kept == every:
             return np.arange(every)
-        from scipy.linalg import qr  # takes long to import
-
-        order = qr(self.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
+        order = scipy.linalg.qr(self.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
         return np.sort(order[:kept])
 
     def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:

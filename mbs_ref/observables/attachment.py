@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from mbs_ref import scene as parts
 from mbs_ref.scene import GROUND, PlanarBody, PointMass
@@ -151,9 +152,7 @@ def bushing_strain(motion: Motion, bushing: parts.Bushing) -> tuple[np.ndarray, 
     here, there = (np.stack([motion.direction(body, e)[0] for e in frame.T], axis=2) for body, frame in ends)
     (a, a_rate), (b, b_rate) = (motion.point(end, at) for end, at in zip(bushing.ends, bushing.marks, strict=True))
     carried = np.cross(motion.turning(bushing.body_a), b - a)
-    from scipy.spatial.transform import Rotation  # takes long to import
-
-    relative = Rotation.from_matrix(np.swapaxes(here, 1, 2) @ there).as_rotvec()
+    relative = scipy.spatial.transform.Rotation.from_matrix(np.swapaxes(here, 1, 2) @ there).as_rotvec()
     seen = [b - a, b_rate - a_rate - carried, motion.turning(bushing.body_b) - motion.turning(bushing.body_a)]
     offset, offset_rate, spin = (np.einsum("tij,ti->tj", here, v) for v in seen)
     return np.concatenate((offset, relative), axis=1), np.concatenate((offset_rate, spin), axis=1)

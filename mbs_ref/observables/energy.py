@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 
 from mbs_ref import scene as parts
 from mbs_ref.observables import celestial
@@ -162,16 +163,12 @@ def _is_smooth(scene: Scene, trajectory: Trajectory) -> bool:
 
 
 def _trapezoids(times: np.ndarray, power: np.ndarray) -> np.ndarray:
-    from scipy.integrate import cumulative_trapezoid  # half of what importing mbs_ref would take
-
-    return cumulative_trapezoid(power, times, initial=0.0)
+    return scipy.integrate.cumulative_trapezoid(power, times, initial=0.0)
 
 
 def _splines(times: np.ndarray, power: np.ndarray) -> np.ndarray:
     degree = min(5, (len(times) - 1) // 2 * 2 - 1)
-    from scipy.interpolate import make_interp_spline
-
-    primitive = make_interp_spline(times, power, k=degree).antiderivative()
+    primitive = scipy.interpolate.make_interp_spline(times, power, k=degree).antiderivative()
     return primitive(times) - primitive(times[0])
 
 

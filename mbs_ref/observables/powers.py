@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
 from mbs_ref import scene as parts
 from mbs_ref.observables.attachment import Motion, bushing_strain, gap_of, length_of, pull_of, twist_of
@@ -23,10 +24,8 @@ class Touching(NamedTuple):
 
 def touching_granules(part: Granules, position: np.ndarray) -> Touching:
     """Return what touches where the centres are at `position` (n_bodies, dimension), m."""
-    from scipy.spatial import KDTree  # a large import for few
-
     radius = np.broadcast_to(part.radius, len(position))
-    pairs = KDTree(position).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
+    pairs = scipy.spatial.KDTree(position).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
     pairs = pairs[np.all(radius[pairs] > 0.0, axis=1)]
     apart = position[pairs[:, 0]] - position[pairs[:, 1]]
     distance = np.linalg.norm(apart, axis=1)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Any
 
+import scipy
 from pydantic import Field
 
 from mbs_ref.scene import PlanarBody, Scene
@@ -41,8 +42,6 @@ def _tilt(height: float, sink: float, pull: float) -> float:
     With x, y of a corner from the centre and its force proportional to its depth: sum (x + pull y) depth = 0.
     """
 
-    from scipy.optimize import root_scalar  # takes long to import
-
     def moment(tilt: float) -> float:
         c, s = math.cos(tilt), math.sin(tilt)
         left, right = 0.5 * (sink + LENGTH * s), 0.5 * (sink - LENGTH * s)
@@ -50,7 +49,9 @@ def _tilt(height: float, sink: float, pull: float) -> float:
         y = 0.5 * LENGTH * s * (right - left) - 0.5 * height * c * (left + right)
         return x + pull * y
 
-    return float(root_scalar(moment, bracket=(-0.1, 0.1), xtol=1e-18, rtol=1e-15).root) if height else 0.0
+    return (
+        float(scipy.optimize.root_scalar(moment, bracket=(-0.1, 0.1), xtol=1e-18, rtol=1e-15).root) if height else 0.0
+    )
 
 
 def _resting_block(

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import root_scalar
+import scipy
 
 from cross_checks.truths.made_by.mechanisms.unilateral import line_motion, line_of, one_sided
 from cross_checks.truths.made_by.numerics.closed_forms import integral
@@ -94,7 +94,7 @@ def _power(stiffness: float, damping: float, exponent: float, mass: float, speed
     def late(w: float) -> float:
         return _lag(math.expm1(-w), -w) / lag - 1.0
 
-    w = float(root_scalar(late, bracket=(0.0, lag + 1.0), xtol=1e-300, rtol=1e-15).root)
+    w = float(scipy.optimize.root_scalar(late, bracket=(0.0, lag + 1.0), xtol=1e-300, rtol=1e-15).root)
     e = -math.expm1(-w) / big
     scale = power * mass * stiffness / damping**2
     # dt = -m dv / F along the phase curve, over d' from v0 to -e v0; the ends are integrable

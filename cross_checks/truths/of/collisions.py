@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from cross_checks.truths.made_by.mechanisms.unilateral import Unilateral, line_motion, line_of, one_sided
 from cross_checks.truths.made_by.numerics.closed_forms import integral
@@ -85,7 +85,7 @@ def _central(omega2: float, normal: float, tangential: float) -> Encounter:
 
     if square(1e-6 * REACH) >= 0.0:
         raise OutsideDomainError("the spheres are so soft that their centres meet: the contact does not stop them")
-    least: Any = brentq(square, 1e-6 * REACH, REACH * (1.0 - 1e-15), xtol=1e-17, rtol=np.float64(1e-15))
+    least: Any = scipy.optimize.brentq(square, 1e-6 * REACH, REACH * (1.0 - 1e-15), xtol=1e-17, rtol=np.float64(1e-15))
     span = REACH - least
 
     def slope(r: float) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import expm
+import scipy
 
 from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.truth import Truth, unturned
@@ -35,7 +35,7 @@ def suspension_rig(scene: Scene, times: np.ndarray) -> Truth:
     system[2, 4:6] = tire / wheel * drive.amplitude * np.array([-1.0, 1.0])  # y = amplitude (cos(w t) - 1)
     system[5:, 5:] = drive.omega * np.array([[0.0, -1.0], [1.0, 0.0]])
     start = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
-    states = np.array([expm(system * t) @ start for t in times])
+    states = np.array([scipy.linalg.expm(system * t) @ start for t in times])
     rise = np.column_stack((drive.amplitude * (states[:, 5] - 1.0), states[:, :2]))
     rate = np.column_stack((-drive.amplitude * drive.omega * states[:, 6], states[:, 2:4]))
     position = np.array([body.position for body in scene.bodies]) + np.stack((0.0 * rise, rise), axis=2)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import root_scalar
+import scipy
 
 from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.truth import NoTruth, Truth
@@ -81,7 +81,7 @@ def _landing(seat: Shaker, flight: Flight) -> float:
     before = flight.t0 + look
     while gap(before + look) > 0.0:
         before += look
-    return float(root_scalar(gap, bracket=(before, before + look), xtol=1e-16, rtol=1e-15).root)
+    return float(scipy.optimize.root_scalar(gap, bracket=(before, before + look), xtol=1e-16, rtol=1e-15).root)
 
 
 def ball_on_driven_seat(scene: Scene, times: np.ndarray) -> Truth | NoTruth:

@@ -9,16 +9,19 @@ Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindma
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.integrate import LSODA
+import scipy
 
 from mbs_ref.integrators.loop.leg import Integrator, Leg, Options, Progress
 from mbs_ref.integrators.loop.multistep import Ending, MultistepLeg
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
+    from scipy.integrate import LSODA
+
     from mbs_ref.cores.system import System
 
 TIGHTEST = 100.0 * np.finfo(float).eps  # relative tolerance: SciPy takes none tighter, and warns
@@ -64,42 +67,50 @@ def _start(leg: MultistepLeg) -> LSODA:
     """Return a solver from where the leg is to its end, where a pulse is zero: its ends must not make a step."""
     options, end = leg.options, float(leg.times[-1])
     if options.project:
-        return _OnConstraints(leg.system, options, leg.t, leg.now, end, leg.longest)
-    return LSODA(leg.system.derivative, leg.t, leg.now, end, max_step=leg.longest, **_tolerances(options))
+        return _on_constraints()(leg.system, options, leg.t, leg.now, end, leg.longest)
+    return scipy.integrate.LSODA(
+        leg.system.derivative, leg.t, leg.now, end, max_step=leg.longest, **_tolerances(options)
+    )
 
 
 def _tolerances(options: Options) -> dict[str, Any]:
     return {"rtol": max(options.rtol, TIGHTEST), "atol": options.atol}
 
 
-class _OnConstraints(LSODA):
-    """Integrates z' = f(P(z)), P the projection, and gives y = P(z) at steps and between them.
+@functools.cache
+def _on_constraints() -> type:
+    class OnConstraints(scipy.integrate.LSODA):
+        """Integrates z' = f(P(z)), P the projection, and gives y = P(z) at steps and between them.
 
-    f is smooth through singular poses on the constraints alone; z, which carries LSODA's history, may drift off
-    them by the tolerance, y may not.
-    """
+        f is smooth through singular poses on the constraints alone; z, which carries LSODA's history, may drift off
+        them by the tolerance, y may not.
+        """
 
-    def __init__(self, system: System, options: Options, t: float, y: np.ndarray, t_end: float, longest: float) -> None:
-        self.system, self.tolerance = system, options.projection_tolerance
-        super().__init__(self._derivative, t, y, t_end, max_step=longest, **_tolerances(options))
+        def __init__(
+            self, system: System, options: Options, t: float, y: np.ndarray, t_end: float, longest: float
+        ) -> None:
+            self.system, self.tolerance = system, options.projection_tolerance
+            super().__init__(self._derivative, t, y, t_end, max_step=longest, **_tolerances(options))
 
-    def _derivative(self, t: float, z: np.ndarray) -> np.ndarray:
-        return self.system.derivative(t, self._onto(t, z))
+        def _derivative(self, t: float, z: np.ndarray) -> np.ndarray:
+            return self.system.derivative(t, self._onto(t, z))
 
-    def _onto(self, t: float, z: np.ndarray) -> np.ndarray:
-        y = np.array(z)
-        self.system.project(t, y, self.tolerance)
-        return y
+        def _onto(self, t: float, z: np.ndarray) -> np.ndarray:
+            y = np.array(z)
+            self.system.project(t, y, self.tolerance)
+            return y
 
-    def _step_impl(self) -> tuple[bool, str | None]:
-        ended = super()._step_impl()
-        if ended[0] and np.isfinite(self.y).all():
-            self.y = self._onto(self.t, self.y)
-        return ended
+        def _step_impl(self) -> tuple[bool, str | None]:
+            ended = super()._step_impl()
+            if ended[0] and np.isfinite(self.y).all():
+                self.y = self._onto(self.t, self.y)
+            return ended
 
-    def dense_output(self):
-        between = super().dense_output()
-        return lambda t: self._onto(t, between(t))
+        def dense_output(self):
+            between = super().dense_output()
+            return lambda t: self._onto(t, between(t))
+
+    return OnConstraints
 
 
 def _family(solver: LSODA) -> int:

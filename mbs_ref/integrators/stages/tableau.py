@@ -1,13 +1,15 @@
 """Butcher tableaux: an explicit Runge-Kutta method is data.
 
 The coefficients of DOP853 are those of Dormand and Prince as Hairer's code has them (Hairer, Norsett, Wanner, Solving
-Ordinary Differential Equations I, 2nd ed., Springer 1993, sec. II.6 and II.10), which SciPy carries.
+Ordinary Differential Equations I, 2nd ed., Springer 1993, sec. II.6 and II.10). They are stored, because importing
+SciPy's integrators takes longer than a short run.
 """
 
+import json
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import DOP853 as _DOP853
 
 
 class Interpolant(NamedTuple):
@@ -56,13 +58,12 @@ RK4 = Tableau(  # Kutta 1901; the papers' fixed-step method
     order=4,
     error_order=0,
 )
+_STORED = {
+    name: np.array(values) for name, values in json.loads(Path(__file__).with_name("dop853.json").read_text()).items()
+}
 DOP853 = Tableau(
-    a=np.array(_DOP853.A),
-    b=np.array(_DOP853.B),
-    c=np.array(_DOP853.C),
-    error=np.array(_DOP853.E5[:-1]),
-    error_low=np.array(_DOP853.E3[:-1]),
+    *(_STORED[name] for name in ("a", "b", "c", "error", "error_low")),
     order=8,
     error_order=7,
-    dense=Interpolant(np.array(_DOP853.A_EXTRA), np.array(_DOP853.C_EXTRA), np.array(_DOP853.D)),
+    dense=Interpolant(*(_STORED[name] for name in ("dense_a", "dense_c", "dense_d"))),
 )

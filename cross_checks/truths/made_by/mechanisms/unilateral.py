@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import expm
-from scipy.optimize import root_scalar
+import scipy
 
 from cross_checks.truths.truth import ALIKE, NoConvergenceError, check_time
 from mbs_ref import Scene
@@ -130,7 +129,7 @@ class _Walk:
             ahead[:n] += (z[n : 2 * n] + 0.5 * fall) * after
             ahead[n : 2 * n] += fall
             return ahead
-        return expm(self._generator() * after) @ z
+        return scipy.linalg.expm(self._generator() * after) @ z
 
     @property
     def _flies(self) -> bool:
@@ -165,7 +164,7 @@ class _Walk:
         fastest = float(np.max(np.abs(np.linalg.eigvals(self._generator()[:-1, :-1]))))
         look = 1.0 / (self.looks * fastest) if fastest > 0.0 else LONGEST_LOOK
         before, now = self.seen[1:] if self.seen and self.seen[0] == t else (0.0, z)
-        step, ahead = expm(self._generator() * look), [now]
+        step, ahead = scipy.linalg.expm(self._generator() * look), [now]
         while before < end - t:
             check_time(t + before)
             for _ in range(TOGETHER):
@@ -193,7 +192,9 @@ class _Walk:
         for place in zip(*np.nonzero(stop < 0.0), strict=True):
             root = low
             if start[place] > 0.0:
-                root = root_scalar(self._guard, (z, place), bracket=(low, high), xtol=1e-16, rtol=1e-15).root
+                root = scipy.optimize.root_scalar(
+                    self._guard, (z, place), bracket=(low, high), xtol=1e-16, rtol=1e-15
+                ).root
             times.append((float(root), int(place[0]), int(place[1])))
         after, self.broken, self.which = min(times) if times else (high, self.broken, self.which)
         return after

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-from scipy.integrate import quad
+import scipy
 
 from cross_checks.truths.truth import EPS as EPS_DOUBLE
 from cross_checks.truths.truth import NoConvergenceError, check_time
@@ -132,7 +132,7 @@ def periodic_integral(
 
 def integral(density: Callable[[float], float], start: float, end: float) -> tuple[float, float]:
     """Return an integral in double precision and QUADPACK's bound on its error. Raises NoConvergenceError."""
-    value, doubt, _, *trouble = quad(density, start, end, epsabs=1e-15, epsrel=1e-13, full_output=1)
+    value, doubt, _, *trouble = scipy.integrate.quad(density, start, end, epsabs=1e-15, epsrel=1e-13, full_output=1)
     if not np.isfinite(value) or (trouble and not doubt <= 1e-9 * abs(value)):
         raise NoConvergenceError(f"the quadrature does not converge: {trouble[0] if trouble else value}")
     return value, doubt

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 
 import numpy as np
-from scipy.optimize import root_scalar
+import scipy
 
 from cross_checks.truths.made_by.numerics.closed_forms import legendre
 from cross_checks.truths.truth import EPS, NoConvergenceError, check_time
@@ -108,7 +108,7 @@ def _cut(slope, switches, on, t, y, h, ahead, tolerance) -> tuple[float, np.ndar
         past = (step, there) if step < past[0] else past
         return -max(float(np.abs(values[changed]).max()), RESOLUTION)
 
-    root_scalar(margin, bracket=(0.0, float(h)), xtol=RESOLUTION, rtol=4.0 * EPS)
+    scipy.optimize.root_scalar(margin, bracket=(0.0, float(h)), xtol=RESOLUTION, rtol=4.0 * EPS)
     return past
 
 
@@ -120,13 +120,11 @@ def _by_scipy(name: str, derivative: Callable, start: np.ndarray, times: np.ndar
 
     The solver of that name is stepped onto every time: its dense output is of lower order.
     """
-    from scipy import integrate  # its import takes a third of a second: only who makes a truth pays
-
     states, step = np.empty((len(times), len(start))), None
     states[0], tolerance = start, max(tolerance, TIGHTEST.get(name, 0.0))
     for k in range(1, len(times)):
         first = None if step is None else min(step, times[k] - times[k - 1])
-        solver = getattr(integrate, name)(
+        solver = getattr(scipy.integrate, name)(
             derivative, times[k - 1], states[k - 1], times[k], rtol=tolerance, atol=tolerance, first_step=first
         )
         while solver.status == "running":

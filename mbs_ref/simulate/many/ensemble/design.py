@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 NOTATION = "LOW..HIGH (uniform), MEAN+-SD or +-SD or +-P% (normal), LOW:HIGH:N (a grid of N even values)"
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?|\.\d+)(?:[eE][-+]?\d+)?"
@@ -49,9 +50,7 @@ class Normal:
 
     def at(self, probability: np.ndarray) -> np.ndarray:
         """Return the quantiles of some probabilities."""
-        from scipy.stats import norm
-
-        return norm.ppf(probability, self.mean, self.deviation)
+        return scipy.stats.norm.ppf(probability, self.mean, self.deviation)
 
     def __str__(self) -> str:
         return f"normal, mean {self.mean:g}, standard deviation {self.deviation:g}"
@@ -176,12 +175,10 @@ class Design:
 
         Latin hypercube: M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21 (1979) 239.
         """
-        from scipy.stats import qmc
-
         laws = {name: law for name, law in self.laws.items() if not isinstance(law, Grid)}
         if not laws:
             return {}
-        shares = qmc.LatinHypercube(len(laws), rng=np.random.default_rng(self.seed)).random(self.count)
+        shares = scipy.stats.qmc.LatinHypercube(len(laws), rng=np.random.default_rng(self.seed)).random(self.count)
         inside = np.clip(shares, np.finfo(float).tiny, np.nextafter(1.0, 0.0))
         return {name: law.at(column) for (name, law), column in zip(laws.items(), inside.T, strict=True)}
 

@@ -10,6 +10,7 @@ from types import UnionType
 from typing import Annotated, Any, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
+import scipy
 from pydantic import ValidationError
 
 from mbs_ref.cores.choice import compile_scene
@@ -227,7 +228,5 @@ def _set(starts: Poses, targets: Sequence[Target], values: np.ndarray, fields: t
             else:
                 getattr(starts, FIELDS.get(str(field), str(field)))[(slice(None), body, *component)] = column
     for body, vectors in turns.items():
-        from scipy.spatial.transform import Rotation  # takes long to import
-
-        turned = Rotation.from_rotvec(vectors).as_quat(scalar_first=True)
+        turned = scipy.spatial.transform.Rotation.from_rotvec(vectors).as_quat(scalar_first=True)
         starts.orientation[:, body] = product(turned, starts.orientation[:, body])
