@@ -34,7 +34,7 @@ def test_truths_and_the_reference_agree(name, parameters, end, bound):
     assert isinstance(truth, Truth)
     assert truth.kind == "converged"
     assert truth.uncertainty < 1e-12
-    own = simulate(scene, Settings(rtol=1e-12, reactions=False), times)
+    own = simulate(scene, Settings(rtol=1e-12, reactions=False, estimate="off"), times)
     assert own.ok, own.message
     assert max(farthest(scene, own, truth)[:2]) < bound
 

@@ -38,7 +38,9 @@ def is_dead_end(scene: Scene, path: Trajectory) -> bool:
     said = SENTENCE.match(path.message)
     if path.status not in (Status.SINGULAR, Status.PROJECTION) or not said:
         return False
-    here = Moment.of(scene, simulate(scene, Settings(rtol=1e-10), np.array([0.0, float(said["time"])])), -1)
+    here = Moment.of(
+        scene, simulate(scene, Settings(rtol=1e-10, estimate="off"), np.array([0.0, float(said["time"])])), -1
+    )
     return closes_near(here) and not closes_near(replace(here, time=here.time + SOON))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -166,7 +167,7 @@ def judge(scene: Scene, path: Trajectory) -> Figures:
 
 
 def short_run(scene: Scene) -> Trajectory:
-    return simulate(scene, Settings(rtol=1e-10, t_end=DURATION, samples=41))
+    return simulate(scene, Settings(rtol=1e-10, t_end=DURATION, samples=41, estimate="off"))
 
 
 def figures(scene: Scene, exact: bool = False) -> Figures:
@@ -188,7 +189,7 @@ def complaints(seed: int, found: Figures) -> list[str]:
     ]
 
 
-def survey(seeds: range, exact: bool = False) -> tuple[Figures, list[str]]:
+def survey(seeds: Sequence[int], exact: bool = False) -> tuple[Figures, list[str]]:
     """Return the worst figures of many scenes, and a sentence for every one out of bounds."""
     worst, found, energies = Figures(), [], 0
     for seed in seeds:
@@ -202,7 +203,7 @@ def survey(seeds: range, exact: bool = False) -> tuple[Figures, list[str]]:
 
 @pytest.mark.parametrize("first", range(0, QUICK, 10))
 def test_a_few_agree_with_the_dense_oracle_and_keep_what_they_must(first):
-    _, found = survey(range(first, first + 10))
+    _, found = survey([seed for seed in range(first, first + 10) if seed != 24])  # a dead end that takes 20 s
     assert not found, "\n".join(found)
 
 
@@ -225,7 +226,7 @@ def test_a_thousand_agree_with_the_dense_oracle_and_keep_what_they_must(capsys):
     assert not found, "\n".join(found)
 
 
-DEAR = [pytest.param(seed, marks=pytest.mark.slow) for seed in (421, 802, 847)]
+DEAR = [pytest.param(seed, marks=pytest.mark.slow) for seed in (24, 421, 802, 847)]
 
 
 @pytest.mark.parametrize("seed", [314, 627, 917, 930, *DEAR])

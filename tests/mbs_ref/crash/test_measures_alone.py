@@ -26,7 +26,7 @@ def test_a_neck_that_carries_the_head_is_compressed_and_one_that_holds_it_back_i
     head = PlanarBody(name="head", mass=mass, inertia=0.1, position=(0.0, 0.2))
     neck = Revolute(name="-".join(order), body_a=order[0], body_b=order[1], point=(0.0, 0.0))
     scene = Scene(name="neck", gravity=(0.0, -g), bodies=(head,), joints=(neck,))
-    run = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e-3, samples=2))
+    run = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e-3, samples=2, estimate="off"))
     assert _neck_axial(Motion(scene, run)) == pytest.approx(wanted * mass * abs(g), rel=1e-6)
 
 
@@ -38,7 +38,7 @@ def test_a_necks_moment_is_what_turns_a_head_that_it_holds_at_its_centre_of_mass
     neck = Revolute(name="neck", body_a=order[0], body_b=order[1], point=place)
     spring = TorsionSpring(name="spring", body_a=order[0], body_b=order[1], stiffness=30.0, damping=0.5)
     scene = Scene(name="nod", gravity=(0.0, 0.0), bodies=(head,), joints=(neck,), loads=(spring,))
-    run = simulate(scene, Settings(method="dop853", rtol=1e-11, t_end=0.1, samples=1001))
+    run = simulate(scene, Settings(method="dop853", rtol=1e-11, t_end=0.1, samples=1001, estimate="off"))
     felt = inertia * np.gradient(run.angular_velocity[:, 0], run.times, edge_order=2)
     found = _restoring(Motion(scene, run), spring, "head")
     assert found[0] == pytest.approx(-0.5 * 3.0)
@@ -77,7 +77,7 @@ def test_contacts_take_from_two_bodies_what_their_speeds_lose():
     law = SpringDamperLaw(stiffness=1e4, damping=20.0)
     touch = CircleOnCircle(name="touch", radius_a=0.1, radius_b=0.1, law=law, **ends)  # type: ignore[arg-type]
     scene = Scene(name="discs", gravity=(0.0, 0.0), bodies=(slow, fast), contacts=(touch,))
-    run = simulate(scene, Settings(rtol=1e-10, t_end=0.3, samples=3001))
+    run = simulate(scene, Settings(rtol=1e-10, t_end=0.3, samples=3001, estimate="off"))
     assert run.ok, run.message
     speeds = run.velocity[[0, -1], :, 0]
     lost = np.diff(0.5 * speeds**2 @ [2.0, 1.0])[0]
@@ -88,7 +88,7 @@ def test_contacts_take_from_two_bodies_what_their_speeds_lose():
 @cache
 def _crash() -> tuple[Scene, Trajectory]:
     scene = scenes.make("android_vertebral", model="paper")
-    run = simulate(scene, Settings(rtol=1e-8, t_end=0.06, samples=601))
+    run = simulate(scene, Settings(rtol=1e-8, t_end=0.06, samples=601, estimate="off"))
     assert run.ok, run.message
     return scene, run
 

@@ -24,7 +24,7 @@ from mbs_ref.simulate import simulate
 scene = scenes.make(sys.argv[1], links=3)
 def run(steps, times=1):
     for _ in range(times):
-        path = simulate(scene, Settings(method="rk4", step=1e-5, t_end=1e-5 * steps, samples=2))
+        path = simulate(scene, Settings(method="rk4", step=1e-5, t_end=1e-5 * steps, samples=2, estimate="off"))
         assert path.ok and path.steps >= steps, path.message
 run(10_000, 3)
 before = resident(os.getpid())
@@ -57,7 +57,7 @@ def test_memory_is_flat_over_many_runs(scene, capsys):
 @pytest.mark.parametrize("links", [10, 100, 1000, 10_000])
 def test_chains_grow(links, capsys):
     scene = scenes.make("pendulum_chain", links=links)
-    path = simulate(scene, Settings(rtol=1e-9, t_end=0.02, samples=3, reactions=False))
+    path = simulate(scene, Settings(rtol=1e-9, t_end=0.02, samples=3, reactions=False, estimate="off"))
     assert path.ok, path.message
     energy = observables.energy_balance(scene, path)
     scale = np.abs(observables.kinetic_energy(scene, path)).max()
@@ -72,7 +72,7 @@ def test_chains_grow(links, capsys):
 @pytest.mark.parametrize("t_end", [10.0, 100.0, 1000.0])
 def test_times_grow(t_end, capsys):
     scene = scenes.make("n_four_bar", loops=2)
-    path = simulate(scene, Settings(rtol=1e-10, t_end=t_end, samples=101, reactions=False))
+    path = simulate(scene, Settings(rtol=1e-10, t_end=t_end, samples=101, reactions=False, estimate="off"))
     assert path.ok, path.message
     drift = float(np.abs(observables.energy_balance(scene, path).drift).max())
     gap = float(np.abs(observables.constraint_residual(scene, path)).max())

@@ -39,7 +39,9 @@ def test_json_holds_the_estimate_beside_the_error():
 
 
 def test_a_run_that_is_lost_on_the_way_says_so_and_one_without_a_digit_fails():
-    lost = run("simulate", "double_pendulum", "-p", "angle_1=2.0", "-p", "angle_2=2.5", "--t-end", "20", "--json")
+    lost = run(
+        "simulate", "double_pendulum", "-p", "angle_1=2.0", "-p", "angle_2=2.5", "--t-end", "20", "--no-truth", "--json"
+    )
     assert lost.exit_code == 0, lost.output
     assert 5.0 < json.loads(lost.stdout)["estimate"]["holds_until"] < 20.0
     assert any("the digits hold until" in note for note in json.loads(lost.stdout)["notes"])

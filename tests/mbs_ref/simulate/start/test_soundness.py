@@ -58,7 +58,7 @@ def test_a_pulse_that_the_clock_cannot_tell_from_nothing_is_refused():
 
 def test_a_run_that_stops_names_time_body_joint_and_the_last_good_output():
     scene = scenes.make("double_pendulum")
-    path = simulate(scene, Settings(method="rk4", step=1e-3, max_steps=100, samples=31))
+    path = simulate(scene, Settings(method="rk4", step=1e-3, max_steps=100, samples=31, estimate="off"))
     assert path.status is Status.TOO_MANY_STEPS
     for word in ("t = 0.1 s", "body '", "joint '", "last good output is at t = 0.1 s"):
         assert word in path.message
@@ -74,7 +74,7 @@ def test_ctrl_c_keeps_what_was_computed():
         return np.zeros((2, 3))
 
     scene = scenes.make("double_pendulum").model_copy(update={"loads": (UserForce(name="slow", function=slow),)})
-    path = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=3.0, samples=301))
+    path = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=3.0, samples=301, estimate="off"))
     assert path.status is Status.INTERRUPTED, path.message
     assert 1 < len(path.times) < 301
     assert np.all(np.isfinite(path.position))
@@ -84,7 +84,7 @@ def test_ctrl_c_keeps_what_was_computed():
 def test_ctrl_c_ends_a_large_run_inside_its_compiled_loop():
     scene = scenes.make("pendulum_chain", links=20)
     Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
-    path = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e4, samples=3))
+    path = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e4, samples=3, estimate="off"))
     assert path.status is Status.INTERRUPTED, path.message
     assert path.steps < CHUNK
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
