@@ -108,10 +108,10 @@ class _Rungs:
         """Return what errors and gaps of the runs show."""
         if not self.runs or not np.isfinite(errors).all():
             return None
-        steps, knobs = np.array([(run.path.steps, knob_of(run.settings)) for run in self.runs]).T
         facts = facts_of(self.method, self.question.scene, float(self.question.times[-1]), uncertainty)
-        rounding = self.method.roundoff * steps
-        return posterior(Ladder(knobs, np.array(errors), np.array(gaps), steps.astype(int), rounding, **facts))
+        counts = [(knob_of(run.settings), run.path.steps) for run in self.runs]
+        runs = [(knob, x, n, self.method.roundoff * n) for (knob, n), x in zip(counts, errors, strict=True)]
+        return posterior(Ladder.of(runs, np.array(gaps), **facts))
 
     def deviation(
         self, what: str, curves: Sequence[np.ndarray | None], floor: float, size: Callable[[np.ndarray], float] = _peak

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from cross_checks.conformance import examine, ladder, plugin
+from cross_checks.conformance import symmetry as violation
 from cross_checks.conformance.broken_engines import _dead_on_welds, _late, mistakes
 from cross_checks.conformance.probes import bounces, probes
-from cross_checks.conformance.symmetry import violation
 from cross_checks.engine.plan import initial_sample
 from mbs_ref import scenes
 from mbs_ref.scene import Weld
