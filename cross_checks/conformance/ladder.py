@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
-from cross_checks.conformance import figures
 from cross_checks.conformance.apart import Called, called
 from cross_checks.conformance.clock import impossible_time
 from cross_checks.conformance.finding import Finding, Row, verdict
@@ -26,7 +26,10 @@ from cross_checks.judge.runs import gap
 from cross_checks.judge.tried import facts_of
 from cross_checks.metrics.metric import known_to
 from cross_checks.truths.truth import ONE_FIGURE, Truth
+from mbs_ref.observables import constraint_residual, energy_balance, kinetic_energy
 from mbs_ref.observables.distance import NAMES, relative
+from mbs_ref.scene import PlanarBody, Scene, SpatialBody
+from mbs_ref.scene.euler_parameters import from_axis_angle, rotation_matrices
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
 
@@ -36,6 +39,9 @@ SLOPE = 1e-5  # ... and of the largest rate, where slopes are differences of sam
 EXPLAINED = 2.0  # times the gap to the two runs before: a method of order 1/2 or more is nearer than that to its limit
 SPARSE = 20  # the one inner sample of those runs
 ALOUD = "none: it stops before the end and says so, which is an answer"
+ORDERS = (5, 7)  # degrees of the splines through samples whose slopes are compared: errors of orders 6 and 8
+EDGE = 4  # samples at either end whose slopes are one-sided
+NORMAL = np.array([0.0, 0.0, 1.0])  # of the plane: what turns in it turns about this axis of space
 
 
 def _peak(curve: np.ndarray) -> float:
@@ -102,10 +108,10 @@ class _Rungs:
         """Return what errors and gaps of the runs show."""
         if not self.runs or not np.isfinite(errors).all():
             return None
-        steps, knobs = np.array([(run.path.steps, knob_of(run.settings)) for run in self.runs]).T
         facts = facts_of(self.method, self.question.scene, float(self.question.times[-1]), uncertainty)
-        rounding = self.method.roundoff * steps
-        return posterior(Ladder(knobs, np.array(errors), np.array(gaps), steps.astype(int), rounding, **facts))
+        counts = [(knob_of(run.settings), run.path.steps) for run in self.runs]
+        runs = [(knob, x, n, self.method.roundoff * n) for (knob, n), x in zip(counts, errors, strict=True)]
+        return posterior(Ladder.of(runs, np.array(gaps), **facts))
 
     def deviation(
         self, what: str, curves: Sequence[np.ndarray | None], floor: float, size: Callable[[np.ndarray], float] = _peak
@@ -169,9 +175,9 @@ def _always(rising: _Rungs) -> Iterator[tuple[str, str]]:
     allowed = max(TARGETS[-1], ROUNDED * method.roundoff)  # a pose may be read in single precision
     wrong = [f"{part} by {miss:.1e} of its scale" for part, miss in zip(NAMES, off, strict=True) if miss > allowed]
     yield "start", f"the first sample is off: {', '.join(wrong)}" if wrong else ""
-    misses = [figures.slope_misses(scene, run.path, method.roundoff) for run in runs]
+    misses = [slope_misses(scene, run.path, method.roundoff) for run in runs]
     curves, floor = [miss for miss, _ in misses], max(SLOPE, 10.0 * misses[-1][1])
-    yield "velocities", rising.deviation("velocities miss the slope of positions by", curves, floor, figures.typical)
+    yield "velocities", rising.deviation("velocities miss the slope of positions by", curves, floor, typical)
     yield "clock", impossible_time(runs)
 
 
@@ -181,9 +187,9 @@ def _exemptible(rising: _Rungs) -> Iterator[tuple[str, str]]:
     enough = max(GOOD, rising.method.rounding(last.path.steps))
     floor = max(enough, ONE_FIGURE * known_to(scene, rising.question.truth))
     yield "truth", _sentence("errors", rising.shown, rising.errors, floor, rising.bar)
-    energy = [figures.energy_drift(scene, path) for path in paths]
+    energy = [energy_drift(scene, path) for path in paths]
     yield "energy", rising.deviation("energy is lost or won:", energy, enough)
-    joints = [figures.joint_gaps(scene, path) for path in paths]
+    joints = [joint_gaps(scene, path) for path in paths]
     yield "joints", rising.deviation("joints open by", joints, enough)
     if scene.contacts:
         yield "contact", _contact(rising)
@@ -209,3 +215,50 @@ def _other_end(engine: Engine, rising: _Rungs) -> str:
     if moved <= max(AGREEMENT, 1e3 * (fine.settings.rtol or 0.0), rising.errors[-1]):
         return ""
     return f"{fine.setting}: the end moves by {moved:.1e} of the scene's length with the samples requested"
+
+
+# --- deviations of one run, each over the scene's own length, speed or energy
+
+
+def slope_misses(scene: Scene, path: Trajectory, roundoff: float) -> tuple[np.ndarray, float]:
+    """Return by how much rates miss the slopes of poses (n, k) at inner samples, and how sure slopes are.
+
+    Both are over the largest rate. Places count over the scene's length; angular velocities are compared with the
+    slope of the rotation matrices, R' = omega x R. Poses are known to `roundoff`, relative.
+    """
+    n, length = len(path.times), scales_of(scene).length
+    turns = np.array([isinstance(body, PlanarBody | SpatialBody) for body in scene.bodies])
+    theta, omega = path.orientation[:, turns], path.angular_velocity[:, turns]
+    if scene.dimension == 2:
+        theta, omega = from_axis_angle(NORMAL, theta), omega[..., None] * NORMAL
+    matrices = rotation_matrices(theta)
+    spun = np.cross(omega[..., None, :], np.swapaxes(matrices, -1, -2)).swapaxes(-1, -2)
+    pose, rate = (
+        np.concatenate([places.reshape(n, -1) / length, turned.reshape(n, -1)], axis=1)
+        for places, turned in ((path.position, matrices), (path.velocity, spun))
+    )
+    interval = path.times[1] - path.times[0]
+    rougher, slope = (make_interp_spline(path.times, pose, k)(path.times, 1)[EDGE:-EDGE] for k in ORDERS)
+    inner = rate[EDGE:-EDGE]
+    fastest = max(float(np.abs(slope).max()), float(np.abs(inner).max())) or 1.0
+    rounding = roundoff * float(np.abs(pose).max()) / interval
+    return (slope - inner) / fastest, (typical(slope - rougher) + rounding) / fastest
+
+
+def typical(misses: np.ndarray) -> float:
+    """Return the median over samples of the largest miss: samples do not resolve a transient, or an impact's jump."""
+    return float(np.median(np.abs(misses).max(axis=1)))
+
+
+def energy_drift(scene: Scene, path: Trajectory) -> np.ndarray | None:
+    """Return E(t) - E(0) - work over the largest kinetic energy (n_t,); None where no balance can be drawn."""
+    balance = energy_balance(scene, path)
+    if balance.drift is None or balance.resolution > 0.0:  # work is integrated over the samples: too rough here
+        return None
+    scale = float(kinetic_energy(scene, path).max())
+    return balance.drift / scale if scale else None
+
+
+def joint_gaps(scene: Scene, path: Trajectory) -> np.ndarray | None:
+    """Return C (m over the scene's length, rad) at every sample; None where there is no joint."""
+    return constraint_residual(scene, path) / scales_of(scene).length if scene.joints else None

@@ -76,7 +76,8 @@ def judge(case: Case, method: Method, value: float, run: Trajectory | tuple[str,
         # a setting that is refused at this place of the axis is a stop with a reason
         status = "refused" if status == CANNOT else status
         return Point(value, Fate.STOPPED, float(case.must_stop or case.may_stop), False, None, status, message)
-    states = _states_wrong(run)
+    estimate = run.estimate  # its own words, if it does not resolve the motion
+    states = estimate.remark() if estimate is not None and estimate.poses[-1] > RESOLVED * estimate.size else ""
     if case.must_stop:  # to state that it is another motion is as good as a refusal
         fate = Fate.DEGRADED if states else Fate.SILENTLY_WRONG
         reason = f"it states itself that {states}" if states else "it accepted what has no right answer"
@@ -95,21 +96,13 @@ def odds_within(
     case: Case, method: Method, run: Trajectory, measured: Measured, bars: tuple[float, ...]
 ) -> tuple[float, ...]:
     """Return the odds that the run's error is at most each of the bars."""
-    knob = np.array([case.step if method.kind == "fixed" else case.rtol], dtype=float)
     if not math.isfinite(measured.error):
         return (0.0,) * len(bars)
     facts = facts_of(method, case.scene, float(case.times[-1]), measured.uncertainty)
-    rounding = np.array([method.rounding(run.steps)])
-    shown = posterior(
-        Ladder(knob, np.array([measured.error]), np.zeros((1, 1)), np.array([run.steps]), rounding, **facts)
-    )
-    return tuple(float(odds_below(shown, knob, bar)[0]) for bar in bars)
-
-
-def _states_wrong(run: Trajectory) -> str:
-    """Return the run's own words that it does not resolve the motion, or nothing."""
-    estimate = run.estimate
-    return estimate.remark() if estimate is not None and estimate.poses[-1] > RESOLVED * estimate.size else ""
+    knob = (case.step if method.kind == "fixed" else case.rtol) or math.nan
+    one = (knob, measured.error, run.steps, method.rounding(run.steps))
+    shown = posterior(Ladder.of([one], np.zeros((1, 1)), **facts))
+    return tuple(float(odds_below(shown, np.array([knob]), bar)[0]) for bar in bars)
 
 
 @dataclass(frozen=True)

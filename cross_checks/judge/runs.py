@@ -14,8 +14,7 @@ from cross_checks.judge.measure import error_of, unjudged
 from cross_checks.judge.one_run import complete, judged_run, without_run
 from cross_checks.metrics.errors import COMPONENTS
 from cross_checks.metrics.metric import Judged, figures, from_truth
-from cross_checks.records.machine import BUSY, WARMED, machine
-from cross_checks.records.record import Record, loop_time
+from cross_checks.records.record import BUSY, WARMED, Record, loop_time, machine
 from cross_checks.records.store import Run, Store, run_name, truth_name
 from cross_checks.truths import LIMIT_S, seek_truth
 from cross_checks.truths.truth import NoTruth, Truth, time_limit

@@ -18,9 +18,10 @@ from typing import Any
 import numpy as np
 
 from cross_checks.judge import bounds
+from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
 from cross_checks.judge.convergence.prediction import error_range, odds_below
-from cross_checks.judge.verdict import Judgement, Point, above_rounding, judge, ladder_of
+from cross_checks.judge.verdict import Judgement, Point, above_rounding, judge
 from cross_checks.judge.vocabulary import REFUSED, SILENT, Omitted, Verdict
 
 PER_DECADE = 12  # settings that are considered
@@ -102,12 +103,13 @@ class Search(ABC):
 
     def _posterior(self) -> Posterior | None:
         good, facts = self.good, self.facts()
+        if not good:
+            return None
         if self.reference is not None:
             setting, error = self.reference
             facts |= {"reference": setting, "typical": math.log10(max(error, 1e-18)), "spread": 0.5}
         gaps = np.array([[self.gap(a.knob, b.knob) for b in good] for a in good])
-        ladder = ladder_of(good, gaps, **facts)
-        return None if ladder is None else posterior(ladder)
+        return posterior(Ladder.of([(p.knob, p.error, p.steps, p.rounding) for p in good], gaps, **facts))
 
     def try_(self, knob: float) -> Point:
         """Run a typed setting."""

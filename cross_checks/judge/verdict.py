@@ -177,18 +177,6 @@ def _with_failures(points: Sequence[Point], judged: Judgement) -> Judgement:
     return judged._replace(reason=f"{judged.reason}; {last.setting} ends with {last.status}: {last.message}")
 
 
-def ladder_of(points: Sequence[Point], gaps: np.ndarray, **facts) -> Ladder | None:
-    """Return the data of the runs that succeeded; `gaps` (n, n) are between them. None where none did."""
-    good = [point for point in points if point.ok]
-    if not good:
-        return None
-    error = np.array([np.nan if point.error is None else point.error for point in good])
-    return Ladder(
-        np.array([point.knob for point in good]), error, gaps, np.array([point.steps for point in good]),
-        np.array([point.rounding for point in good]), **facts,
-    )  # fmt: skip
-
-
 def _capped(odds: float) -> float:
     """Return odds no smaller than the calibration supports: 3/n after n methods without a failure."""
     return max(odds, 3.0 / sum(family["methods"] for family in calibration().values()))

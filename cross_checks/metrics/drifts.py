@@ -38,21 +38,16 @@ RESOLVED = 0.1  # of the drift: the work integral must be known at least this we
 NEGLIGIBLE = 1e-9  # of the energy: a work integral known to this is good enough whatever the drift
 
 
-def energy_drift(scene: Scene, trajectory: Trajectory) -> tuple[np.ndarray | None, str]:
-    """Return |E(t) - E(0) - work| (n_t,), J, or None and the reason why it is not defined here."""
+def energy_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | Absent:
+    """Return |E(t) - E(0) - work| (n_t,), J, or the reason why it is not defined here."""
     balance = energy_balance(scene, trajectory)
     if balance.drift is None:
-        return None, balance.reason
+        return Absent(balance.reason and f"no energy drift: {balance.reason}")
     drift = np.abs(balance.drift)
     if balance.resolution > max(RESOLVED * float(np.max(drift)), NEGLIGIBLE * float(np.max(np.abs(balance.energy)))):
-        text = f"the samples resolve the work to {balance.resolution:.1e} J only; ask for more samples"
-        return None, text
-    return drift, ""
-
-
-def _energy_curve(judged: Judged) -> np.ndarray | Absent:
-    drift, reason = energy_drift(judged.scene, judged.path)
-    return Absent(reason and f"no energy drift: {reason}") if drift is None else drift
+        resolved = f"the samples resolve the work to {balance.resolution:.1e} J only"
+        return Absent(f"no energy drift: {resolved}; ask for more samples")
+    return drift
 
 
 def _momentum_curve(judged: Judged) -> np.ndarray | Absent:
@@ -63,6 +58,6 @@ def _momentum_curve(judged: Judged) -> np.ndarray | Absent:
 METRICS = (
     Metric("compliance_position", "compliance", "m, rad", _position, plotted=True),
     Metric("compliance_velocity", "rate compliance", "m/s, rad/s", lambda run: compliance(run.scene, run.path)[1]),
-    Metric("energy_drift", "energy drift", "J", _energy_curve, plotted=True),
+    Metric("energy_drift", "energy drift", "J", lambda run: energy_drift(run.scene, run.path), plotted=True),
     Metric("momentum_drift", "momentum drift", "kg m/s, kg m^2/s", _momentum_curve),
 )

@@ -21,8 +21,7 @@ from cross_checks.engines.elsewhere import processor_time
 from cross_checks.isolation.parent import Caller, Isolated, Lost
 from cross_checks.isolation.workers import Report
 from cross_checks.judge.ladder import grid
-from cross_checks.records.machine import BUSY, WARMED, machine
-from cross_checks.records.record import BUSY_NOTE, Record
+from cross_checks.records.record import BUSY, BUSY_NOTE, WARMED, Record, machine
 from cross_checks.records.store import Store, run_name
 from mbs_ref import Scene, Settings, scenes
 

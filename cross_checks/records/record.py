@@ -1,7 +1,10 @@
-"""One run, judged: what reports, sweeps and history read; and whether it may be ranked."""
+"""One run, judged: what reports, sweeps and history read; the machine it is timed on, and whether it may be ranked."""
 
+import platform
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from mbs_ref import Settings, Status, scenes
@@ -103,7 +106,23 @@ class Record:
         ])  # fmt: skip
 
 
+BUSY = 0.9  # of a processor: with less, a run shares the machine
+WARMED = 0.2  # s of loop time: warming caches up is a small part of a longer run, which counts
+CPU_FACTS = Path("/proc/cpuinfo")  # Linux; elsewhere the platform module knows
 BUSY_NOTE = "timed on a busy machine"
+
+
+def processor() -> str:
+    """Return the processor's name."""
+    lines = CPU_FACTS.read_text().splitlines() if CPU_FACTS.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return next(iter(models), platform.processor() or platform.machine())
+
+
+@cache
+def machine() -> str:
+    """Return what times compare on: the computer and its processor."""
+    return f"{platform.node()} {processor()}"
 
 
 def usable(record: Record) -> bool:

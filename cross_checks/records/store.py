@@ -99,7 +99,7 @@ class Run:
 
     record: Record
     path: Trajectory | None  # None where nothing came back
-    host: str = ""  # the machine (cross_checks.records.machine) that executed it just now
+    host: str = ""  # the machine (cross_checks.records.record.machine) that executed it just now
 
     def _repr_html_(self) -> str:
         return self.record._repr_html_()

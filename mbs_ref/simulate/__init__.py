@@ -1,6 +1,6 @@
 """Scenes become trajectories: one run (`simulate`), or many of them in one call."""
 
-from mbs_ref.simulate.many.batch import simulate_scenes, simulate_starts
+from mbs_ref.simulate.many import simulate_scenes, simulate_starts
 from mbs_ref.simulate.one_run import simulate
 from mbs_ref.simulate.plan import integration_options
 from mbs_ref.simulate.start.consistent import InconsistentScene

@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from cross_checks import engines
-from cross_checks.records.machine import processor
+from cross_checks.records.record import processor
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "pydantic", "plotly")
 

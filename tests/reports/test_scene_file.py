@@ -16,7 +16,7 @@ from mbs_ref import scenes
 from mbs_ref.scene import celestial, contact, events, signals
 from mbs_ref.scene.toml import SceneFileError, dumps, loads
 from reports.cli import main
-from reports.scene_file.reference import LISTS, NESTED, examples, kind_of, kinds, page, plain, schema
+from reports.scene_file import LISTS, NESTED, examples, kind_of, kinds, page, plain, schema
 
 PAGE = Path(__file__).parents[2] / "docs" / "scene-file.md"
 UNIT = re.compile(

@@ -27,10 +27,6 @@ def add_joint(model: Redundant, joint) -> None:
     model.mbs.AddObject(item.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=STOPPED[type(joint)]))
 
 
-def _add_revolute(model: Redundant, joint: scene.Revolute) -> None:
-    _watch_force(model, joint.name, _pin(model, joint), 3)
-
-
 def _pin(model: Redundant, joint: scene.Revolute | scene.Weld) -> int:
     return model.mbs.AddObject(item.ObjectJointRevolute2D(markerNumbers=model.pair(joint, joint.point, joint.point)))
 
@@ -57,10 +53,6 @@ def _add_prismatic(model: Redundant, joint: scene.Prismatic) -> None:
     model.mbs.AddObject(
         item.ObjectJointPrismatic2D(markerNumbers=markers, axisMarker0=list(along), normalMarker1=list(across))
     )
-
-
-def _add_spherical(model: Redundant, joint: scene.Spherical) -> None:
-    model.mbs.AddObject(item.ObjectJointSpherical(markerNumbers=model.pair(joint, joint.point, joint.point)))
 
 
 def _add_distance(model: Redundant, joint: scene.Distance) -> None:
@@ -180,8 +172,12 @@ def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueV
 
 
 JOINTS = {
-    scene.Revolute: _add_revolute, scene.Weld: _add_weld, scene.Prismatic: _add_prismatic,
-    scene.Distance: _add_distance, scene.CoordinateDrive: _add_drive, scene.Spherical: _add_spherical,
+    scene.Revolute: lambda model, joint: _watch_force(model, joint.name, _pin(model, joint), 3),
+    scene.Spherical: lambda model, joint: model.mbs.AddObject(
+        item.ObjectJointSpherical(markerNumbers=model.pair(joint, joint.point, joint.point))
+    ),
+    scene.Weld: _add_weld, scene.Prismatic: _add_prismatic, scene.Distance: _add_distance,
+    scene.CoordinateDrive: _add_drive,
 }  # fmt: skip
 STOPPED = {  # in space: relative motions along x, y, z of the joint, then about them
     scene.Revolute: [1, 1, 1, 1, 1, 0], scene.Weld: [1, 1, 1, 1, 1, 1], scene.Prismatic: [1, 1, 0, 1, 1, 1],

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, Measure, grid
+from cross_checks.extremes.extreme import Case, grid
 from cross_checks.extremes.parts import made
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.blocks import incline as incline
@@ -28,22 +28,16 @@ def _deep(depth: float) -> Case:
     return Case(made("deep_start", depth=depth), grid(0.1), measures.positions(exact, size))
 
 
-def _stack(ratio: float) -> Case:
-    """A light ball between the floor and a heavy one, in equilibrium: it stays."""
-    scene = made("heavy_on_light", ratio=ratio)
-    return Case(scene, grid(0.5), _resting(scene, RADIUS))
-
-
-def _resting(scene: Scene, size: float = 1.0) -> Measure:
-    """Judge that every body stays; `size` in m."""
+def _resting(scene: Scene, t_end: float, size: float = 1.0) -> Case:
+    """Return a case in which every body stays until t_end (s); `size` in m."""
     start = np.array([body.position for body in scene.bodies])
-    return measures.positions(lambda times: np.tile(start, (len(times), 1, 1)), size)
+    return Case(scene, grid(t_end), measures.positions(lambda times: np.tile(start, (len(times), 1, 1)), size))
 
 
-def _grip(margin: float) -> Case:
-    """tan(angle) = mu (1 - margin): it stays, but for the give of the sticking spring."""
-    scene = incline(angle=math.atan(FRICTION * (1.0 - margin)), friction=FRICTION)
-    return Case(scene, grid(1.0), _resting(scene))
-
-
-CASES = {"deep-start": _deep, "heavy-on-light": _stack, "stick-slip-edge": _grip}
+CASES = {
+    "deep-start": _deep,
+    # a light ball between the floor and a heavy one, in equilibrium
+    "heavy-on-light": lambda ratio: _resting(made("heavy_on_light", ratio=ratio), 0.5, RADIUS),
+    # tan(angle) = mu (1 - margin): it stays, but for the give of the sticking spring
+    "stick-slip-edge": lambda gap: _resting(incline(angle=math.atan(FRICTION * (1.0 - gap)), friction=FRICTION), 1.0),
+}

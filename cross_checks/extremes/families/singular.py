@@ -52,17 +52,6 @@ def _parallelogram(name: str, n: int, mass: float, start: float, t_end: float, *
     return Case(scene, grid(t_end), measures.positions(exact), **stops)
 
 
-def _near_flat(gap: float) -> Case:
-    """Released at rest `gap` (rad) below flat. Exactly flat, two motions are possible: refusing is right."""
-    return _parallelogram("near_flat", 2, 1.0, 0.5 * math.pi - gap, 0.8, may_stop=not gap)
-
-
-def _dead_centre(excess: float) -> Case:
-    """The rod is longer than the crank by `excess`: at 90 degrees the rod whips from side to side."""
-    scene = slider_crank(crank_length=0.5, rod_length=0.5 + excess)
-    return Case(scene, grid(1.0, samples=41), measures.invariants)
-
-
 SPEED, CRANK, START = 2.0, 0.5, 0.25  # rad/s, m, rad
 
 
@@ -96,7 +85,11 @@ def _driven(length: float) -> Scene:
 CASES = {
     "repeated-pins": _pins,
     "parallel-cranks": lambda count: _parallelogram("many_cranks", round(count), float(round(count)), 1.0, 2.0),
-    "near-flat-start": _near_flat,
-    "dead-centre": _dead_centre,
+    # released at rest `gap` (rad) below flat; exactly flat, two motions are possible: refusing is right
+    "near-flat-start": lambda gap: _parallelogram("near_flat", 2, 1.0, 0.5 * math.pi - gap, 0.8, may_stop=not gap),
+    # the rod is longer than the crank by `excess`: at 90 degrees the rod whips from side to side
+    "dead-centre": lambda excess: Case(
+        slider_crank(crank_length=0.5, rod_length=0.5 + excess), grid(1.0, samples=41), measures.invariants
+    ),
     "driven-lock": _lock,
 }

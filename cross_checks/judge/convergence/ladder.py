@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +31,12 @@ class Ladder:
     typical: float = 0.0  # ... and its log10 ...
     spread: float = 2.0  # ... within so many decades
     uncertainty: float = 0.0  # of the truth
+
+    @classmethod
+    def of(cls, runs: Iterable[tuple[float, float | None, int, float]], gaps: np.ndarray, **facts) -> Ladder:
+        """Return the data of runs, each with its setting, error, number of steps and rounding."""
+        settings, errors, steps, rounding = np.array([*runs], dtype=float).T  # None becomes NaN
+        return cls(settings, errors, gaps, steps.astype(int), rounding, **facts)
 
     def __len__(self) -> int:
         return len(self.settings)

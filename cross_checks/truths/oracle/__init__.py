@@ -302,18 +302,14 @@ def _factor(moment: Moment, load: Any) -> Any:
     return values(load.factor, np.array([moment.time]))[0]
 
 
-def _force(moment: Moment, now: Motion, units: Motion, load: parts.Force) -> np.ndarray:
+def _push(moment: Moment, now: Motion, units: Motion, load: parts.Force | parts.TorqueVector) -> np.ndarray:
     vector = np.asarray(load.vector) if load.frame == "world" else now.direction(load.body, load.vector)[0][0]
-    return _factor(moment, load) * (units.point(load.body, load.point)[1][:-1] @ vector)
+    ways = units.point(load.body, load.point)[1] if isinstance(load, parts.Force) else units.turning(load.body)
+    return _factor(moment, load) * (ways[:-1] @ vector)
 
 
 def _torque(moment: Moment, now: Motion, units: Motion, load: parts.Torque) -> np.ndarray:
     return _factor(moment, load) * load.torque * units.turning(load.body)[:-1]
-
-
-def _torque_vector(moment: Moment, now: Motion, units: Motion, load: parts.TorqueVector) -> np.ndarray:
-    vector = np.asarray(load.vector) if load.frame == "world" else now.direction(load.body, load.vector)[0][0]
-    return _factor(moment, load) * (units.turning(load.body)[:-1] @ vector)
 
 
 def _spring(moment: Moment, now: Motion, units: Motion, load: parts.SpringDamper) -> np.ndarray:
@@ -351,6 +347,6 @@ def _bushing(moment: Moment, now: Motion, units: Motion, load: parts.Bushing) ->
 
 
 LAWS = {
-    parts.Force: _force, parts.Torque: _torque, parts.TorqueVector: _torque_vector, parts.SpringDamper: _spring,
+    parts.Force: _push, parts.Torque: _torque, parts.TorqueVector: _push, parts.SpringDamper: _spring,
     parts.TorsionSpring: _torsion_spring, parts.PointBushing: _point_bushing, parts.Bushing: _bushing,
 }  # fmt: skip

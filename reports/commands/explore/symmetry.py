@@ -23,7 +23,7 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     symmetry by more than roundoff and its own error; other engines' violations are findings.
     """
     from cross_checks.conformance.cases import cases
-    from cross_checks.conformance.symmetry.violation import by_method, isolated
+    from cross_checks.conformance.symmetry import by_method, isolated
     from cross_checks.isolation.parent import Isolated
 
     wanted = console.named(cases(inputs.engine_names(chosen)), only)

@@ -22,7 +22,7 @@ def command(
 ) -> None:
     """List the scenes, or write them or their schema as files."""
     if form is not None:
-        from reports.scene_file import reference
+        from reports import scene_file as reference
 
         return echo_json(reference.schema()) if form == "schema" else click.echo(reference.page(), nl=False)
     result = [_described(name) for name in names or scenes.names()]

@@ -8,8 +8,7 @@ from cross_checks.judge import bounds, search
 from cross_checks.judge.convergence import calibration, model
 from cross_checks.judge.vocabulary import MEANINGS
 from cross_checks.prices import timing
-from cross_checks.records.machine import BUSY
-from cross_checks.records.record import is_busy, is_timed
+from cross_checks.records.record import BUSY, is_busy, is_timed
 from reports.facts.cheapest import INSIDE
 from reports.facts.report_data import ReportData, Section
 

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.conformance.bounces import bounce_truth
 from cross_checks.conformance.broken_engines import Broken, Change, Mistake
 from cross_checks.conformance.ladder import climb
-from cross_checks.conformance.probes import probes
+from cross_checks.conformance.probes import bounce_truth, probes
 from cross_checks.conformance.questions import probe
 from mbs_ref.scene import Scene
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.conformance import clock, examine, figures, ladder, loading, questions, repeatability
+from cross_checks.conformance import clock, examine, ladder, loading, questions, repeatability
 from cross_checks.conformance.apart import Apart, Called
-from cross_checks.conformance.bounces import LAWS, bounces
 from cross_checks.conformance.cases import LABORATORY, LOOSER, RELATIVE, SKY, SKY_STEPS, STEP, cases
 from cross_checks.conformance.finding import Finding, Report, Row, verdict
+from cross_checks.conformance.probes import LAWS, bounces
 from cross_checks.conformance.questions import SAMPLES, SPANS, STEPS, Question
 from cross_checks.conformance.repeatability import WAYS, by_method, difference
 from cross_checks.truths.truth import Truth
@@ -133,11 +133,11 @@ def test_a_hopeless_step_must_not_end_in_silence(monkeypatch, status, message, b
 
 def test_joints_open_over_the_scenes_length():
     path = motion(np.random.default_rng(3))
-    found = figures.joint_gaps(SCENE, path)
+    found = ladder.joint_gaps(SCENE, path)
     assert found is not None
     assert found * scales_of(SCENE).length == pytest.approx(constraint_residual(SCENE, path))
     assert scales_of(SCENE).length != 1.0
-    assert figures.joint_gaps(scenes.make("kepler"), path) is None
+    assert ladder.joint_gaps(scenes.make("kepler"), path) is None
 
 
 def test_slopes_of_a_known_motion_and_of_a_wrong_one():
@@ -145,18 +145,18 @@ def test_slopes_of_a_known_motion_and_of_a_wrong_one():
     turn = np.stack((np.sin(3.0 * times), 0.5 * np.cos(2.0 * times)), axis=1)
     spin = np.stack((3.0 * np.cos(3.0 * times), -np.sin(2.0 * times)), axis=1)
     place, speed = turn[..., None] * (0.4, 0.3), spin[..., None] * (0.4, 0.3)
-    misses, sure = figures.slope_misses(SCENE, Trajectory(times, place, turn, speed, spin), 1e-16)
+    misses, sure = ladder.slope_misses(SCENE, Trajectory(times, place, turn, speed, spin), 1e-16)
     assert np.abs(misses).max() < 1e-6
     assert sure < 1e-5
     length = scales_of(SCENE).length
     fastest = max(np.abs(spin).max(), np.abs(speed).max() / length)
     for off, size in ((speed + 0.1, 0.1 / length), (speed, 0.0)):
-        misses, _ = figures.slope_misses(SCENE, Trajectory(times, place, turn, off, spin), 1e-16)
-        assert figures.typical(misses) == pytest.approx(size / fastest, rel=0.1, abs=1e-6)
-    _, rough = figures.slope_misses(SCENE, Trajectory(times, place, turn, speed, spin), 1e-7)
+        misses, _ = ladder.slope_misses(SCENE, Trajectory(times, place, turn, off, spin), 1e-16)
+        assert ladder.typical(misses) == pytest.approx(size / fastest, rel=0.1, abs=1e-6)
+    _, rough = ladder.slope_misses(SCENE, Trajectory(times, place, turn, speed, spin), 1e-7)
     assert rough == pytest.approx(1e-7 * 1.0 * 60.0 / fastest, rel=0.2)
-    assert len(misses) == 61 - 2 * figures.EDGE
-    assert figures.typical(np.array([[1.0, -5.0], [2.0, 0.0], [3.0, 0.0]])) == 3.0
+    assert len(misses) == 61 - 2 * ladder.EDGE
+    assert ladder.typical(np.array([[1.0, -5.0], [2.0, 0.0], [3.0, 0.0]])) == 3.0
 
 
 def test_every_method_is_asked_for_repeatability_at_its_own_setting():

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from cross_checks.conformance import examine, repeatability
+from cross_checks.conformance import symmetry as violation
 from cross_checks.conformance.apart import Apart, Called
 from cross_checks.conformance.finding import Finding, Row
-from cross_checks.conformance.symmetry import violation
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method, Refusal
 from mbs_ref import scenes

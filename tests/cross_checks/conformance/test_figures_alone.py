@@ -14,9 +14,8 @@ from cross_checks.conformance import repeatability
 from cross_checks.conformance.apart import Called
 from cross_checks.conformance.broken_engines import _taken, self_test
 from cross_checks.conformance.examine import _order
-from cross_checks.conformance.figures import energy_drift
 from cross_checks.conformance.finding import Row
-from cross_checks.conformance.ladder import _Rungs, climb
+from cross_checks.conformance.ladder import _Rungs, climb, energy_drift
 from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.conformance.questions import Question
 from cross_checks.conformance.repeatability import WAYS, by_method, difference

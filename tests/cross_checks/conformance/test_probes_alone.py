@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from cross_checks.conformance import examine, ladder, plugin
-from cross_checks.conformance.bounces import bounces
+from cross_checks.conformance import symmetry as violation
 from cross_checks.conformance.broken_engines import _dead_on_welds, _late, mistakes
-from cross_checks.conformance.probes import probes
-from cross_checks.conformance.symmetry import violation
+from cross_checks.conformance.probes import bounces, probes
 from cross_checks.engine.plan import initial_sample
 from mbs_ref import scenes
 from mbs_ref.scene import Weld
@@ -138,7 +137,7 @@ def test_what_no_weakness_exempts(monkeypatch):
         for name in ("position", "orientation", "velocity", "angular_velocity"):
             getattr(path, name)[0] = getattr(start, name)[0]
     sure = iter((3.0, 0.5))
-    monkeypatch.setattr(ladder.figures, "slope_misses", lambda *given: (np.zeros((1, 1)), next(sure)))
+    monkeypatch.setattr(ladder, "slope_misses", lambda *given: (np.zeros((1, 1)), next(sure)))
     monkeypatch.setattr(ladder, "impossible_time", lambda runs: "")
     assert dict(ladder._always(rising(scene, paths)))["start"] == ""
     sure = iter((3.0, 0.5))
@@ -153,7 +152,7 @@ def test_errors_below_what_the_truth_knows_do_not_count(monkeypatch):
     floors: list[float] = []
     monkeypatch.setattr(ladder, "_sentence", lambda what, shown, errors, floor, bar: floors.append(floor) or "")
     for name in ("energy_drift", "joint_gaps"):
-        monkeypatch.setattr(ladder.figures, name, lambda *given: None)
+        monkeypatch.setattr(ladder, name, lambda *given: None)
     scene, times = scenes.make("pendulum"), np.linspace(0.0, 1.0, 3)
     for known in (0.25, 0.0):
         monkeypatch.setattr(ladder, "known_to", lambda scene, truth, known=known: known)

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from cross_checks.judge.bounds import SCATTER
+from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import Posterior, posterior
-from cross_checks.judge.verdict import Judgement, Point, judge, ladder_of
+from cross_checks.judge.verdict import Judgement, Point, judge
 from cross_checks.judge.vocabulary import Verdict
 
 
@@ -29,9 +30,9 @@ def shown(points, gaps=(), order=1.0, uncertainty=1e-14) -> Posterior:
     for i, j in itertools.combinations(range(len(good)), 2):
         apart[i, j] = apart[j, i] = max(gaps[i:j]) if gaps else np.hypot(good[i].error, good[j].error)
     typical = np.log10(max(good[0].error or 1.0, 1e-15))
-    ladder = ladder_of(points, apart, kind="fixed", order=order, reference=good[0].knob, typical=typical, spread=1.0,
-                       uncertainty=uncertainty)  # fmt: skip
-    return posterior(ladder)
+    facts = {"kind": "fixed", "order": order, "reference": good[0].knob, "typical": typical, "spread": 1.0}
+    runs = [(point.knob, point.error, point.steps, point.rounding) for point in good]
+    return posterior(Ladder.of(runs, apart, uncertainty=uncertainty, **facts))
 
 
 def verdict(errors, gaps=(), order=1.0, uncertainty=1e-14, **facts) -> Judgement:

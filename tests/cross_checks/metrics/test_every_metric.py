@@ -207,11 +207,9 @@ def test_a_drift_is_unknown_without_a_balance_and_known_to_a_tenth_of_its_larges
         monkeypatch.setattr(drifts, "energy_balance", lambda scene, path: found)
         return drifts.energy_drift(None, None)  # type: ignore[arg-type]
 
-    assert balance(None, None) == (None, "no work")
-    known, reason = balance(np.array([0.0, -1e-3, 1e-4]), 0.9e-4)
-    assert known is not None
-    assert (known.tolist(), reason) == ([0.0, 1e-3, 1e-4], "")
-    assert balance(np.array([0.0, -1e-3]), 1.1e-4)[0] is None
+    assert balance(None, None) == Absent("no energy drift: no work")
+    assert balance(np.array([0.0, -1e-3, 1e-4]), 0.9e-4).tolist() == [0.0, 1e-3, 1e-4]
+    assert isinstance(balance(np.array([0.0, -1e-3]), 1.1e-4), Absent)
 
 
 @pytest.mark.parametrize("lacking", ["before", "after", "neither"])

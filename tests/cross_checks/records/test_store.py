@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cross_checks.records import machine
+from cross_checks.records import record as machine
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store, default_path
 from mbs_ref.trajectory import Trajectory

@@ -25,8 +25,8 @@ from benchmarks.calibration import Trial
 from benchmarks.history import Entry
 from cross_checks import metrics
 from cross_checks.conformance import cases, examine, repeatability
+from cross_checks.conformance import symmetry as violation
 from cross_checks.conformance.finding import Finding, Report, Row
-from cross_checks.conformance.symmetry import violation
 from cross_checks.engine.method import Method
 from cross_checks.extremes import named as extreme_named
 from cross_checks.extremes import run as extreme_runs

@@ -8,9 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cross_checks.conformance.symmetry import placement
+from cross_checks.conformance.symmetry import _reordered, placement
 from cross_checks.conformance.symmetry.placement import Placement, dimension, image
-from cross_checks.conformance.symmetry.violation import _reordered
 from cross_checks.engine.plan import initial_sample
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion

@@ -9,16 +9,8 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.conformance.cases import cases
+from cross_checks.conformance.symmetry import BACK, SYMMETRIES, NotRunError, Violation, by_method, isolated, violations
 from cross_checks.conformance.symmetry.placement import Placement, image
-from cross_checks.conformance.symmetry.violation import (
-    BACK,
-    SYMMETRIES,
-    NotRunError,
-    Violation,
-    by_method,
-    isolated,
-    violations,
-)
 from cross_checks.isolation.parent import Isolated
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
