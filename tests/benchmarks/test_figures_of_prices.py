@@ -103,7 +103,9 @@ def test_a_choice(seed, tight, budget):
     rough = [r for r in cheaper if tight is None or gap(r) <= tight]
     if loose:
         near = min(loose, key=gap)
-        text += f" The compliance limits it: for {priced(near)} {setting(near)} opens the joints by {gap(near):.1e}."
+        is_known = math.isfinite(gap(near))
+        by = f"opens the joints by {gap(near):.1e}" if is_known else "is not known to keep the joints closed"
+        text += f" The compliance limits it: for {priced(near)} {setting(near)} {by}."
     elif rough:
         near = min(rough, key=worst)
         text += f" The error limits it: for {priced(near)} the nearest is {setting(near)} with {said(near)}."
