@@ -190,8 +190,8 @@ CASES = {one.words: one for one in (
     }, (
         *settings_rows("run_ensemble.settings"),
         *rows(("-p length=1.7", "run_ensemble.variants.source.scene.parameters.length", 1.0, 1.7),
-              ("--vary gravity=9..10", "run_ensemble.design.laws.gravity.low run_ensemble.design.laws run_ensemble.variants",
-               None, 9.0),
+              ("--vary gravity=9..10", "run_ensemble.design.laws.gravity.low run_ensemble.design run_ensemble.variants", None,
+               9.0),
               ("-n 7", "run_ensemble.design.count", 200, 7), ("--seed 7", "run_ensemble.design.seed", 0, 7),
               ("--keep bob.velocity", "run_ensemble.variants.fixed", (), ("bob.velocity",)),
               ("--threads 3", "run_ensemble.threads", None, 3),
@@ -381,15 +381,24 @@ CASES = {one.words: one for one in (
         ("--first 7", "trial.seed shard.items", 0, 7), ("--shard 2/3", "shard.text", "1/1", "2/3"),
         ("--keep r.jsonl", "stored.file stored", None, Path("r.jsonl")), ("--proven", "trial.among proven", [], ["p"]),
     )),
+    Case("engines forget drake", {"cross_checks.isolation.environments:forget": Path("home")}, ()),
     Case("compare . .", {
         "benchmarks.trees.regression:regressions": END, "benchmarks.trees.slowed:copy_tree": Path("copied"),
-        "benchmarks.trees.slowed:calibrate": (1, 0.05), "benchmarks.trees.regression:Tree": BLANK,
+        "benchmarks.trees.slowed:calibrate": (1, 0.05), "benchmarks.trees.regression:Tree": nullcontext,
         "benchmarks.trees.regression:rate_of": END,
     }, rows(
         ("--only rk4", "regressions.cases", list(regression.CASES), [c for c in regression.CASES if c.method == "rk4"]),
         ("--slowed 5", "calibrate.share calibrate copy_tree regressions.current", None, 0.05),
         ("--slowed 5", "regressions.current calibrate copy_tree", Path(), Path("copied")),
         ("--rates", "rate_of() rate_of Tree regressions", None, True),
+        ("--rates", "rate_of.old rate_of Tree regressions", None, Path()),
+    )),
+    Case("compare . b", {
+        "benchmarks.trees.regression:Tree": nullcontext, "benchmarks.trees.regression:rate_of": END,
+        "benchmarks.trees.regression:regressions": END,
+    }, rows(
+        ("--rates", "rate_of.new rate_of Tree regressions", None, Path("b")),
+        ("--only rk4", "regressions.current regressions.cases", Path("b"), Path("b")),
     )),
     Case("nightly", {"reports.commands.maintenance.nightly:findings_of": END, **COMMIT}, rows(
         ("--baseline a", "findings_of.baseline", "HEAD~1", "a"),
@@ -474,6 +483,7 @@ def files(monkeypatch, tmp_path) -> None:
     monkeypatch.chdir(tmp_path)
     for name in ("a.sqlite", "f.csv", "a.csv", "m.toml", "r.urdf", "a.jsonl"):
         Path(name).touch()
+    Path("b").mkdir()
     Path("b.json").write_text('{"benchmarks": []}')
     lines.append(Path("r.jsonl"), [RECORD])
 
