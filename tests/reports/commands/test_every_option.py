@@ -190,8 +190,8 @@ CASES = {one.words: one for one in (
     }, (
         *settings_rows("run_ensemble.settings"),
         *rows(("-p length=1.7", "run_ensemble.variants.source.scene.parameters.length", 1.0, 1.7),
-              ("--vary gravity=9..10", "run_ensemble.design.laws.gravity.low run_ensemble.design run_ensemble.variants", None,
-               9.0),
+              ("--vary gravity=9..10", "run_ensemble.design.laws.gravity.low run_ensemble.design run_ensemble.var",
+               None, 9.0),
               ("-n 7", "run_ensemble.design.count", 200, 7), ("--seed 7", "run_ensemble.design.seed", 0, 7),
               ("--keep bob.velocity", "run_ensemble.variants.fixed", (), ("bob.velocity",)),
               ("--threads 3", "run_ensemble.threads", None, 3),
