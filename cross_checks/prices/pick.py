@@ -174,7 +174,9 @@ def _why_not_cheaper(limit: Limit | None) -> str:
     near, price = limit.cheaper, f"{1e3 * loop_time(limit.cheaper):.3g} ms"
     if limit.bound == "error":
         return f"The error limits it: for {price} the nearest is {setting(near)} with {_length(near)}."
-    return f"The compliance limits it: for {price} {setting(near)} opens the joints by {_gap(near):.1e}."
+    gap = near.measure("compliance_position")
+    known = "is not known to keep the joints closed" if gap is None else f"opens the joints by {gap:.1e}"
+    return f"The compliance limits it: for {price} {setting(near)} {known}."
 
 
 def _why_nothing(records: Sequence[Record]) -> str:

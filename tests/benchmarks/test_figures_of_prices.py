@@ -20,7 +20,7 @@ from cross_checks.prices.pick import RIVAL, Bounds, Choice, basis, contenders, p
 from cross_checks.prices.timing import Comparison, Pace, Sample
 from cross_checks.records.record import BUSY_NOTE, Error, Record
 from cross_checks.records.store import Store
-from mbs_ref import scenes
+from mbs_ref import Settings, scenes
 
 
 def made(chance: random.Random, engine: str, method: str) -> Record:
@@ -103,7 +103,9 @@ def test_a_choice(seed, tight, budget):
     rough = [r for r in cheaper if tight is None or gap(r) <= tight]
     if loose:
         near = min(loose, key=gap)
-        text += f" The compliance limits it: for {priced(near)} {setting(near)} opens the joints by {gap(near):.1e}."
+        is_known = math.isfinite(gap(near))
+        by = f"opens the joints by {gap(near):.1e}" if is_known else "is not known to keep the joints closed"
+        text += f" The compliance limits it: for {priced(near)} {setting(near)} {by}."
     elif rough:
         near = min(rough, key=worst)
         text += f" The error limits it: for {priced(near)} the nearest is {setting(near)} with {said(near)}."
@@ -111,6 +113,12 @@ def test_a_choice(seed, tight, budget):
         text += " No cheaper setting misses only one of the bounds."
     assert found.sentence == text
     assert (found.limit.cheaper if found.limit else None) == (near if loose or rough else None)
+
+
+def test_a_run_afresh_has_the_settings_of_its_record():
+    run = replace(runs_of(0)[0], settings={"method": "rk4", "step": 0.123})
+    _, *asked = confirm.afresh(scenes.make("pendulum"), run, "truth", call=lambda *given: given)  # type: ignore[arg-type]
+    assert asked == [scenes.make("pendulum"), run.engine, Settings(method="rk4", step=0.123), "truth"]
 
 
 def test_why_there_is_no_choice():

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import random
+from contextlib import nullcontext
+from pathlib import Path
 from statistics import median
 from types import SimpleNamespace
 from typing import Any
@@ -15,6 +18,20 @@ from benchmarks.suites import bench_batch, bench_growth, bench_peers
 from benchmarks.trees import regression, worker
 from cross_checks.prices.timing import Sample
 from mbs_ref.settings import Settings
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_change_alone_is_confirmed_by_trees_started_afresh(monkeypatch, seed):
+    verdicts = ["same", "faster", "inconclusive", "slower", "not measured"]
+    random.Random(seed).shuffle(verdicts)
+    found = [regression.Finding(verdict, verdict, "", None) for verdict in verdicts]
+    given = iter(found)
+    monkeypatch.setattr(regression, "Tree", lambda folder: nullcontext(folder))
+    monkeypatch.setattr(regression, "examine", lambda *asked: next(given))
+    monkeypatch.setattr(regression, "confirmed", lambda finding, afresh: f"{finding.verdict} confirmed")
+    listed = list(regression.regressions(Path("a"), Path("b"), list("abcde")))  # type: ignore[arg-type]
+    expected = [f"{one.verdict} confirmed" if one.verdict in ("faster", "slower") else one for one in found]
+    assert listed == expected
 
 
 def test_ours_is_held_against_the_fastest_peer(monkeypatch):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import asdict
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -144,11 +145,14 @@ def _predictions(
 
 
 def _print(results: Iterable[Any], as_json: bool) -> None:
-    """Print results as JSON lines as soon as they are known, or as a table."""
+    """Print results as JSON lines as soon as they are known, or as a table; NothingSelected where there are none."""
     rows = map(asdict, results)
+    first = next(rows, None)
+    if first is None:
+        raise NothingSelected("nothing here can be compared")
     if not as_json:
-        return _show("", list(rows))
-    for row in rows:
+        return _show("", [first, *rows])
+    for row in chain((first,), rows):
         echo_json(row, indent=None)
 
 

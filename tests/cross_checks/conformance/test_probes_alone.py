@@ -31,6 +31,7 @@ def motion(scene: Any, times: np.ndarray) -> Trajectory:
 
 def test_a_bounce_has_the_part_that_it_is_for():
     for kind, scene in bounces():
+        assert (kind, scene.dimension) in probes()
         (contact,) = scene.contacts
         assert kind in (contact.type, contact.law.type)
         assert len(scene.bodies) == 1 + ("on_circle" in contact.type or "on_sphere" in contact.type)

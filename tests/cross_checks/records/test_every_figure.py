@@ -164,6 +164,10 @@ def test_work_and_precision_by_the_hover_of_each_run():
             value, unit, rest = re.match(r"loop (\S+) (\S+) \((.*)", loop).groups()  # type: ignore[union-attr]
             assert float(value) * UNITS[unit] == pytest.approx(run.times["loop_s"], rel=5e-3)
             assert rest == f"one run, beside others), {run.steps} steps, {run.rhs_calls} right-hand sides"
+    low, high = figure.layout.yaxis.range  # in decades, as places of labels are on such an axis
+    (band,), (label,) = figure.layout.shapes, figure.layout.annotations
+    assert low <= label.y <= high
+    assert 10**label.y == pytest.approx(band.y1) == pytest.approx(records.floor(runs))
     with pytest.raises(ValueError, match="none with an error and a time"):
         figures.work_precision([replace(run, error=None) for run in runs])
     alone = replace(runs[0], times=runs[0].times | {"loop_runs": 3.0})

@@ -149,3 +149,9 @@ def test_the_store_is_the_file_that_is_named_else_one_of_the_cache(monkeypatch, 
     assert default_path() == tmp_path / "cache" / "mbs-ref" / "runs.sqlite"
     monkeypatch.delenv("XDG_CACHE_HOME")
     assert default_path() == Path.home() / ".cache" / "mbs-ref" / "runs.sqlite"
+
+
+def test_a_file_that_is_no_store_is_named(tmp_path):
+    (tmp_path / "notes.txt").write_text("no database, but long enough to be looked at " * 20)
+    with pytest.raises(OSError, match=r"notes\.txt: .*: name another store by --store or MBS_REF_STORE"):
+        Store(tmp_path / "notes.txt")

@@ -795,6 +795,10 @@ def test_show(tables, tmp_path, seed):
     assert [row[:3] for row in verdicts.rows] == [[c.engine, c.method, str(c.verdict)] for c in own]
     text = run("show", *label.split(), "-o", str(tmp_path), "--csv").stdout.splitlines()
     assert [line.split(",")[1:4:2] for line in text[1:]] == [[row[0], row[2]] for row in expected]
+    before, name = len(tables), label.split()[0]
+    assert run("show", name, "-o", str(tmp_path)).exit_code == 0
+    named = [one.title.split(": cost")[0] for one in tables[before:] if ": cost" in one.title]
+    assert named == [one for one in data.scenes if one.split()[0] == name]
     printed = json.loads(run("show", *label.split(), "-o", str(tmp_path), "--json").stdout)
     assert [(c["engine"], c["method"], c["error"]) for c in printed["cells"]] == [
         (c.engine, c.method, c.error) for c in own

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from contextlib import nullcontext
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
@@ -13,6 +15,7 @@ from mbs_ref.scene.toml import dumps, read_scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from reports.cli import main
+from reports.commands.judge import judge
 from reports.commands.judge import judge as command_file
 from reports.poses_file import write_poses
 
@@ -123,3 +126,13 @@ def test_who_waits_for_a_truth_is_told_so(own_file, monkeypatch):
     assert run(str(own_file), "pendulum").exit_code == 0
     (sentence,) = said
     assert sentence.startswith("computing the truth of pendulum")
+
+
+def test_errors_of_zero_are_drawn_at_the_floor_of_a_logarithmic_axis(monkeypatch, tmp_path):
+    drawn: dict[str, Any] = {}
+    figure = SimpleNamespace(add_scatter=lambda **line: drawn.update({line["name"]: line}), to_html=lambda **_: "")
+    monkeypatch.setattr(judge, "new_figure", lambda *titles, **logs: figure)
+    curves = {"t": [0.0, 1.0, 2.5], "a": [0.0, None, 2e-3], "b": [0.0, 0.0, 0.0], "c": [1e-30, 3e-5, 0.0]}
+    judge._draw(SimpleNamespace(curves=curves), tmp_path / "a.html")  # type: ignore[arg-type]
+    assert {name: line["y"] for name, line in drawn.items()} == {"a": [1e-17, None, 2e-3], "c": [1e-17, 3e-5, 1e-17]}
+    assert all(line["x"] == curves["t"] for line in drawn.values())

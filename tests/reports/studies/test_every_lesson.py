@@ -539,8 +539,8 @@ def test_blocks_of_a_document():
     """Rows of a table become figures of their blocks; words replace the sign; criteria hide; claims are counted."""
     claim = {"group": "g", "paper": "1999", "where": "eq", "statement": "s", "result": "{all}"}
     made = document.Document("own", "p.html", "T", "n", "h", "l", list(blocks()), claim=[
-        claim | {"criteria": [["all", "<", 9.0]]}, claim | {"criteria": [["all", "<", 1.0]], "group": "other"},
-        claim | {"criteria": [["all", ">", 1.0]]}, claim | {"verdict": "partly"}])  # fmt: skip
+        claim | {"verdict": "partly"}, claim | {"criteria": [["all", "<", 1.0]], "group": "other"},
+        claim | {"criteria": [["all", ">", 1.0]]}, claim | {"criteria": [["all", "<", 9.0]]}])  # fmt: skip
     tables: dict[str, Any] = {
         "rows": ({"name": "a", "size": 1.25}, {"name": "b", "size": 2.25}),
         "of x": ({"v": 3.0},), "of y": ({"v": 4.0},),
