@@ -158,8 +158,10 @@ def sweep_records(
         except ValueError as error:  # a method that none of the engines offers
             raise click.UsageError(str(error)) from error
         except KeyboardInterrupt:
-            so_far[: len(records)] = records  # those that are timed by now
-            raise Interrupted(f"interrupted after {len(records)} of {len(so_far)} records", so_far) from None
+            timed = {key_of(record): record for record in records}
+            runs_so_far = [timed.get(key_of(record), record) for record in so_far]
+            said = f"interrupted after {len(so_far)} runs, {len(records)} of them timed"
+            raise Interrupted(said, runs_so_far) from None
     return records
 
 

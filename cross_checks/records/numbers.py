@@ -24,6 +24,7 @@ def with_unit(value: float | None, unit: str) -> str:
 
 
 metres, joules = partial(with_unit, unit="m"), partial(with_unit, unit="J")
+closure = partial(with_unit, unit="m, rad")  # of joints: the largest of both
 
 
 def of_scene(value: float | None) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from cross_checks.judge.vocabulary import SILENT, WRONG, Cell, Verdict
-from cross_checks.records.numbers import count, metres, of_scene, short
+from cross_checks.records.numbers import closure, count, of_scene, short
 from mbs_ref import Status
 from reports.facts.report_data import Finding, ReportData, Section
 from reports.page.slug import command, scene_file
@@ -29,7 +29,7 @@ def wrong_answers(data: ReportData) -> Iterator[Finding]:
             beside = f", where {sibling} of the same engine agrees" if sibling else ""
             text = f"It fails on {_scenes(cells)}{beside}."
             if word in SILENT and worst.error is not None:
-                closed = f" and joints closed within {metres(worst.compliance)}" if worst.compliance else ""
+                closed = f" and joints closed within {closure(worst.compliance)}" if worst.compliance else ""
                 text = f"Success is reported{closed}, {of_scene(worst.error)} from the truth on {worst.label}{beside}."
                 others = _scenes([cell for cell in cells if cell.label != worst.label])
                 text += f" Also on {others}." if others else ""

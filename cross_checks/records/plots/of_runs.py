@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from cross_checks.records.numbers import duration, metres, setting, short
+from cross_checks.records.numbers import closure, duration, metres, setting, short
 from cross_checks.records.plots import plot
 from cross_checks.records.plots.plot import Figure
 from cross_checks.records.record import Record, best_of_engines, floor, is_timed, loop_time, usable
@@ -90,7 +90,7 @@ def _hover(record: Record) -> str:
         f"{record.engine} · {record.method}",
         setting(record.settings),
         f"error {short(record.error.value)}, {metres(record.error.metres)}; worst: {record.error.worst}",
-        f"joints within {metres(record.measure('compliance_position'))}",
+        f"joints within {closure(record.measure('compliance_position'))}",
         f"loop {duration(record.times['loop_s'])} ({how}), {record.steps} steps, {record.rhs_calls} right-hand sides",
     )
 

@@ -105,7 +105,7 @@ function answer() {
   const head = node("p", "", out);
   node("strong", `${named(best)}: ${short(best.ms)} ms`, head);
   if (best.ours) head.append(" by this project's own solver");
-  head.append(` (error ${short(best.error)}, joints closed to ${short(best.compliance)} m).`);
+  head.append(` (error ${short(best.error)}, joints closed to ${short(best.compliance)} m, rad).`);
   node("p", second ? `Runner-up: ${named(second)}, at ${short(second.ms)} ms: ${short(margin)} times as long.` : "No other engine or method shown reaches it.", out);
   node("p", limits(limit), out);
   const line = node("div", "", out);
@@ -119,14 +119,14 @@ function refusal({ why, near, floor, count }, bounds) {
   if (why === "nothing") return "No run of the engines shown finished on this scene.";
   if (why === "floor") return `Errors below ${short(floor)} cannot be resolved: that is the uncertainty of this scene's truth. Request an error above it.`;
   if (why === "budget") return `None within ${short(bounds.ms)} ms; the cheapest is ${named(near)} at ${short(near.ms)} ms.`;
-  if (why === "compliance") return `${count} settings reach the error, but none keeps the joints within ${short(bounds.compliance)} m; the nearest is ${named(near)} with ${short(near.compliance)} m.`;
+  if (why === "compliance") return `${count} settings reach the error, but none keeps the joints within ${short(bounds.compliance)} m, rad; the nearest is ${named(near)} with ${short(near.compliance)} m, rad.`;
   return `None reached this; the nearest is ${named(near)} with ${short(near.error)}.`;
 }
 
 function limits(limit) {
   if (!limit) return "No cheaper setting misses only one of the bounds.";
   const { bound, cheaper } = limit;
-  const off = bound === "error" ? `an error of ${short(cheaper.error)}` : `joints open by ${short(cheaper.compliance)} m`;
+  const off = bound === "error" ? `an error of ${short(cheaper.error)}` : `joints open by ${short(cheaper.compliance)} m, rad`;
   return `The ${bound} limits it: the nearest cheaper one is ${named(cheaper)}, at ${short(cheaper.ms)} ms with ${off}.`;
 }
 

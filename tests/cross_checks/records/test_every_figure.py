@@ -160,7 +160,7 @@ def test_work_and_precision_by_the_hover_of_each_run():
             assert (x, y) == (pytest.approx(1e3 * run.times["loop_s"]), run.error.value)
             assert error.startswith(f"error {run.error.value:.1e}".replace("e-0", "e-").replace(".0e", "e"))
             assert f"{numbers.short(run.error.value * run.error.length)} m; worst: {run.error.worst}" in error
-            assert joints == f"joints within {numbers.short(run.measures['compliance_position'])} m"
+            assert joints == f"joints within {numbers.short(run.measures['compliance_position'])} m, rad"
             value, unit, rest = re.match(r"loop (\S+) (\S+) \((.*)", loop).groups()  # type: ignore[union-attr]
             assert float(value) * UNITS[unit] == pytest.approx(run.times["loop_s"], rel=5e-3)
             assert rest == f"one run, beside others), {run.steps} steps, {run.rhs_calls} right-hand sides"
