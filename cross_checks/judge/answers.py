@@ -128,7 +128,7 @@ class _OfScene:
         self, pool: Pool, runs: Runs, targets: Sequence[float], patient: bool, waited_for: Sequence[Preparation]
     ) -> None:
         self._pool, self._runs, self._targets, self._patient = pool, runs, targets, patient
-        self._waited_for = waited_for  # what engines still need before they are asked
+        self._waited_for = waited_for  # of the engines that are not searched yet
         self._able: list[Question] = []
         self._busy: set[Question] = set()  # whose search waits or runs
         self._late: set[Question] = set()  # whose first try computed for too long
