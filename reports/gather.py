@@ -24,7 +24,7 @@ from mbs_ref import Scene, scenes
 from reports import inputs
 from reports.facts import stored as facts
 from reports.facts.cheapest import contenders
-from reports.facts.compiling import compile_kernels
+from reports.facts.compiling import preparations
 from reports.facts.environment import environment
 from reports.facts.report_data import GROWING, INTERRUPTED, ReportData
 from reports.facts.scene_facts import SceneFacts, TruthFacts, scene_facts, truth_facts
@@ -114,8 +114,9 @@ class Gathering:
         truths: dict[str, TruthFacts] = {}
         with _interruptible(reasons, lambda: f"{len(result)} of {len(wanted)} cells"):
             if missing:
-                compile_kernels(self.store, self.report)
-                for answer in facts.settled_answers(self.store, missing, self.report, self.call, self.full):
+                asked = {question.engine for question in missing}
+                needed = [one for one in preparations(self.store) if one.engine in asked]
+                for answer in facts.settled_answers(self.store, missing, self.report, self.call, self.full, needed):
                     if answer.truth is not None and answer.cell.label not in truths:
                         truths[answer.cell.label] = truth_facts(answer.cell.label, answer.question.scene, answer.truth)
                         facts.keep(

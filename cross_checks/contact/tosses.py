@@ -193,12 +193,13 @@ class _Model:
 
 
 def predict(
-    tosses: list[Toss], others: dict[str, ContactModel], step: float, sample: int = 0, progress: Report | None = None
-) -> Iterator[Predicted]:
+    tosses: list[Toss], others: dict[str, ContactModel], step: float, sample: int = 0, progress: Report | None = None,
+    engine: str = "",
+) -> Iterator[Predicted]:  # fmt: skip
     """Predict each toss by the reference solver with each law, and by other engines' own contacts from a step (s) on.
 
-    A `sample` is drawn at random with a fixed seed; all are predicted if it is 0. ValueError names a toss without a
-    free flight, or a sample larger than all.
+    With `engine` by that one alone. A `sample` is drawn at random with a fixed seed; all are predicted if it is 0.
+    ValueError names a toss without a free flight, or a sample larger than all.
     """
     if not 0 <= sample <= len(tosses):
         raise ValueError(f"sample = {sample} tosses; allowed: 1 to {len(tosses)}, or 0 for all")
@@ -209,8 +210,9 @@ def predict(
     models = [_Model(OURS, law.type, law, SMOOTH, _ours) for law in (plain, *rest)]
     models += [_Model(OURS, f"{plain.type}, stick_slip", plain, sticking, _ours)]
     models += [_Model(OURS, f"{rigid.type}, no friction", rigid, None, _ours)]
-    models += [_Model(engine, method, plain, SMOOTH, _sampled(model, method, steps))
-               for engine, model in others.items() for method in model.compared]  # fmt: skip
+    models += [_Model(name, method, plain, SMOOTH, _sampled(model, method, steps))
+               for name, model in others.items() for method in model.compared]  # fmt: skip
+    models = [model for model in models if engine in ("", model.engine)]
     if sample:
         tosses = [tosses[k] for k in np.random.default_rng(SEED).permutation(len(tosses))[:sample]]
     noises = [toss.error(toss.flight(floor)) for toss in tosses]

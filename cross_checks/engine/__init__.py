@@ -1,6 +1,7 @@
 """The Engine contract: what a solver must offer to be compared, ours included."""
 
 import warnings
+from functools import cache
 from importlib.metadata import version
 from time import perf_counter
 from typing import Any, ClassVar
@@ -19,6 +20,7 @@ __all__ = [
 
 type Poses = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]  # position, orientation, velocity, angular velocity
 DRIVEN = "driven from Python"
+_version = cache(version)  # every run asks for it: the keys of the store contain it
 
 
 class Engine:
@@ -55,6 +57,7 @@ class Engine:
         None  # the method of one run by a user who names none; the first unless given
     )
     made_of: str = ""  # a digest of its adapter, where that is imported in another environment
+    compiles: ClassVar[bool] = False  # its first run compiles a program, which later ones find stored
     checks_start: ClassVar[bool] = False  # refuses inconsistent initial states by itself; else the suite looks for it
 
     def methods(self) -> tuple[Method, ...]:
@@ -63,7 +66,7 @@ class Engine:
 
     def version(self) -> str:
         """Return the engine's version."""
-        return version(self.distribution or self.package)
+        return _version(self.distribution or self.package)
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         """Return the reasons that follow from the scene's traits rather than its part types."""

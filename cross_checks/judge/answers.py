@@ -1,6 +1,6 @@
 """Every method on every scene, side by side: truths, and answers that are provisional while a truth is refined."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
@@ -23,6 +23,7 @@ from mbs_ref import Scene
 
 USEFUL = TARGETS[0] / ONE_FIGURE  # of the scene: a truth that is known so well shows which methods reach that target
 SEARCH = 1.0  # s that a search is expected to take, compared with the levels of a consensus
+PREPARATION = 2.0  # s, likewise: other engines come first
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +58,19 @@ class _Sought:
         return f"truth of {self.scene.name}"
 
 
-type _Task = Question | Request | _Sought
+@dataclass(frozen=True, eq=False)
+class Preparation:
+    """What the questions to an engine wait for, such as the compilation of its code; others are answered meanwhile."""
+
+    engine: str
+    name: str
+    work: Callable[[Caller], Any]
+
+    def __str__(self) -> str:
+        return self.name
+
+
+type _Task = Question | Request | _Sought | Preparation
 
 
 def questions(scenes: Sequence[Scene], offered: Sequence[tuple[str, Method | None]]) -> list[Question]:
@@ -67,15 +80,15 @@ def questions(scenes: Sequence[Scene], offered: Sequence[tuple[str, Method | Non
 
 def answers(
     runs: Runs, requested: Sequence[Question], targets: Sequence[float] = TARGETS, progress: Report | None = None,
-    patient: bool = True,
+    patient: bool = True, preparations: Sequence[Preparation] = (),
 ) -> Iterator[Answer]:  # fmt: skip
     """Yield answers as they come; a later one to the same question replaces the earlier one.
 
     Runs use all processors, where `runs` computes them in processes of their own; answers are provisional first
     where the truth is what engines agree on. A method with a run that computes longer than BRIEF is answered after all
-    others; unless `patient`, not at all.
+    others; unless `patient`, not at all. The questions to an engine begin once its `preparations` have ended.
     """
-    settled, scenes = 0, dict[int, _OfScene]()
+    settled, scenes, waited_for = 0, dict[int, _OfScene](), list(preparations)
 
     def tick(running: list[tuple[_Task, float]]) -> None:
         if progress is not None:
@@ -83,11 +96,18 @@ def answers(
 
     with Pool[_Task, Any](runs.call, brief=BRIEF, tick=tick) as pool:
         for scene, group in groupby(requested, key=lambda question: id(question.scene)):
-            scenes[scene] = _OfScene(pool, runs, targets, patient)
+            scenes[scene] = _OfScene(pool, runs, targets, patient, waited_for)
             for answer in scenes[scene].begin(list(group)):
                 settled += 1
                 yield answer
+        for task in preparations:
+            pool.add(task, task.work, PREPARATION)
         for task, result in pool:
+            if isinstance(task, Preparation):
+                waited_for.remove(task)
+                for of in scenes.values():
+                    of.begin_searches(task.engine)
+                continue
             of = scenes[id(task.scene)]
             if isinstance(task, Question):
                 answer = of.receive(task, result)
@@ -104,8 +124,11 @@ def answers(
 class _OfScene:
     """The truth of a scene and the searches against it."""
 
-    def __init__(self, pool: Pool, runs: Runs, targets: Sequence[float], patient: bool) -> None:
+    def __init__(
+        self, pool: Pool, runs: Runs, targets: Sequence[float], patient: bool, waited_for: Sequence[Preparation]
+    ) -> None:
         self._pool, self._runs, self._targets, self._patient = pool, runs, targets, patient
+        self._waited_for = waited_for  # of the engines that are not searched yet
         self._able: list[Question] = []
         self._busy: set[Question] = set()  # whose search waits or runs
         self._late: set[Question] = set()  # whose first try computed for too long
@@ -139,8 +162,15 @@ class _OfScene:
 
     def _judge_by(self, truth: Truth | NoTruth, known_to: float, is_settled: bool) -> None:
         self._truth = truth, known_to, is_settled
+        for engine in dict.fromkeys(question.engine for question in self._able):
+            self.begin_searches(engine)
+
+    def begin_searches(self, engine: str) -> None:
+        """Search every method of an engine that is prepared, once there is a truth."""
+        if self._truth is None or any(one.engine == engine for one in self._waited_for):
+            return
         for question in self._able:
-            if question not in self._busy:
+            if question.engine == engine and question not in self._busy:
                 self._search(question)
 
     def _search(self, question: Question) -> None:

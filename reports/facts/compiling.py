@@ -1,11 +1,15 @@
-"""Compile the solver's kernels before anything is run or timed: plane, space and particles side by side."""
+"""Compile the solver's kernels before it is run or timed: plane, space and particles side by side."""
 
 import tomllib
+from collections.abc import Callable
+from functools import partial
 from importlib.resources import files
 
 from cross_checks import engines
+from cross_checks.engine import Engine
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import Report, each
+from cross_checks.judge.answers import Preparation
 from cross_checks.records.store import Store, code_of, digest_of
 from mbs_ref import Settings, scenes
 from mbs_ref.kernels.jit import cache_folder
@@ -16,31 +20,40 @@ from reports.facts.stored import keep, recall
 CORES = tomllib.loads((files(__package__) / "cores.toml").read_text(encoding="utf-8"))  # scene, coordinates, ...
 LANES = "runs in lanes"  # for batches alone: a report makes none
 SOLVER = "mbs_ref"
+PROGRAM: tuple[str, Coordinates, bool] = ("pendulum", "cartesian", False)  # what other engines that compile run
 
 
 def compile_kernels(store: Store, report: Report, lanes: bool = False) -> None:
-    """Run every method of the solver once on each core that the store does not know to be compiled here.
-
-    With `lanes` runs side by side, too.
-    """
-    keys = {core: _key(core) for core in ([*CORES, LANES] if lanes else CORES)}
-    wanted = [core for core, key in keys.items() if not (recall(store, key, bool) and cache_folder().is_dir())]
+    """Make all preparations; with `lanes` those of runs side by side, too."""
+    wanted = preparations(store, lanes)
     if wanted:
-        report(0, len(wanted), f"compiling {', '.join(wanted)}: a minute, once for each change of the solver")
-    for done, (core, _) in enumerate(each(wanted, _compile), 1):
-        report(done, len(wanted), f"compiled {core}")
-        keep(store, keys[core], bool, True)
+        report(0, len(wanted), f"{', '.join(map(str, wanted))}: minutes, once for each change of the solver")
+    for done, (one, _) in enumerate(each(wanted, lambda call, one: one.work(call)), 1):
+        report(done, len(wanted), f"done: {one}")
 
 
-def _key(core: str) -> str:
-    return digest_of(["compiled", core, code_of(type(engines.get(SOLVER)).__module__), str(cache_folder())])
+def preparations(store: Store, lanes: bool = False) -> list[Preparation]:
+    """Return what the store does not know to be compiled here: the solver on each core, and other engines' programs."""
+    works = {core: (SOLVER, partial(run_methods, SOLVER, *what)) for core, what in CORES.items()}
+    works |= {LANES: (SOLVER, run_in_lanes)} if lanes else {}
+    works |= {one.name: (one.name, partial(run_methods, one.name, *PROGRAM)) for one in _compiling()}
+    keys = {name: _key(name, engine) for name, (engine, _) in works.items()}
+    known = {name for name, key in keys.items() if recall(store, key, bool) and cache_folder().is_dir()}
+    return [Preparation(engine, f"compiling {name}", partial(_prepare, store, keys[name], work))
+            for name, (engine, work) in works.items() if name not in known]  # fmt: skip
 
 
-def _compile(call: Caller, core: str) -> None:
-    if core == LANES:
-        call(run_in_lanes)
-    else:
-        call(run_methods, *CORES[core])
+def _compiling() -> list[Engine]:
+    return [engine for engine in engines.installed() if engine.compiles]
+
+
+def _key(name: str, engine: str) -> str:
+    return digest_of(["compiled", name, code_of(type(engines.get(engine)).__module__), str(cache_folder())])
+
+
+def _prepare(store: Store, key: str, work: Callable[[], None], call: Caller) -> None:
+    getattr(call, "patient", call)(work)
+    keep(store, key, bool, True)
 
 
 def run_in_lanes() -> None:
@@ -49,11 +62,11 @@ def run_in_lanes() -> None:
         simulate_scenes([built], _settings("dop853", "adaptive", built.duration, "relative"), lanes=True)
 
 
-def run_methods(scene: str, coordinates: Coordinates, every_method: bool) -> None:
-    """Run the first hundredth of a scene by the default method, or by every method that takes it."""
-    built, solver = scenes.make(scene), engines.get(SOLVER)
+def run_methods(engine: str, scene: str, coordinates: Coordinates, every_method: bool) -> None:
+    """Run the first hundredth of a scene by an engine's default method, or by every method that takes it."""
+    built, solver = scenes.make(scene), engines.get(engine)
     for method in solver.methods() if every_method else (solver.method(None),):
-        if not solver.method_refusals(built, method):
+        if not solver.refusal(built, method):
             solver.run(built, _settings(method.name, method.kind, built.duration, coordinates))
 
 

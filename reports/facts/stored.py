@@ -1,7 +1,7 @@
 """Facts and judged cells that the store of runs holds as JSON, by the dataclass that they fill."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 from cross_checks import engines as registry
 from cross_checks.isolation.parent import Isolated
 from cross_checks.isolation.workers import TIMEOUT, Report
-from cross_checks.judge.answers import Answer, Question, answers
+from cross_checks.judge.answers import Answer, Preparation, Question, answers
 from cross_checks.judge.bounds import TARGETS, longest
 from cross_checks.judge.ladder import grid
 from cross_checks.judge.runs import PASSING, Runs
@@ -79,14 +79,15 @@ def stored_answers(store: Store, wanted: list[Question], full: bool = False) -> 
 
 
 def settled_answers(
-    store: Store, wanted: list[Question], report: Report, call: Isolated | None = None, full: bool = False
-) -> Iterator[Answer]:
+    store: Store, wanted: list[Question], report: Report, call: Isolated | None = None, full: bool = False,
+    preparations: Sequence[Preparation] = (),
+) -> Iterator[Answer]:  # fmt: skip
     """Yield the settled answer to every question; the store keeps those in which the machine had no part.
 
     Unless `full`, no run for a target alone takes longer than LONGEST where the verdict is neither open nor wrong.
     """
     runs = Runs(store, call or Isolated(TIMEOUT), longest=longest(full))
-    for answer in answers(runs, wanted, progress=report):
+    for answer in answers(runs, wanted, progress=report, preparations=preparations):
         if answer.is_settled:
             if not any(record.status in PASSING for record in answer.records):
                 keep(store, _question_key(answer.question, full), Stored, Stored(answer.cell, answer.records))

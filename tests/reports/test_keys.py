@@ -97,7 +97,7 @@ KEYS: dict[str, tuple[Callable[[Any], str], list[str]]] = {  # with modules whos
                          ["cross_checks.judge.cell", "reports.facts.scene_facts", ADAPTER, *OF_TRUTHS[-1:]]),
     "facts of a scene": (lambda _: stored.scene_key(SCENE), ["reports.facts.scene_facts", *OF_TRUTHS[-1:]]),
     "capabilities": (capabilities, ["cross_checks.judge.capabilities", ADAPTER]),
-    "kernels": (lambda _: compiling._key("plane"), [ADAPTER]),
+    "kernels": (lambda _: compiling._key("plane", compiling.SOLVER), [ADAPTER]),
     "study": (study_of_trust, ["reports.studies.trust"]),
 }  # fmt: skip
 
@@ -136,7 +136,7 @@ def test_every_input_of_what_is_stored_is_in_its_key(monkeypatch):
             (SCENE, Settings(method="euler", step=0.01), TIMES), (SCENE, FINE, TIMES[::2])]  # fmt: skip
     keys += [store.run_name(scene, engine, settings, times) for scene, settings, times in runs]
     keys += [store.truth_name(scene, times) for scene, _, times in (*runs[:2], *runs[4:])]
-    keys += [compiling._key(core) for core in compiling.CORES]
+    keys += [compiling._key(core, compiling.SOLVER) for core in compiling.CORES]
     monkeypatch.setattr(stored, "TARGETS", (0.5,))
     stored._judge.cache_clear()
     keys += [stored._question_key(questions[0], False), stored.truth_key(SCENE)]

@@ -69,7 +69,7 @@ def test_settled_answers_are_stored_unless_the_machine_had_a_part(monkeypatch, f
     settled = [chance.random() < 0.6 for _ in names]
     longest: list[float] = []
 
-    def answers(runs: Any, asked: Any, progress: Any) -> Any:
+    def answers(runs: Any, asked: Any, progress: Any, preparations: Any) -> Any:
         longest.append(runs.longest)
         for question, status, is_settled in zip(asked, statuses, settled, strict=True):
             record = Record(SCENE.name, {}, "mbs_ref", question.method.name, {}, status)

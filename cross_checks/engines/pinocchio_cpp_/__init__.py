@@ -138,6 +138,7 @@ class PinocchioCpp(Pinocchio):
 
     name: ClassVar[str] = "pinocchio_cpp"
     package: ClassVar[str] = "pinocchio"
+    compiles: ClassVar[bool] = True
     method_table: ClassVar[tuple[Method, ...]] = METHODS
     takes_loads: ClassVar[bool] = False
     every: ClassVar[bool] = False  # algorithm, from the headers alone; they close loops

@@ -1,6 +1,7 @@
 """The androids under the papers' integrators and others: compliance, work, stable steps, convergence, engines."""
 
 import tomllib
+from functools import cache, partial
 from importlib.resources import files
 from importlib.util import find_spec
 from itertools import product
@@ -19,7 +20,6 @@ from cross_checks.metrics.metric import off_truth
 from cross_checks.records.numbers import ABSENT, in_words, order_of, setting, short
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths import truth_for
-from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene, Settings, Status, Trajectory, scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual
@@ -28,6 +28,7 @@ from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
 from reports.facts.curves import Curves, Measured, Row, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, with_test
+from reports.studies.in_parts import joined, measured_part
 
 PAPER_CRASH = f"{SIMPLIFIED}, front"
 RUNS = tomllib.loads((files(__package__) / "runs.toml").read_text(encoding="utf-8"))
@@ -41,19 +42,47 @@ PEER_TARGETS = {"adaptive": (1e-3, 1e-6), "fixed": (1e-3,)}  # over the scene's 
 
 def measure(full: bool = False) -> Measured:
     """Run everything; the vertebral android's truths are stored on disk. `full` makes runs that take long, too."""
-    measured = Measured()
-    scenes_run = [scenes.make(name, impact=impact, **PAPER) for name, impact in product(NAMES, IMPACTS)]
-    for scene in scenes_run:
-        runs = add_numerics(measured, scene)
-        fine = {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE}
-        add_convergence(measured, scene, fine)
-    for name in NAMES:
-        add_stable(measured, scenes.make(name, **PAPER))
-    with Store(default_path()) as store:
-        measured.tables["engines"] = tuple(
-            row for scene in scenes_run for row in peers(Runs(store, longest=longest(full)), scene)
-        )
+    return joined([Measured(tables={"engines": ()}), *(_part(part, full) for part in parts())])
+
+
+def parts() -> list[tuple[str, ...]]:
+    """Return the parts: each crash by our methods, each android's stable steps, each crash by a method of another."""
+    crashes = list(product(NAMES, IMPACTS))
+    searched = [("engines", *crash, name, method.name) for crash in crashes for name, method in entrants(_bare(*crash))]
+    return [*(("methods", *crash) for crash in crashes), *(("stable", name) for name in NAMES), *searched]
+
+
+def make(part: tuple[str, ...], full: bool = False) -> None:
+    """Measure one part, which the store keeps."""
+    _part(part, full)
+
+
+def _part(part: tuple[str, ...], full: bool) -> Measured:
+    kind, *about = part
+    made = {"methods": _methods, "stable": _stable, "engines": partial(_peer, longest(full))}[kind]
+    return measured_part(__name__, part, full, partial(made, *about))
+
+
+def _bare(name: str, impact: str) -> Scene:
+    return scenes.make(name, impact=impact, **PAPER)
+
+
+def _methods(name: str, impact: str) -> Measured:
+    measured, scene = Measured(), _bare(name, impact)
+    runs = add_numerics(measured, scene)
+    add_convergence(measured, scene, {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE})
     return measured
+
+
+def _stable(name: str) -> Measured:
+    add_stable(measured := Measured(), scenes.make(name, **PAPER))
+    return measured
+
+
+def _peer(most: float, name: str, impact: str, engine: str, method: str) -> Measured:
+    with Store(default_path()) as store:
+        row = peer(Runs(store, longest=most), _bare(name, impact), engine, engines.get(engine).method(method))
+    return Measured(tables={"engines": (row,)})
 
 
 def label(scene: Scene) -> str:
@@ -169,35 +198,21 @@ def entrants(scene: Scene) -> list[tuple[str, Method]]:
     return [(name, method) for name, method in able if few is None or f"{name} {method.name}" in few]
 
 
-def peers(runs: Runs, scene: Scene) -> list[Row]:
-    """Judge the methods of the other engines."""
-    truth, ours = runs.truth(scene), simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
-    return [peer(runs, scene, *entrant, truth, ours) for entrant in entrants(scene)]
+@cache
+def _ours(name: str, impact: str) -> Trajectory:
+    scene = _bare(name, impact)
+    return simulate(scene, Settings(rtol=FINE, estimate="off"), ladder.grid(scene))
 
 
-def parts() -> list[tuple[str, str, str, str]]:
-    """Return every search as android, impact, engine and method."""
-    crashes = list(product(NAMES, IMPACTS))
-    return [(*crash, name, method.name) for crash in crashes
-            for name, method in entrants(scenes.make(crash[0], impact=crash[1], **PAPER))]  # fmt: skip
-
-
-def make(part: tuple[str, str, str, str], full: bool = False) -> None:
-    """Search once: the store keeps the runs, which `measure` reads."""
-    name, impact, engine, chosen = part
-    scene, method = scenes.make(name, impact=impact, **PAPER), engines.get(engine).method(chosen)
-    with Store(default_path()) as store:
-        runs = Runs(store, longest=longest(full))
-        search(runs, scene, engine, method, runs.truth(scene), PEER_TARGETS[method.kind])
-
-
-def peer(runs: Runs, scene: Scene, engine: str, method: Method, truth: Truth | NoTruth, ours: Trajectory) -> Row:
+def peer(runs: Runs, scene: Scene, engine: str, method: Method) -> Row:
     """Judge one method; its joint forces are compared with ours at the setting that speaks for it."""
+    truth = runs.truth(scene)
     tried, answers = search(runs, scene, engine, method, truth, PEER_TARGETS[method.kind])
     cell = cell_of(tried, answers)
     spoken = next((r for r in tried.records.values() if ladder.label(Settings(**r.settings)) == cell.setting), None)
     forces = None
     if spoken is not None:
+        ours = _ours(scene.name, str(scene.parameters["impact"]))
         again, _ = judged_run(
             scene, engine, Settings(**spoken.settings), ladder.grid(scene), truth=truth, reference=ours
         )

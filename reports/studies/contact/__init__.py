@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from functools import partial
 
 import numpy as np
 
 from cross_checks.contact import models
 from cross_checks.contact.by_figure import Obtained, compare, with_contact
 from cross_checks.contact.tosses import Summary, predict, stored, summaries
+from cross_checks.judge.vocabulary import OURS
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.energy import is_conservative, kinetic_energy, potential_energy
 from mbs_ref.observables.powers import powers
 from mbs_ref.simulate import simulate
-from reports.facts.curves import Curves, Measured, Row, curves, film, plain
+from reports.facts.curves import Curves, Measured, Row, Value, curves, film, plain
 from reports.studies.crash import finished
+from reports.studies.in_parts import joined, measured_part
 
 STEPS = (375, 750, 1500, 3000, 6000)  # over the ball's 0.4 s
 LAWS = {
@@ -35,25 +38,57 @@ VEHICLE_RUN = Settings(method="dop853", rtol=1e-8, t_end=VEHICLE_END, samples=VE
 
 def measure(full: bool = False) -> Measured:
     """Measure it; most of the time is the engines'. With `full` all tosses are predicted."""
+    return joined(_part(part, full) for part in parts())
+
+
+def parts() -> list[tuple[str, ...]]:
+    """Return the parts by what they measure: tosses by an engine take longest."""
+    tossed = [("tosses", engine) for engine in (OURS, *models()[0])]
+    return [*tossed, ("vehicle",), ("laws",), *(("engines", scene) for scene in with_contact())]
+
+
+def make(part: tuple[str, ...], full: bool = False) -> None:
+    """Measure one part, which the store keeps."""
+    _part(part, full)
+
+
+def _part(part: tuple[str, ...], full: bool) -> Measured:
+    kind, *about = part
+    made = {"tosses": partial(_tosses, full=full), "vehicle": _vehicle, "laws": _laws, "engines": _engines}[kind]
+    return measured_part(__name__, part, full, partial(made, *about))
+
+
+def _tosses(engine: str, full: bool) -> Measured:
     tosses = stored()
     shown = tosses if full else tosses[::FEW_TOSSES]
+    predicted = predict(shown, models()[0], TOSSES_STEP, engine=engine)
+    figures: dict[str, Value] = {"tosses.shown": len(shown), "tosses.stored": len(tosses)}
+    return Measured(figures, {"tosses": tuple(_of_tosses(one) for one in summaries(predicted))})
+
+
+def _engines(name: str) -> Measured:
+    found = compare(models()[0], {name: scenes.make(name)}, ENGINES_STEP)
+    return Measured(tables={"engines": tuple(_by_engine(one) for one in found)})
+
+
+def _laws() -> Measured:
+    orders = tuple(ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located"))
+    figures = {f"order.{row['law']}.{row['events']}": row["order"] for row in orders}
+    drawn = {f"order: {row['law']}, events {row['events']}": _line(row) for row in orders}
+    return Measured(figures, {"orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS)}, drawn)
+
+
+def _vehicle() -> Measured:
     vehicle = scenes.make("tracked_vehicle")
     path = finished(vehicle, VEHICLE_RUN)
     energy = balance(vehicle, Settings(method="dop853", rtol=1e-8, t_end=0.1, estimate="off"), longest=2e-4)
-    orders = tuple(ladder(law, way) for law in ("spring_damper", "progressive") for way in ("none", "located"))
-    figures = {f"order.{row['law']}.{row['events']}": row["order"] for row in orders} | {
+    figures: dict[str, Value] = {
         "vehicle.description": vehicle.description, "vehicle.t_end": float(path.times[-1]),
         "vehicle.energy_end": float(energy.times[-1]), "vehicle.exchanged": energy.exchanged,
-        "vehicle.drift": float(np.max(np.abs(energy.drift))), "tosses.shown": len(shown), "tosses.stored": len(tosses),
-    }  # fmt: skip
-    tables = {
-        "orders": orders, "restitutions": tuple(_restitution(law) for law in LAWS),
-        "engines": tuple(_by_engine(one) for one in compare(models()[0], with_contact(), ENGINES_STEP)),
-        "tosses": tuple(_of_tosses(one) for one in summaries(predict(shown, models()[0], TOSSES_STEP))),
+        "vehicle.drift": float(np.max(np.abs(energy.drift))),
     }  # fmt: skip
     drawn = {f"vehicle: {name}": lines for name, lines in vehicle_curves(vehicle, path, energy).items()}
-    drawn |= {f"order: {row['law']}, events {row['events']}": _line(row) for row in orders}
-    return Measured(figures, tables, drawn, {"vehicle": film(vehicle, path, FILMED)})
+    return Measured(figures, {}, drawn, {"vehicle": film(vehicle, path, FILMED)})
 
 
 def _by_engine(one: Obtained) -> Row:

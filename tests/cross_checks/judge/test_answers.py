@@ -12,7 +12,7 @@ import pytest
 from cross_checks.isolation.parent import Isolated
 from cross_checks.isolation.workers import Late, Pool
 from cross_checks.judge import answers as module
-from cross_checks.judge.answers import answers, check, questions
+from cross_checks.judge.answers import Preparation, answers, check, questions
 from cross_checks.judge.cell import tasks
 from cross_checks.judge.consensus import Pair
 from cross_checks.judge.runs import Runs
@@ -71,6 +71,18 @@ def test_a_certified_truth_gives_settled_answers_alone(asked):
     assert len(found) == len(asked)
     assert all(one.is_settled for one in found)
     assert found[-1].records
+
+
+@pytest.mark.parametrize("held", ["swing", "absent"])
+def test_questions_wait_for_the_preparation_of_their_engine_alone(asked, monkeypatch, held):
+    seen: list[str] = []
+    judged, works = module.judged, [Preparation(held, "one", lambda call: seen.append("one")),
+                                    Preparation(held, "two", lambda call: seen.append("two"))]  # fmt: skip
+    monkeypatch.setattr(module, "judged", lambda *given: (seen.append(given[2]), judged(*given))[1])
+    found = list(answers(Runs(), asked, preparations=works))
+    assert {one.question for one in found} == set(asked)
+    searched = [name for name in seen if name == "swing"]
+    assert seen == (["one", "two", *searched] if held == "swing" else [*searched, "one", "two"])
 
 
 @pytest.mark.parametrize("patient", [True, False])

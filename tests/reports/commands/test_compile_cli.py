@@ -11,15 +11,21 @@ from reports.facts import compiling
 
 def test_what_is_compiled_is_not_compiled_again(monkeypatch, tmp_path):
     asked = []
-    monkeypatch.setattr(compiling, "each", lambda cores, work: (asked.append(core) or (core, None) for core in cores))
+
+    def each(wanted, work):
+        for one in wanted:
+            yield one, work(lambda do, one=one: asked.append(one.name), one)
+
+    monkeypatch.setattr(compiling, "each", each)
     arguments = ["--store", str(tmp_path / "runs.sqlite")]
     for _ in range(2):
         done = CliRunner().invoke(command, arguments)
         assert done.exit_code == 0, done.output
-    assert asked == [*compiling.CORES, compiling.LANES]
+    programs = [engine.name for engine in compiling._compiling()]
+    assert asked == [f"compiling {name}" for name in (*compiling.CORES, compiling.LANES, *programs)]
     with Store(tmp_path / "runs.sqlite") as kept:
         compiling.compile_kernels(kept, lambda *_: None)  # as a report does
-    assert len(asked) == len(compiling.CORES) + 1
+    assert len(asked) == len(compiling.CORES) + 1 + len(programs)
 
 
 def test_every_method_runs_on_some_core():

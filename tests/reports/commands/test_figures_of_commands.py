@@ -101,12 +101,12 @@ def test_damaged_data_of_a_report_are_named(tmp_path):
 
 def test_an_emptied_cache_is_compiled_again(monkeypatch, tmp_path):
     compiled: list[str] = []
-    monkeypatch.setattr(compiling, "each", lambda wanted, do: compiled.extend(wanted) or [])
     monkeypatch.setattr(compiling, "recall", lambda *given: True)
     for folder in (tmp_path / "none", tmp_path):
         monkeypatch.setattr(compiling, "cache_folder", lambda folder=folder: folder)
-        compiling.compile_kernels(None, lambda *given: None)  # type: ignore[arg-type]
-    assert compiled == list(compiling.CORES)
+        compiled += map(str, compiling.preparations(None))  # type: ignore[arg-type]
+    programs = [engine.name for engine in compiling._compiling()]
+    assert compiled == [f"compiling {name}" for name in (*compiling.CORES, *programs)]
 
 
 def test_a_judged_file_is_held_against_the_other_by_its_own_map_and_until_its_end(monkeypatch, tmp_path):

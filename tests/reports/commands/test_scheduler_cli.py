@@ -73,7 +73,7 @@ def test_extremes(cluster):
 def test_a_report(cluster, tmp_path, monkeypatch):
     monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "runs.sqlite"))
     monkeypatch.setattr(gather, "QUICK", (("pendulum", {}),))
-    monkeypatch.setattr(gather, "compile_kernels", lambda *_: None)
+    monkeypatch.setattr(gather, "preparations", lambda store: [])
     ours, tasks = ("rk4", "dop853", "radau"), gather.tasks
     monkeypatch.setattr(
         gather, "tasks", lambda _: [one for one in tasks(["mbs_ref"]) if one[1] and one[1].name in ours]

@@ -74,7 +74,7 @@ def made_up(name: str, full: bool) -> object:
 
 def test_pages_grow_while_verdicts_come_and_an_interrupt_while_one_is_written_keeps_them(tmp_path, monkeypatch):
     register(Swing(), monkeypatch)
-    monkeypatch.setattr(gather, "compile_kernels", lambda store, report: None)
+    monkeypatch.setattr(gather, "preparations", lambda store: [])
     monkeypatch.setattr(build, "PATIENCE", 0.0)
     monkeypatch.setattr(build, "LEAST_APART", 0.0)
     shown: list[ReportData] = []
