@@ -2,14 +2,15 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-from cross_checks.records.store import Store, code_of, default_path, digest_of
+from cross_checks.records.store import Store, default_path, digest_of
 from reports.facts.curves import Measured
 from reports.facts.stored import engine_keys, remembered
+from reports.studies.study import sources
 
 
 def measured_part(study: str, part: Sequence[str], full: bool, measure: Callable[[], Measured]) -> Measured:
-    """Return the facts of a part of a study (its module), stored or measured."""
-    key = digest_of(["part of a study", study, list(part), full, engine_keys(), code_of(study)])
+    """Return the facts of a part of a study, stored or measured."""
+    key = digest_of(["part of a study", study, list(part), full, engine_keys(), *sources(study)])
     with Store(default_path()) as store:
         return remembered(store, key, Measured, measure)
 

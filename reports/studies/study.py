@@ -59,7 +59,7 @@ def parts(name: str) -> list[Any]:
     return list(module.parts()) if hasattr(module, "parts") else []
 
 
-def _sources(name: str) -> list[str]:
+def sources(name: str) -> list[str]:
     """Return what a study's facts depend on: the digest of its code, and its data files but what presents them."""
     data = [file for file in (files("reports.studies") / name).iterdir() if file.name.endswith(".toml")]
     texts = {file.name: file.read_text(encoding="utf-8") for file in data if file.name != "study.toml"}
@@ -75,7 +75,7 @@ def measure_all(
     `full` nothing is left out for its cost.
     """
     listed = every()
-    keys = {name: digest_of(["study", name, depends, *_fuller(name, full), *_sources(name)]) for name in listed}
+    keys = {name: digest_of(["study", name, depends, *_fuller(name, full), *sources(name)]) for name in listed}
     for name in listed.keys() - result.keys():
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held

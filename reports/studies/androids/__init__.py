@@ -60,7 +60,7 @@ def make(part: tuple[str, ...], full: bool = False) -> None:
 def _part(part: tuple[str, ...], full: bool) -> Measured:
     kind, *about = part
     made = {"methods": _methods, "stable": _stable, "engines": partial(_peer, longest(full))}[kind]
-    return measured_part(__name__, part, full, partial(made, *about))
+    return measured_part("androids", part, full, partial(made, *about))
 
 
 def _bare(name: str, impact: str) -> Scene:

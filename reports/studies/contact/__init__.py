@@ -55,7 +55,7 @@ def make(part: tuple[str, ...], full: bool = False) -> None:
 def _part(part: tuple[str, ...], full: bool) -> Measured:
     kind, *about = part
     made = {"tosses": partial(_tosses, full=full), "vehicle": _vehicle, "laws": _laws, "engines": _engines}[kind]
-    return measured_part(__name__, part, full, partial(made, *about))
+    return measured_part("contact", part, full, partial(made, *about))
 
 
 def _tosses(engine: str, full: bool) -> Measured:

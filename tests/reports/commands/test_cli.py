@@ -113,6 +113,7 @@ def stand(monkeypatch, tmp_path):
         fakes["asked"] = {"scene": scene, "engines": engine_names, "methods": methods}
         if methods == ["rk5"]:
             raise ValueError("method = rk5 is offered by none of the engines asked")
+        seen([one for one in fakes["records"] if isinstance(one, Record)])
         for record in fakes["records"]:
             if isinstance(record, BaseException):
                 raise record
