@@ -1,6 +1,7 @@
 """Every method on every scene, side by side: truths, and answers that are provisional while a truth is refined."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
@@ -101,7 +102,7 @@ def answers(
                 settled += 1
                 yield answer
         for task in preparations:
-            pool.add(task, task.work, PREPARATION)
+            pool.add(task, partial(_prepared, task), PREPARATION)
         for task, result in pool:
             if isinstance(task, Preparation):
                 waited_for.remove(task)
@@ -119,6 +120,12 @@ def answers(
             else:
                 of.start(task.scene, result)  # type: ignore[arg-type] - a truth has all the time it takes
     tick([])
+
+
+def _prepared(task: Preparation, call: Caller) -> None:
+    """Prepare an engine. Where that fails its runs fail likewise, and their cells state why."""
+    with suppress(Exception):
+        task.work(call)
 
 
 class _OfScene:

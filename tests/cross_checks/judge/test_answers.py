@@ -85,6 +85,14 @@ def test_questions_wait_for_the_preparation_of_their_engine_alone(asked, monkeyp
     assert seen == (["one", "two", *searched] if held == "swing" else [*searched, "one", "two"])
 
 
+def test_a_preparation_that_fails_leaves_the_failure_to_the_runs(asked):
+    def fails(call):
+        raise OSError("no space left on device")
+
+    found = list(answers(Runs(), asked, preparations=[Preparation("swing", "compiling", fails)]))
+    assert {one.question for one in found} == set(asked)
+
+
 @pytest.mark.parametrize("patient", [True, False])
 def test_a_method_that_comes_late_is_answered_last_or_not_at_all(asked, monkeypatch, patient):
     tried, judged = [], module.judged
