@@ -258,6 +258,9 @@ CASES = {one.words: one for one in (
         ("--memory 7", "Isolated.memory", 4096 * 2**20, 7 * 2**20),
         ("--store b.sqlite", "Store.path", default_path, Path("b.sqlite")),
     )),
+    Case("pick kepler --error 1e-3", {
+        "reports.query:Store": BLANK, "reports.query:Isolated": BLANK, "cross_checks.prices.sweep:sweep": END,
+    }, rows(("--error 1e-4", "sweep.targets", (1e-3,), (1e-4,)))),
     Case("pick pendulum --error 1e-3", {
         **FITTED, "reports.commands.choose.pick:sweep_records": [RECORD], "cross_checks.prices.pick:pick": CHOICE,
         "reports.commands.choose.pick:isolated": BLANK, "cross_checks.prices.pick:duel": END,
