@@ -123,6 +123,10 @@ def test_planets_have_names_and_orbits_and_mechanisms_have_not():
     sky = scenes.make("figure_eight")
     path = simulate(sky, Settings(samples=5, reactions=False, estimate="off"))
     assert sorted(drawing(sky, path).labels.values()) == sorted(sky.body_names)
+    masses = (2.0, 3.0, 1.0)
+    uneven = [body.model_copy(update={"mass": mass}) for body, mass in zip(sky.bodies, masses, strict=True)]
+    ranked = drawing(sky.model_copy(update={"bodies": tuple(uneven)}), path).labels
+    assert list(ranked) == [1, 0, 2]  # the heaviest first: a name is left out where it would hide one before
     scenery = drawing(sky, path)
     camera = Camera(scenery)
     drawn, bare = (camera.picture(one, 2) for one in (scenery, replace(scenery, labels={})))

@@ -68,6 +68,15 @@ def test_words_become_numbers_where_they_are_some():
     assert [type(value) for value in found.values()] == [int, float, bool, bool, str, float, str]
 
 
+@pytest.mark.parametrize("words", [(), ("length=2.5",), ("length=2.5", "mass=3.0")])
+def test_what_a_scene_is_made_with_stays_where_other_parameters_change(words):
+    scene = inputs.scene("pendulum", words)
+    rebuild = inputs.rebuilder("pendulum", scene)
+    assert rebuild
+    assert rebuild() == scene
+    assert rebuild(gravity=1.625).parameters == {**scene.parameters, "gravity": 1.625}
+
+
 def test_limits_of_runs_are_seconds_and_mebibytes(monkeypatch):
     found = query.isolated((), 7.0, 3.0)
     assert (found.timeout, found.memory) == (7.0, 3 * 1024**2)

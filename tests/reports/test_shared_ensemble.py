@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mbs_ref import scenes
@@ -22,5 +24,7 @@ def test_parts_join_to_the_whole():
     found = joined(design, [ensembles.run_ensemble(variants, part, SETTINGS, threads=1) for part in parts], ((5, 1.0),))
     assert found.is_complete
     assert (found.statuses, found.methods, found.how) == (whole.statuses, whole.methods, whole.how)
+    ways = [replace(whole, how=own) for own in (("dop853",), ("dop853", "radau"), ("gauss",))]
+    assert joined(design, ways, ()).how == ("dop853", "radau", "gauss")
     for one, other in zip(found.samples, whole.samples, strict=True):
         assert np.array_equal(one, other)

@@ -18,7 +18,8 @@ from cross_checks import engines
 from cross_checks.judge.answers import Answer, Question
 from cross_checks.judge.runs import PASSING
 from cross_checks.judge.vocabulary import Cell, Verdict
-from cross_checks.records import lines, machine
+from cross_checks.records import lines
+from cross_checks.records import record as machine
 from cross_checks.records.plots.plot import FLOOR, Figure
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -219,7 +220,7 @@ def test_settings_and_spans_of_an_examination():
     times = np.linspace(0.0, 2.0, SAMPLES)
     assert [one.step for one in questions.rungs(RK4, times)] == [2.0 / n for n in STEPS]
     assert [one.rtol for one in questions.rungs(DOP853, times)] == list(questions.RTOLS)
-    for method in METHODS.values():
+    for method in (*METHODS.values(), replace(DOP853, locates_events=False)):
         few = method.kind == "adaptive" and not method.locates_events
         assert len(questions.rungs(method, times, jumps=True)) == (2 if few else 4)
     question = questions.question_of("pendulum")

@@ -14,6 +14,7 @@ from cross_checks.conformance import examine, repeatability
 from cross_checks.conformance import symmetry as violation
 from cross_checks.conformance.apart import Apart, Called
 from cross_checks.conformance.finding import Finding, Row
+from cross_checks.conformance.questions import STEPS
 from cross_checks.engine import Engine
 from cross_checks.engine.method import Method, Refusal
 from mbs_ref import scenes
@@ -131,7 +132,8 @@ class Refusing(Engine):
 def test_an_engine_refuses_with_all_its_reasons_and_names_what_it_cannot_start(monkeypatch, status, words):
     engine = Refusing("no ropes", "no wings")
     answer = ended(words, status)
-    monkeypatch.setattr(examine, "called", lambda *given: answer)
+    asked: list[Settings] = []
+    monkeypatch.setattr(examine, "called", lambda engine, scene, chosen, times: asked.append(chosen) or answer)
     assert "with 2 samples" in examine._refusal(engine)
     answer.path = Trajectory(*(np.zeros((0, 1, 2)),) * 5, status=status, message=words)
     wrong = examine._refusal(engine)
@@ -144,6 +146,7 @@ def test_an_engine_refuses_with_all_its_reasons_and_names_what_it_cannot_start(m
     assert examine._refusal(engine) == ""
     is_named = status is Status.INCONSISTENT and bool(words)
     assert (examine._inconsistent(engine) == "") == is_named
+    assert asked[-1].step == pytest.approx(examine.open_pendulum().duration / STEPS[-1])  # the finest
     assert examine._inconsistent(Refusing("it has no rods")) == ""
 
 

@@ -12,6 +12,7 @@ import pytest
 from cross_checks.conformance import examine, ladder, plugin
 from cross_checks.conformance import symmetry as violation
 from cross_checks.conformance.broken_engines import _dead_on_welds, _late, mistakes
+from cross_checks.conformance.cases import Case
 from cross_checks.conformance.probes import bounces, probes
 from cross_checks.engine.plan import initial_sample
 from mbs_ref import scenes
@@ -107,6 +108,16 @@ def test_an_engine_that_runs_nothing_does_not_conform(monkeypatch):
     for questioned, outcome in (([], "failed"), (["one"], "passed")):
         found = {one.question: one.outcome for one in examine._whole(None, "made", questioned)}  # type: ignore[arg-type]
         assert found["something runs"] == outcome
+
+
+def test_a_symmetry_that_does_not_apply_is_not_judged(monkeypatch):
+    sizes = {"turned": 1.0, "mirrored": None, "shifted": 1e-9, "renamed": None, "reordered": 1e-3}
+    found = [violation.Violation(name, size, 1e-6, 1e-2) for name, size in sizes.items()]
+    monkeypatch.setattr(violation, "violations", lambda *given: found)
+    facts = violation.facts(Case("mbs_ref", "rk4", "pendulum", {}, Settings(method="rk4", step=0.1)))
+    assert (facts["judged"], facts["stopped"]) == (3, "")
+    assert [(one["symmetry"], one["exceeds_error"]) for one in facts["broken"]] == [
+        ("turned", True), ("reordered", False)]  # fmt: skip
 
 
 def test_symmetries_of_a_method_are_added_over_its_cases():

@@ -538,6 +538,7 @@ def test_the_help_groups_every_command_and_cuts_no_summary():
     assert "..." not in shown.partition("Run scenes")[2]
     listed = [line.split()[0] for line in shown.splitlines() if line.startswith("  ") and line[2:3].isalpha()]
     assert set(main.list_commands(click.Context(main))) <= set(listed)
+    assert [line for line in shown.splitlines() if line.endswith(".:")] == []
     assert shown.index("simulate") < shown.index("judge ") < shown.index("pick ") < shown.index("nightly")
 
 

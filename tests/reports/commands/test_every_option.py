@@ -258,6 +258,9 @@ CASES = {one.words: one for one in (
         ("--memory 7", "Isolated.memory", 4096 * 2**20, 7 * 2**20),
         ("--store b.sqlite", "Store.path", default_path, Path("b.sqlite")),
     )),
+    Case("pick kepler --error 1e-3", {
+        "reports.query:Store": BLANK, "reports.query:Isolated": BLANK, "cross_checks.prices.sweep:sweep": END,
+    }, rows(("--error 1e-4", "sweep.targets", (1e-3,), (1e-4,)))),
     Case("pick pendulum --error 1e-3", {
         **FITTED, "reports.commands.choose.pick:sweep_records": [RECORD], "cross_checks.prices.pick:pick": CHOICE,
         "reports.commands.choose.pick:isolated": BLANK, "cross_checks.prices.pick:duel": END,
@@ -339,7 +342,7 @@ CASES = {one.words: one for one in (
             ("--only exudyn", "measured.cases", TWO, TWO[1:2]))),
     Case("symmetry", {
         **CHOSEN, "cross_checks.conformance.cases:cases": lambda names, *more: [t for t in TWO if t.engine in names],
-        "cross_checks.isolation.parent:Isolated": BLANK, "cross_checks.conformance.symmetry.violation:isolated": END,
+        "cross_checks.isolation.parent:Isolated": BLANK, "cross_checks.conformance.symmetry:isolated": END,
     }, rows(("--engine mujoco", "isolated.case engine_names cases", TWO[0], TWO[2]),
             ("--only exudyn", "isolated.case", TWO[0], TWO[1]))),
     Case("parity r.urdf", {"reports.commands.explore.parity:parity": END},
@@ -347,8 +350,8 @@ CASES = {one.words: one for one in (
     Case("inspect pendulum", {**FITTED, "reports.commands.run.inspect:stiffness_at_start": END},
          scene_rows("stiffness_at_start.scene", "stiffness_at_start.speed")),
     Case("scenes pendulum --files .", {
-        "reports.commands.run.scenes:write_scene": END, "reports.scene_file.reference:schema": END,
-        "reports.scene_file.reference:page": END,
+        "reports.commands.run.scenes:write_scene": END, "reports.scene_file:schema": END,
+        "reports.scene_file:page": END,
     }, rows(("-p length=1.7", "write_scene.scene.parameters.length", 1.0, 1.7),
             ("--files b", "write_scene.path", Path("pendulum.toml"), Path("b/pendulum.toml")),
             ("--schema", "schema() write_scene", None, True), ("--reference", "page() write_scene", None, True))),

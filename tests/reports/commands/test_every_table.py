@@ -10,7 +10,7 @@ import json
 import math
 import random
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, replace
 from types import SimpleNamespace
@@ -163,18 +163,19 @@ def test_sweep(monkeypatch, tables, seed):
     assert [lines.adapter(Record).validate_python(json.loads(line)) for line in printed] == made
 
 
-def checked(monkeypatch, made: list[Cell]) -> Result:
-    """Check a pendulum, where the cells are made up."""
+def checked(monkeypatch, made: list[Cell], settled: Sequence[bool] = ()) -> Result:
+    """Check a pendulum, where the cells are made up; interrupted after those of which it is said whether settled."""
+
+    def answers(given: Any, wanted: Any, progress: Any) -> Iterator[Answer]:
+        for question, one, is_settled in zip(wanted, made, settled or [True] * len(made), strict=False):
+            yield Answer(question, one, (), NoTruth("none"), is_settled)
+        if settled:
+            raise KeyboardInterrupt
+
     monkeypatch.setattr(check, "tasks", lambda names: [("exudyn", None)] * len(made))
     monkeypatch.setattr(check.inputs, "engine_names", lambda chosen: ["exudyn"])
     monkeypatch.setattr(check, "open_runs", lambda *given, **more: nullcontext(runs.Runs()))
-    monkeypatch.setattr(
-        check,
-        "answers",
-        lambda given, wanted, progress: [
-            Answer(question, one, (), NoTruth("none"), True) for question, one in zip(wanted, made, strict=True)
-        ],
-    )
+    monkeypatch.setattr(check, "answers", answers)
     return run("check", "pendulum")
 
 
@@ -211,6 +212,14 @@ def test_one_wrong_cell_anywhere_fails_a_check(monkeypatch, place, verdict, exem
     made = [cell(chance, Verdict.CONVERGING, f"m{k}", k) for k in range(3)]
     made[place] = replace(made[place], verdict=Verdict(verdict), exemption=exemption)
     assert checked(monkeypatch, made).exit_code == code
+
+
+@pytest.mark.parametrize("settled", [(True, False), (False, False, False), (True, False, True), (True,) * 4])
+def test_an_interrupted_check_counts_the_cells_that_are_settled(monkeypatch, settled):
+    made = [cell(random.Random(k), Verdict.LOST, f"m{k}", k) for k in range(5)]
+    done = checked(monkeypatch, made, settled)
+    assert done.exit_code == 4
+    assert f"interrupted after {sum(settled)} of {len(made)} cells" in done.stderr
 
 
 def test_rerun(monkeypatch, tables):

@@ -221,7 +221,9 @@ def test_findings_of_wrong_answers(seed):
     assert {word: met[word] for word in wrong} == wrong
     short = [c for c in cells if c.verdict not in WRONG and (c.order or 9) + 0.5 < (c.documented_order or 0)]
     assert met["orders"] == len(short)
-    assert [one.error for one in found] == sorted((one.error for one in found), reverse=True)
+    assert [(-one.error, one.tone == "fair") for one in found] == sorted(
+        (-one.error, one.tone == "fair") for one in found
+    )
     first = findings.context(ReportData(tuple(cells), ()), 3)
     assert (first["findings"], first["number"]) == (found[:3], len(found))
 
@@ -433,9 +435,10 @@ def test_facts_of_a_truth_and_of_its_certificate(monkeypatch):
 def test_lines_of_several_curves_on_one_figure():
     x = np.array([0.0, 1.0, 2.0])
     first = curves.curves(x, {"a": x, "b": -x}, "y, m", log=True)
-    second = replace(curves.curves(x, {"c": 3.0 * x}, "other"), marks="markers", equal=True, x_label="x, N")
+    second = replace(curves.curves(x + 4.0, {"c": 3.0 * x}, "other"), marks="markers", equal=True, x_label="x, N")
     shown = curves.overlay({"one": first, "two": second, "": second})
     assert [line["name"] for line in shown["data"]] == ["one: a", "one: b", "two", "c"]
+    assert [line["x"][0] for line in shown["data"]] == [0.0, 0.0, 4.0, 4.0]
     assert shown["data"][1]["y"] == [curves.FLOOR, 1.0, 2.0]
     assert shown["data"][2]["y"] == [0.0, 3.0, 6.0]
     assert [line["mode"] for line in shown["data"]] == ["lines", "lines", "markers", "markers"]

@@ -17,7 +17,7 @@ import pytest
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, Verdict
 from cross_checks.records.plots.of_runs import work_precision
-from cross_checks.records.record import Record
+from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
@@ -309,6 +309,19 @@ def test_a_triangle_has_the_slope_of_its_order(data):
         (x0, x1, _, _), (y0, _, y1, _) = line["x"], line["y"]
         assert x1 / x0 == pytest.approx(3.0)
         assert round(math.log(y1 / y0) / math.log(x1 / x0), 9) in (2.0, 3.0, 4.0)
+
+
+@pytest.mark.parametrize("lowest", range(3))
+def test_a_triangle_is_below_every_line_of_its_order(lowest):
+    errors = {f"m{k}": 1e-5 if k == lowest else 10.0 ** (k - 4) for k in range(3)}
+    made = [Record("pendulum", {}, "exudyn", name, {"step": step}, "success", times={"loop_s": 1.0},
+                   error=Error(error * step**4, "exact", 0.0, None))
+            for name, error in errors.items() for step in (1.0, 0.5, 0.25)]  # fmt: skip
+    figure = plots.convergence(made, "step", {("exudyn", name): 4 for name in errors})
+    assert figure
+    (triangle,) = (line for line in figure["data"] if "fill" in line)
+    for step, low in zip(triangle["x"], triangle["y"], strict=True):
+        assert low <= 0.3001 * min(errors.values()) * step**4
 
 
 def test_error_against_time(data):

@@ -6,7 +6,10 @@ import pytest
 
 from reports.site.links import broken, main
 
-INDEX = '<h1 id="top">x</h1><a href="sub/page.html#there">a</a><a href="#top">b</a><img src="sub/p%20q.png">'
+INDEX = (
+    '<h1 id="top">x</h1><a href="sub/page.html#there">a</a><a href="#top">b</a><img src="sub/p%20q.png">'
+    '<h2 id="größe m">x</h2><a href="#gr%C3%B6%C3%9Fe%20m">d</a>'
+)
 PAGE = '<p id="there"></p><a href="../index.html">a</a><a href="https://example.org/x">b</a><a href="..">c</a>'
 
 

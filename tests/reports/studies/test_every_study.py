@@ -488,6 +488,7 @@ def test_rows_of_trust_and_figures_of_claims():
                    "another order": "none"}  # fmt: skip
     given = (999.4, 1000.4, 54321.0, 999999.0, 1e6, 0.01234, "words")
     assert [claims.figure(x) for x in given] == ["999", "1000", "54321", "999999", "1.00e6", "0.0123", "words"]
+    assert [claims.figure(-x) for x in given[:-1]] == [f"-{claims.figure(x)}" for x in given[:-1]]
 
 
 def test_plots_of_a_page_have_their_titles_and_labels(monkeypatch):
