@@ -206,7 +206,8 @@ def test_findings_of_wrong_answers(seed):
         places = list(dict.fromkeys(c.label for c in own))
         if word in WRONG:
             assert one.error == worst.error
-            assert f"closed within {numbers.closure(worst.compliance)}, {numbers.of_scene(worst.error)} from" in one.text
+            closed = numbers.closure(worst.compliance)
+            assert f"closed within {closed}, {numbers.of_scene(worst.error)} from" in one.text
             others = [place for place in places if place != worst.label]
             assert one.text.partition("Also on ")[2].rstrip(".").split(", ") == (others or [""])
         else:
