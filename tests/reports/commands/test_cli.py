@@ -35,7 +35,6 @@ from mbs_ref import scenes
 from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.toml import write_scene
 from mbs_ref.trajectory import Trajectory
-from reports import query
 from reports.cli import main
 from reports.commands.engines import doctor
 from reports.commands.judge import check as checking
@@ -417,22 +416,6 @@ def test_an_interrupted_sweep_keeps_what_it_has(stand, tmp_path):
     assert done.exit_code == 4
     assert "interrupted after 1 runs, 1 of them timed" in done.stderr
     assert len(file.read_text().splitlines()) == 1
-
-
-def test_an_interrupted_sweep_has_every_run_once(monkeypatch, tmp_path):
-    """One whose truth is not settled is judged and not timed; it keeps its place."""
-    judged = [replace(RECORD, method=name) for name in ("unsettled", "first", "second")]
-    timed = replace(judged[1], times=RECORD.times | {"loop_s": 7.0})
-
-    def sweep(runs, scene, names, methods, report, errors, seen, worth):
-        seen(judged)
-        yield timed
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("cross_checks.prices.sweep.sweep", sweep)
-    with pytest.raises(query.Interrupted, match="after 3 runs, 1 of them timed") as raised:
-        query.sweep_records(scenes.make("pendulum"), (), (), None, store=str(tmp_path / "runs.sqlite"))
-    assert raised.value.records == [judged[0], timed, judged[2]]
 
 
 def test_an_interrupted_check_shows_the_cells_it_has(stand):

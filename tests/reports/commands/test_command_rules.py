@@ -37,18 +37,19 @@ def test_an_option_that_would_do_nothing_is_refused(monkeypatch, words, message)
 def test_a_sweep_goes_on_without_doubles_and_an_interrupted_one_keeps_what_is_not_timed(monkeypatch, tmp_path):
     made = [replace(RECORD, settings={"method": "rk4", "step": step}) for step in (0.1, 0.2, 0.3)]
     timed = [replace(one, times={"loop_s": 9.0}) for one in made]
+    unsettled = replace(RECORD, method="radau")  # judged by a truth that is not settled: it is not timed
 
     def interrupted(runs: Any, scene: Any, names: Any, methods: Any, report: Any, errors: Any, judged: Any, worth: Any):
-        judged(made)
+        judged([unsettled, *made])
         yield timed[0]
         raise KeyboardInterrupt
 
     monkeypatch.setattr(query, "open_runs", lambda *given: nullcontext(SimpleNamespace()))
     monkeypatch.setattr(query.inputs, "engine_names", lambda chosen: ["mbs_ref"])
     monkeypatch.setattr(sweep, "sweep", interrupted)
-    with pytest.raises(query.Interrupted, match="after 1 of 3 records") as caught:
+    with pytest.raises(query.Interrupted, match="after 4 runs, 1 of them timed") as caught:
         query.sweep_records(PENDULUM, (), (), tmp_path / "a.jsonl")
-    assert caught.value.records == [timed[0], *made[1:]]
+    assert caught.value.records == [unsettled, timed[0], *made[1:]]
     monkeypatch.setattr(sweep, "sweep", lambda *given: iter(timed))
     assert query.sweep_records(PENDULUM, (), (), tmp_path / "a.jsonl") == timed
     assert [record.settings["step"] for record in read(tmp_path / "a.jsonl")[0]] == [0.1, 0.2, 0.3]
