@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from cross_checks.records.numbers import count
 from mbs_ref import Scene
@@ -69,9 +70,8 @@ def _links(scene: Scene) -> list[tuple[str, str]]:
 def _groups(scene: Scene, with_ground: bool) -> int:
     """Return the number of groups that joints connect."""
     names = [*scene.body_names, *(["ground"] if with_ground else [])]
-    group = {name: {name} for name in names}
-    for one, other in _links(scene):
-        if one in group and other in group and group[one] is not group[other]:
-            group[one] |= group[other]
-            group.update(dict.fromkeys(group[other], group[one]))
-    return len({id(members) for members in group.values()})
+    index = {name: k for k, name in enumerate(names)}
+    pairs = [(index[one], index[other]) for one, other in _links(scene) if one in index and other in index]
+    rows, columns = np.array(pairs, dtype=int).reshape(-1, 2).T
+    graph = scipy.sparse.coo_array((np.ones(len(pairs)), (rows, columns)), shape=(len(names), len(names)))
+    return int(scipy.sparse.csgraph.connected_components(graph, directed=False)[0])

@@ -6,7 +6,6 @@ from functools import partial
 from importlib.resources import files
 
 from cross_checks import engines
-from cross_checks.engine import Engine
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import Report, each
 from cross_checks.judge.answers import Preparation
@@ -36,15 +35,13 @@ def preparations(store: Store, lanes: bool = False) -> list[Preparation]:
     """Return what the store does not know to be compiled here: the solver on each core, and other engines' programs."""
     works = {core: (SOLVER, partial(run_methods, SOLVER, *what)) for core, what in CORES.items()}
     works |= {LANES: (SOLVER, run_in_lanes)} if lanes else {}
-    works |= {one.name: (one.name, partial(run_methods, one.name, *PROGRAM)) for one in _compiling()}
+    works |= {
+        one.name: (one.name, partial(run_methods, one.name, *PROGRAM)) for one in engines.installed() if one.compiles
+    }
     keys = {name: _key(name, engine) for name, (engine, _) in works.items()}
     known = {name for name, key in keys.items() if recall(store, key, bool) and cache_folder().is_dir()}
     return [Preparation(engine, f"compiling {name}", partial(_prepare, store, keys[name], work))
             for name, (engine, work) in works.items() if name not in known]  # fmt: skip
-
-
-def _compiling() -> list[Engine]:
-    return [engine for engine in engines.installed() if engine.compiles]
 
 
 def _key(name: str, engine: str) -> str:

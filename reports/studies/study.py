@@ -1,12 +1,14 @@
 """The studies, by listing this folder, and their measurements: each in a process of its own, with its facts stored.
 
-A study is a package with a study.toml; its `measure()` returns a Measured. It may offer `parts()` and
-`make(part)`: runs that the store holds once they are computed, in any order and side by side, for `measure()` to read.
-A study that leaves out what costs most has `fuller = true` there: `measure(full)` and `make(part, full)`.
+A study is a package with a study.toml; its `measure()` returns a Measured. It may offer `parts()`, which are computed
+side by side before: by `measure_part(part)`, in place of `measure`, whose facts are stored one by one and joined; or by
+`make(part)`, which makes runs that the store holds for `measure()` to read. A study that leaves out what costs most has
+`fuller = true` there, and these functions have `full` as their last parameter.
 """
 
 import pkgutil
 import tomllib
+from collections.abc import Iterable
 from functools import cache
 from importlib import import_module
 from importlib.resources import files
@@ -15,10 +17,10 @@ from typing import Any
 
 from cross_checks.isolation.parent import Caller
 from cross_checks.isolation.workers import Report, each
-from cross_checks.records.store import Store, code_of, digest_of
+from cross_checks.records.store import Store, code_of, default_path, digest_of
 from reports import studies
 from reports.facts.curves import Measured
-from reports.facts.stored import keep, recall
+from reports.facts.stored import engine_keys, keep, recall, remembered
 from reports.studies.document import Document
 
 LONGEST = 1800.0  # s for one study, on a machine however busy
@@ -39,13 +41,39 @@ def stored() -> dict[str, Measured]:
 
 
 def measure(name: str, full: bool = False) -> Measured:
-    """Measure a study: for a process of its own."""
-    return import_module(f"reports.studies.{name}").measure(*_fuller(name, full))
+    """Measure a study, or join its parts: for a process of its own."""
+    module = import_module(f"reports.studies.{name}")
+    if not hasattr(module, "measure_part"):
+        return module.measure(*_fuller(name, full))
+    return _joined(_measured_part(name, part, full) for part in module.parts())
+
+
+def _joined(parts: Iterable[Measured]) -> Measured:
+    """Return the facts of all parts; rows of a table that several have follow one another."""
+    whole = Measured()
+    for part in parts:
+        for kind in ("figures", "curves", "films"):
+            getattr(whole, kind).update(getattr(part, kind))
+        for name, rows in part.tables.items():
+            whole.tables[name] = (*whole.tables.get(name, ()), *rows)
+    return whole
+
+
+def _measured_part(name: str, part: Any, full: bool) -> Measured:
+    """Return the facts of a part, stored or measured."""
+    module, fuller = import_module(f"reports.studies.{name}"), _fuller(name, full)
+    key = digest_of(["part of a study", name, part, *fuller, engine_keys(), *_sources(name)])
+    with Store(default_path()) as store:
+        return remembered(store, key, Measured, lambda: module.measure_part(part, *fuller))
 
 
 def make(name: str, part: Any, full: bool = False) -> None:
-    """Compute one of a study's parts."""
-    import_module(f"reports.studies.{name}").make(part, *_fuller(name, full))
+    """Compute one of a study's parts, which the store keeps."""
+    module = import_module(f"reports.studies.{name}")
+    if hasattr(module, "measure_part"):
+        _measured_part(name, part, full)
+    else:
+        module.make(part, *_fuller(name, full))
 
 
 def _fuller(name: str, full: bool) -> list[bool]:
@@ -59,7 +87,7 @@ def parts(name: str) -> list[Any]:
     return list(module.parts()) if hasattr(module, "parts") else []
 
 
-def sources(name: str) -> list[str]:
+def _sources(name: str) -> list[str]:
     """Return what a study's facts depend on: the digest of its code, and its data files but what presents them."""
     data = [file for file in (files("reports.studies") / name).iterdir() if file.name.endswith(".toml")]
     texts = {file.name: file.read_text(encoding="utf-8") for file in data if file.name != "study.toml"}
@@ -75,7 +103,7 @@ def measure_all(
     `full` nothing is left out for its cost.
     """
     listed = every()
-    keys = {name: digest_of(["study", name, depends, *_fuller(name, full), *sources(name)]) for name in listed}
+    keys = {name: digest_of(["study", name, depends, *_fuller(name, full), *_sources(name)]) for name in listed}
     for name in listed.keys() - result.keys():
         if (held := recall(store, keys[name], Measured)) is not None:
             result[name] = held

@@ -9,7 +9,7 @@ Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindma
 
 from __future__ import annotations
 
-import functools
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -77,8 +77,10 @@ def _tolerances(options: Options) -> dict[str, Any]:
     return {"rtol": max(options.rtol, TIGHTEST), "atol": options.atol}
 
 
-@functools.cache
+@cache
 def _on_constraints() -> type:
+    """Return LSODA with projection, a class built when first used: importing SciPy's integrators takes long."""
+
     class OnConstraints(scipy.integrate.LSODA):
         """Integrates z' = f(P(z)), P the projection, and gives y = P(z) at steps and between them.
 

@@ -22,9 +22,9 @@ def command(
 ) -> None:
     """List the scenes, or write them or their schema as files."""
     if form is not None:
-        from reports import scene_file as reference
+        from reports import scene_file
 
-        return echo_json(reference.schema()) if form == "schema" else click.echo(reference.page(), nl=False)
+        return echo_json(scene_file.schema()) if form == "schema" else click.echo(scene_file.page(), nl=False)
     result = [_described(name) for name in names or scenes.names()]
     if parameters and not (folder and len(names) == 1):
         raise click.UsageError("-p belongs to --files and the name of one scene")

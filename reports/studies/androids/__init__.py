@@ -28,7 +28,6 @@ from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
 from reports.facts.curves import Curves, Measured, Row, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, with_test
-from reports.studies.in_parts import joined, measured_part
 
 PAPER_CRASH = f"{SIMPLIFIED}, front"
 RUNS = tomllib.loads((files(__package__) / "runs.toml").read_text(encoding="utf-8"))
@@ -40,11 +39,6 @@ WATCHED = {"head": "head", "hip": "bottom"}
 PEER_TARGETS = {"adaptive": (1e-3, 1e-6), "fixed": (1e-3,)}  # over the scene's scales; finer takes minutes
 
 
-def measure(full: bool = False) -> Measured:
-    """Run everything; the vertebral android's truths are stored on disk. `full` makes runs that take long, too."""
-    return joined([Measured(tables={"engines": ()}), *(_part(part, full) for part in parts())])
-
-
 def parts() -> list[tuple[str, ...]]:
     """Return the parts: each crash by our methods, each android's stable steps, each crash by a method of another."""
     crashes = list(product(NAMES, IMPACTS))
@@ -52,15 +46,10 @@ def parts() -> list[tuple[str, ...]]:
     return [*(("methods", *crash) for crash in crashes), *(("stable", name) for name in NAMES), *searched]
 
 
-def make(part: tuple[str, ...], full: bool = False) -> None:
-    """Measure one part, which the store keeps."""
-    _part(part, full)
-
-
-def _part(part: tuple[str, ...], full: bool) -> Measured:
+def measure_part(part: tuple[str, ...], full: bool = False) -> Measured:
+    """Measure a part; the vertebral android's truths are stored on disk. `full` makes runs that take long, too."""
     kind, *about = part
-    made = {"methods": _methods, "stable": _stable, "engines": partial(_peer, longest(full))}[kind]
-    return measured_part("androids", part, full, partial(made, *about))
+    return {"methods": _methods, "stable": _stable, "engines": partial(_peer, longest(full))}[kind](*about)
 
 
 def _bare(name: str, impact: str) -> Scene:
@@ -68,7 +57,7 @@ def _bare(name: str, impact: str) -> Scene:
 
 
 def _methods(name: str, impact: str) -> Measured:
-    measured, scene = Measured(), _bare(name, impact)
+    measured, scene = Measured(tables={"engines": ()}), _bare(name, impact)
     runs = add_numerics(measured, scene)
     add_convergence(measured, scene, {str(s.method): path for s, path in runs if s.method in UNLIKE and s.rtol == FINE})
     return measured

@@ -20,7 +20,6 @@ from mbs_ref.observables.powers import powers
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Curves, Measured, Row, Value, curves, film, plain
 from reports.studies.crash import finished
-from reports.studies.in_parts import joined, measured_part
 
 STEPS = (375, 750, 1500, 3000, 6000)  # over the ball's 0.4 s
 LAWS = {
@@ -36,26 +35,17 @@ FILMED = 5  # samples a picture
 VEHICLE_RUN = Settings(method="dop853", rtol=1e-8, t_end=VEHICLE_END, samples=VEHICLE_SAMPLES, estimate="off")
 
 
-def measure(full: bool = False) -> Measured:
-    """Measure it; most of the time is the engines'. With `full` all tosses are predicted."""
-    return joined(_part(part, full) for part in parts())
-
-
 def parts() -> list[tuple[str, ...]]:
     """Return the parts by what they measure: tosses by an engine take longest."""
     tossed = [("tosses", engine) for engine in (OURS, *models()[0])]
     return [*tossed, ("vehicle",), ("laws",), *(("engines", scene) for scene in with_contact())]
 
 
-def make(part: tuple[str, ...], full: bool = False) -> None:
-    """Measure one part, which the store keeps."""
-    _part(part, full)
-
-
-def _part(part: tuple[str, ...], full: bool) -> Measured:
+def measure_part(part: tuple[str, ...], full: bool = False) -> Measured:
+    """Measure a part; most of the time is the engines'. With `full` all tosses are predicted."""
     kind, *about = part
-    made = {"tosses": partial(_tosses, full=full), "vehicle": _vehicle, "laws": _laws, "engines": _engines}[kind]
-    return measured_part("contact", part, full, partial(made, *about))
+    tosses = partial(_tosses, full=full)
+    return {"tosses": tosses, "vehicle": _vehicle, "laws": _laws, "engines": _engines}[kind](*about)
 
 
 def _tosses(engine: str, full: bool) -> Measured:

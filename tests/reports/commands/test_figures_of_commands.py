@@ -105,7 +105,7 @@ def test_an_emptied_cache_is_compiled_again(monkeypatch, tmp_path):
     for folder in (tmp_path / "none", tmp_path):
         monkeypatch.setattr(compiling, "cache_folder", lambda folder=folder: folder)
         compiled += map(str, compiling.preparations(None))  # type: ignore[arg-type]
-    programs = [engine.name for engine in compiling._compiling()]
+    programs = [engine.name for engine in compiling.engines.installed() if engine.compiles]
     assert compiled == [f"compiling {name}" for name in (*compiling.CORES, *programs)]
 
 

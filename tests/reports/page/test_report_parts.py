@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from math import sqrt
 from pathlib import Path
+from types import SimpleNamespace
 
 from cross_checks.isolation.parent import direct
 from cross_checks.records.store import Store
@@ -48,6 +49,27 @@ def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
         assert study.measure_all(store, found, (), lambda done, total, what: None) == []
     assert found["contact"].figures == {"one": 1, "two": 1}
     assert found.keys() == STUDIES.keys()
+
+
+def test_parts_are_measured_once_stored_and_joined(tmp_path, monkeypatch):
+    """Tables of several parts are one; what is stored is measured again where its data files change."""
+    monkeypatch.setenv("MBS_REF_STORE", str(tmp_path / "runs.sqlite"))
+    measured = []
+
+    def measure_part(part, *full):
+        measured.append(part)
+        return Measured({part: 1.0}, {"rows": ({"part": part},)})
+
+    monkeypatch.setattr(study, "import_module", lambda name: SimpleNamespace(
+        parts=lambda: ["one", "two"], measure_part=measure_part))  # fmt: skip
+    monkeypatch.setattr(study, "_sources", lambda name: ["code"])
+    study.make("contact", "two")
+    found = study.measure("contact")
+    assert measured == ["two", "one"]
+    assert found == Measured({"one": 1.0, "two": 1.0}, {"rows": ({"part": "one"}, {"part": "two"})})
+    monkeypatch.setattr(study, "_sources", lambda name: ["code", "other data"])
+    study.measure("contact")
+    assert measured == ["two", "one", "one", "two"]
 
 
 def part_made(name: str, part: str, full: bool) -> None:

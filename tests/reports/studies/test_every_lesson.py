@@ -567,9 +567,9 @@ def test_blocks_of_a_document():
 
 def test_what_a_study_depends_on(monkeypatch):
     """Its code and data files, but not what presents them; whether it is full, where that makes a difference."""
-    own = study.sources("papers")
+    own = study._sources("papers")
     assert own[0] == study.code_of("reports.studies.papers")
-    assert "[[pairs]]" in study.sources("pairs")[1]
+    assert "[[pairs]]" in study._sources("pairs")[1]
     listed = study.every()
     full = {name for name, one in listed.items() if one.fuller}
     assert {name for name in listed if study._fuller(name, True) == [True]} == full
