@@ -25,6 +25,7 @@ VISIBLE = 1e-3  # of the error: a window with less does not show the change
 HOPEFUL = 3.0  # times less error in a window, or the change is given up
 EVALUATIONS = 12  # of a change in a window, for each number that is fitted and one more
 DIFFERENCE = 1e-5  # of a number, for derivatives
+GAIN = 1e-3  # of the sum of squares: a fit ends where an iteration would gain less
 RERUN = Settings(rtol=1e-11, estimate="off", reactions=False)  # of a changed scene
 
 
@@ -143,7 +144,8 @@ def _fitted(case: Case, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarray | N
             changed = hypothesis.change(part, x)
             return 10.0 * blocked if changed is None else changed.gaps
 
-        x = least_squares(left, x, method="lm", diff_step=DIFFERENCE, max_nfev=EVALUATIONS * (len(x) + 1)).x
+        most = EVALUATIONS * (len(x) + 1)
+        x = least_squares(left, x, method="lm", ftol=GAIN, diff_step=DIFFERENCE, max_nfev=most).x
         now = hypothesis.change(part, x)
         if now is None or not now.error * HOPEFUL < part.error:
             return None

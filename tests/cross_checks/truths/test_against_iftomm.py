@@ -63,7 +63,7 @@ def test_scenes_start_where_their_truths_do():
     for name in sorted(set(known()) - elsewhere - long):
         scene = scenes.make(name)
         start = [body.position for body in scene.bodies]
-        np.testing.assert_allclose(truth_at(name, 0.0, 0.1).position[0], start, atol=1e-15, err_msg=name)
+        np.testing.assert_allclose(truth_at(name, 0.0, 0.01).position[0], start, atol=1e-15, err_msg=name)
 
 
 @pytest.mark.parametrize("m", [0.0, 0.5, 0.97])

@@ -15,7 +15,7 @@ from cross_checks.truths.truth import ONE_FIGURE, NoTruth
 from mbs_ref import scenes
 from mbs_ref.scene.scales import unit_length
 
-QUICK = ("n_four_bar", "pendulum", "slider_crank", "spring_pendulum", "torque_free_top")
+QUICK = ("n_four_bar", "pendulum", "spring_pendulum", "torque_free_top")
 EVERY = certificate.every()
 
 

@@ -32,8 +32,8 @@ from mbs_ref.simulate import simulate
         ("figure_eight", {}),
         ("satellite", {"orbit": "geo"}),
         ("satellite", {"orbit": "gps", "zonals": True}),
-        ("satellite", {"days": 0.05, "third_bodies": True, "drag": True}),
-        ("satellite", {"days": 0.05, "radiation": True}),
+        ("satellite", {"days": 0.01, "third_bodies": True, "drag": True}),
+        ("satellite", {"days": 0.01, "radiation": True}),
         ("nesc_sphere_in_air", {}),
         ("solar_system", {"model": "newton", "days": 20.0}),
         ("solar_system", {"model": "gr_sun", "days": 2.0}),
@@ -91,7 +91,7 @@ def test_the_truth_judges_the_solver_and_the_ephemeris_the_model():
 
 
 def test_a_method_agrees_with_the_truth_of_a_satellite():
-    scene, runs = scenes.make("satellite", days=0.2), Runs()
+    scene, runs = scenes.make("satellite", days=0.05), Runs()
     cell, _ = judged(runs, scene, "mbs_ref", _method("gauss"), truth_of(runs, scene))
     assert cell.verdict is Verdict.AGREES, cell.reason
 

@@ -17,7 +17,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.trajectory import Trajectory
 
 SPACING = 1e-3  # s, of the samples that velocities are differenced from
-MOMENTS = 6  # at which a truth is judged: the motion's whole span, without a step onto every millisecond
+MOMENTS = 3  # at which a truth is judged: the motion's whole span, without a step onto every millisecond
 
 
 def moving(scene: Scene, moments: np.ndarray) -> Trajectory:

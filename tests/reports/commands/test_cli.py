@@ -253,9 +253,9 @@ def test_pick_says_how_to_run_a_scene_s_file(stand, tmp_path):
 
 
 def test_simulate_takes_a_file(stand, tmp_path):
-    write_scene(scenes.make("slider_crank"), tmp_path / "mine.toml")
+    write_scene(scenes.make("n_four_bar"), tmp_path / "mine.toml")
     assert run("simulate", str(tmp_path / "mine.toml"), "--engine", "quick").exit_code == 0
-    assert stand["asked"]["scene"] == scenes.make("slider_crank")
+    assert stand["asked"]["scene"] == scenes.make("n_four_bar")
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".csv"])
