@@ -34,8 +34,9 @@ def truth_of(scene) -> Truth:
 @pytest.mark.parametrize(
     "parameters",
     [
-        {}, {"impact": "rear"}, {"seat": "driven"}, BARE, BARE | {"impact": "rear"}, BARE | {"law": "spring_damper"},
-        BARE | {"pulse": "table"}, BARE | {"lift": 0.05},
+        {"impact": "rear"}, {"seat": "driven"}, BARE | {"law": "spring_damper"}, BARE | {"pulse": "table"},
+        *(pytest.param(one, marks=pytest.mark.slow) for one in (
+            {}, BARE, BARE | {"impact": "rear"}, BARE | {"lift": 0.05})),
     ],
     ids=str,
 )  # fmt: skip

@@ -82,7 +82,7 @@ def test_a_crash_from_the_rear_needs_stops():
 @pytest.mark.parametrize("parameters", [{}, BARE])
 def test_a_straight_crash_meets_the_planar_truth_lifted_into_space(parameters):
     """Positions, Euler parameters and rates; an oblique pulse has no truth."""
-    scene, times = scenes.make("android_spatial", oblique=0.0, **parameters), np.linspace(0.0, 0.2, 21)
+    scene, times = scenes.make("android_spatial", oblique=0.0, **parameters), np.linspace(0.0, 0.1, 11)
     truth, run = seek_truth(scene, times), simulate(scene, SETTINGS, times)
     assert isinstance(truth, Truth), truth
     assert truth.angular_velocity is not None

@@ -12,7 +12,7 @@ from reports.facts.report_data import ReportData
 from reports.facts.stored import adapter
 from reports.page.build import data_of
 from reports.page.render import render
-from reports.studies import androids
+from reports.studies import androids, crash
 from reports.studies.crash import PAPER, SIMPLIFIED
 from reports.studies.crashes import add_crash
 from tests.reports.page.synthetic_report import report_data
@@ -51,8 +51,9 @@ def test_runs_and_stable_steps_are_shown_from_facts_that_json_preserves():
     assert any(name.startswith("crashes-android_simplified-rear") and name.endswith(".gif") for name in files)
 
 
-def test_the_papers_front_crash_is_shown_with_its_own_figures():
+def test_the_papers_front_crash_is_shown_with_its_own_figures(monkeypatch):
     """Runs of the rear crash come later and must not take its place."""
+    monkeypatch.setattr(crash, "off_truth", lambda scene, path: None)  # its truth takes seconds
     figures = {"androids.rk4.compliance": 1.25e-12, "androids.euler.compliance": 4.5e-4}
     page = page_of(androids=Measured(figures))
     assert "1.2e-12 m" in page

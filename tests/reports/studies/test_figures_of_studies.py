@@ -55,7 +55,9 @@ def test_the_order_of_a_ladder_is_that_of_all_its_steps(monkeypatch):
     assert row[str(contact.STEPS[0])] == pytest.approx((0.4 / contact.STEPS[0]) ** 3, rel=1e-6)
 
 
-def test_paths_are_apart_by_their_largest_distance():
+def test_paths_are_apart_by_their_largest_distance(monkeypatch):
+    monkeypatch.setattr(androids, "truth_for", lambda scene, times: None)  # which takes seconds
+    monkeypatch.setattr(androids, "off_truth", lambda scene, path: None)
     scene = scenes.make("android_simplified")
     rng, times = np.random.default_rng(1), androids.ladder.grid(scene)
     n, bodies = len(times), len(scene.bodies)
