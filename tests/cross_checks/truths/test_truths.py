@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cross_checks.truths import known, seek_truth, truth_for
+from cross_checks import truths
+from cross_checks.truths import _solved, known, seek_truth, truth_for
 from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.rod_chain import solve
 from cross_checks.truths.made_by.numerics.solvers import extrapolate
-from cross_checks.truths.truth import NoConvergenceError, NoTruth
+from cross_checks.truths.truth import NoConvergenceError, NoTruth, Truth
 from mbs_ref import observables as judge
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -129,13 +132,31 @@ def test_a_truth_is_refused_with_a_reason():
     long = seek_truth(scenes.make("pendulum_chain", links=1000), times)
     changed = scenes.make("pendulum").model_copy(update={"gravity": (0.0, -1.0)})
     stranger = scenes.make("pendulum").model_copy(update={"name": "stranger"})
-    chaotic = seek_truth(scenes.make("double_pendulum", angle_1=2.0, angle_2=2.5), np.array([0.0, 20.0]))
-    refused = {"1000": long, "physics": seek_truth(changed, times)}
-    for word, found in (refused | {"sensitive": chaotic}).items():
+    for word, found in {"1000": long, "physics": seek_truth(changed, times)}.items():
         assert isinstance(found, NoTruth)
         assert word in found.reason
     assert truth_for(changed, times) is None
     assert truth_for(stranger, times) is not None  # a truth belongs to physics, not to a name
+
+
+@pytest.mark.slow
+def test_a_chaotic_motion_has_no_truth_at_its_end():
+    found = seek_truth(scenes.make("double_pendulum", angle_1=2.0, angle_2=2.5), np.array([0.0, 20.0]))
+    assert isinstance(found, NoTruth)
+    assert "sensitive" in found.reason
+
+
+@pytest.mark.parametrize("uncertainty", [1e-9, 2e-8, np.nan])
+def test_a_truth_that_is_not_known_to_1e_8_of_the_scene_is_none(uncertainty, monkeypatch):
+    times = np.array([0.0, 0.123])
+    exact = truth_for(scenes.make("pendulum"), times)
+    assert exact is not None
+    _solved.cache_clear()
+    monkeypatch.setattr(truths, "_solvers", lambda: {"pendulum": lambda *asked: replace(exact, uncertainty=uncertainty)})
+    found = seek_truth(scenes.make("pendulum"), times)
+    _solved.cache_clear()
+    assert isinstance(found, Truth) == (uncertainty == 1e-9)
+    assert isinstance(found, Truth) or "sensitive" in found.reason
 
 
 def test_disagreement_becomes_uncertainty():
