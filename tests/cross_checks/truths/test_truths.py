@@ -152,7 +152,8 @@ def test_a_truth_that_is_not_known_to_1e_8_of_the_scene_is_none(uncertainty, mon
     exact = truth_for(scenes.make("pendulum"), times)
     assert exact is not None
     _solved.cache_clear()
-    monkeypatch.setattr(truths, "_solvers", lambda: {"pendulum": lambda *asked: replace(exact, uncertainty=uncertainty)})
+    doubtful = replace(exact, uncertainty=uncertainty)
+    monkeypatch.setattr(truths, "_solvers", lambda: {"pendulum": lambda scene, times: doubtful})
     found = seek_truth(scenes.make("pendulum"), times)
     _solved.cache_clear()
     assert isinstance(found, Truth) == (uncertainty == 1e-9)
