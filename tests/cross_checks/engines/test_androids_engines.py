@@ -20,8 +20,8 @@ force_agreed = 2.0  # N, of some 15 kN
 order_off = 0.3
 # engine, method, step, whether it tells its joint forces
 SIMPLIFIED = [
-    ("pinocchio", "rk4", 5e-4, True), ("mujoco", "rk4", 5e-4, True),
-    ("exudyn", "tree_rk44", 5e-4, False), ("exudyn", "generalized_alpha", 2.5e-4, True),
+    ("mujoco", "rk4", 5e-4, True), ("exudyn", "tree_rk44", 5e-4, False), ("exudyn", "generalized_alpha", 2.5e-4, True),
+    pytest.param("pinocchio", "rk4", 5e-4, True, marks=pytest.mark.slow),
 ]  # fmt: skip
 
 

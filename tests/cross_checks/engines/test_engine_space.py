@@ -206,7 +206,7 @@ SHARERS = [  # m, how near each comes
     ("pinocchio", "dop853", {"rtol": 1e-11}, 1e-7),
     ("drake", "runge_kutta3", {"rtol": 1e-9}, 1e-7),
     ("exudyn", "generalized_alpha", {"step": 1e-4}, 5e-8),
-    ("exudyn", "generalized_alpha", {"step": 5e-5}, 1.25e-8),
+    pytest.param("exudyn", "generalized_alpha", {"step": 5e-5}, 1.25e-8, marks=pytest.mark.slow),
 ]
 
 
@@ -222,7 +222,7 @@ def test_springs_bushings_torques_and_pulses_in_space_act_as_the_references_do(n
     assert turn < 10.0 * bound
 
 
-@pytest.mark.parametrize("joined", [False, True], ids=["free", "on a ball"])
+@pytest.mark.parametrize("joined", [pytest.param(False, marks=pytest.mark.slow), True], ids=["free", "on a ball"])
 @pytest.mark.parametrize(
     ("load", "own"),
     [({"stiffness": 3.0, "damping": 0.5, "rest_angle": 0.3, "axis": (0.0, 0.0, 1.0)}, False),

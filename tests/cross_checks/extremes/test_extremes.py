@@ -281,7 +281,9 @@ def test_the_reference_solver_meets_a_declared_pulse_of_a_microsecond(method, du
     assert run_point("crash-pulse", duration, "mbs_ref", method).fate is Fate.SURVIVED
 
 
-@pytest.mark.parametrize(("extreme", "value"), [("any-mass", 2.0), ("chain-going-taut", 1e5)])
+@pytest.mark.parametrize(("extreme", "value"), [
+    ("any-mass", 2.0), pytest.param("chain-going-taut", 1e5, marks=pytest.mark.slow),
+])  # fmt: skip
 def test_dassl_keeps_heavy_bodies_in_their_joints(extreme, value):
     pytest.importorskip("sundials4py")
     assert run_point(extreme, value, "mbs_ref", "dassl").fate is Fate.SURVIVED

@@ -10,8 +10,9 @@ from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from tests.cross_checks.isolation import troubles
 
-CASES = [(troubles.hang, "timeout"), (troubles.native_hang, "timeout"), (troubles.segfault, "crashed"),
-         (troubles.abort, "crashed"), (troubles.eat_memory, "out-of-memory")]  # fmt: skip
+CASES = [(troubles.native_hang, "timeout"), (troubles.segfault, "crashed"), (troubles.abort, "crashed"),
+         (troubles.eat_memory, "out-of-memory"),
+         pytest.param(troubles.hang, "timeout", marks=pytest.mark.slow)]  # fmt: skip
 
 
 @pytest.fixture(scope="module")

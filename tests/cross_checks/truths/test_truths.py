@@ -77,7 +77,10 @@ IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: 
 ELSEWHERE = {"driven_pendulum", "straight_line_linkage", "puma560", "stanford_arm", "andrews", "car_axis"}
 
 
-@pytest.mark.parametrize("name", sorted(set(known()) - ELSEWHERE - IN_CONTACT - IN_THE_SKY - DAMPED))
+@pytest.mark.parametrize("name", [
+    pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name
+    for name in sorted(set(known()) - ELSEWHERE - IN_CONTACT - IN_THE_SKY - DAMPED)
+])  # fmt: skip
 def test_every_truth_obeys_the_joints_and_keeps_the_energy(name):
     scene = scenes.make(name, **SMALLER.get(name, {}))
     path = moving(scene, np.linspace(4, 96 if name in SLOW else 496, MOMENTS).round().astype(int))

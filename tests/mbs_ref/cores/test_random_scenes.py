@@ -33,7 +33,7 @@ EPS = float(np.finfo(float).eps)
 BACKWARD = 1e-12  # relative: the equations themselves, whatever the condition
 CONSERVED = 1e-7  # of the largest energy or momentum, over 0.1 s at rtol = 1e-10
 COMPLIANT = 1e-10  # m, rad; ten times that for their rates
-QUICK, MANY = 60, 1000
+QUICK, MANY = 40, 1000
 ENERGIES = 0.5  # share of the scenes, at least, whose energy the samples resolve
 DEAR = (24, 421, 802, 847)  # end where a loop is at its reach, which takes 20 s to confirm: slow tests alone
 FLOATING = (86, 87, 92, 111, 172, 184, 203, 241)  # nothing is tied to ground: their momentum is judged

@@ -80,7 +80,9 @@ def test_lsodar_gives_states_on_the_constraints(name):
     assert run.step_compliance[:, 1].max() < 1e-12
 
 
-@pytest.mark.parametrize(("method", "rtol"), [("lsodar", 1e-10), ("dassl", 1e-12)])
+@pytest.mark.parametrize(("method", "rtol"), [
+    ("lsodar", 1e-10), pytest.param("dassl", 1e-12, marks=pytest.mark.slow),
+])  # fmt: skip
 def test_the_papers_methods_reach_a_micrometre_on_the_four_bar(method, rtol):
     """Through eight singular poses, crossed by leaps."""
     settings = Settings(method=method, rtol=rtol, t_end=10.0, reactions=False, estimate="off")

@@ -48,8 +48,11 @@ WORDS = {"check": ["check", "pendulum", "--json"], "pick": ["pick", "pendulum", 
 
 @pytest.mark.parametrize(
     ("command", "stop", "words"),
-    [("check", signal.SIGTERM, "agrees"), ("check", signal.SIGHUP, "agrees"), ("pick", signal.SIGINT, "second step=")],
-)
+    [
+        ("check", signal.SIGTERM, "agrees"), ("pick", signal.SIGINT, "second step="),
+        pytest.param("check", signal.SIGHUP, "agrees", marks=pytest.mark.slow),
+    ],
+)  # fmt: skip
 def test_what_is_known_is_printed(tmp_path, command, stop, words):
     adapter = tmp_path / "halting_.py"
     adapter.write_text(ADAPTER)

@@ -48,7 +48,7 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chromium]:
     chromium.close()
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize("page", [*PAGES[:3], *(pytest.param(page, marks=pytest.mark.slow) for page in PAGES[3:])])
 def test_a_page_is_drawn_without_complaint_and_fits_a_phone_and_a_screen(chromium, folder, page):
     for width in (390, 1400):
         chromium.open((folder / page).as_uri(), width)

@@ -69,7 +69,9 @@ def test_located_events_restore_the_order_of_rk4(law):
     assert _errors(law, "located", (24_000,), **LAWS[law])[0] < 1e-11
 
 
-@pytest.mark.parametrize(("law", "order"), [("spring_damper", 1.0), ("progressive", 2.0)])
+@pytest.mark.parametrize(
+    ("law", "order"), [("spring_damper", 1.0), pytest.param("progressive", 2.0, marks=pytest.mark.slow)]
+)
 def test_without_events_the_order_is_lost(law, order):
     """Averaged over where in a step touch-down and lift-off fall."""
 
