@@ -1,7 +1,6 @@
 """What every engine can do, derived from the adapters themselves: no hand-written table."""
 
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Literal
 
 from cross_checks import engines
@@ -34,12 +33,8 @@ class Capability:
 
 def capabilities(probes: dict[str, Scene] | None = None) -> tuple[Capability, ...]:
     """Return what each engine can do with each part type and each labelled scene: those of the library unless given."""
-    return _of_library() if probes is None else tuple(_capability(name, probes) for name in engines.names())
-
-
-@cache
-def _of_library() -> tuple[Capability, ...]:
-    return capabilities({name: scenes.make(name) for name in scenes.names()})
+    chosen = {name: scenes.make(name) for name in scenes.names()} if probes is None else probes
+    return tuple(_capability(name, chosen) for name in engines.names())
 
 
 def _capability(name: str, probes: dict[str, Scene]) -> Capability:

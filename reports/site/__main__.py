@@ -31,13 +31,14 @@ def write_sources(target: Path, say: Callable[[str], None], only: Collection[str
         text = page.read_text(encoding="utf-8")
         page.write_text(re.sub(rf"\]\(\.\./({'|'.join(map(re.escape, BESIDE))})", r"](\1", text), encoding="utf-8")
     say("what engines can")
-    (target / "capabilities.md").write_text(rendered("capabilities", tables=tables(capabilities())), encoding="utf-8")
+    able = capabilities()
+    (target / "capabilities.md").write_text(rendered("capabilities", tables=tables(able)), encoding="utf-8")
     (target / "truths.md").write_text(rendered("truths", certificates=every()), encoding="utf-8")
     pictures = target / "gallery"
     pictures.mkdir()
     shown = scenes.names() if only is None else only
     with open_runs([], str(target.with_suffix(".sqlite")), PATIENCE) as runs:
-        (target / "gallery.md").write_text(gallery(runs, shown, pictures, say), encoding="utf-8")
+        (target / "gallery.md").write_text(gallery(runs, shown, able, pictures, say), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from cross_checks import engines
-from cross_checks.judge.capabilities import Capability, capabilities
+from cross_checks.judge.capabilities import Capability
 from cross_checks.judge.cell import refusal_of, truth_of
 from cross_checks.judge.consensus import LEVELS
 from cross_checks.judge.runs import Runs
@@ -40,9 +40,11 @@ def who_can(scene: str, result: Iterable[Capability]) -> str:
     return ", ".join(one.engine for one in result if one.installed and not one.scenes.get(scene, ("unknown",)))
 
 
-def gallery(runs: Runs, names: Collection[str], pictures: Path, say: Callable[[str], None]) -> str:
+def gallery(
+    runs: Runs, names: Collection[str], able: Collection[Capability], pictures: Path, say: Callable[[str], None]
+) -> str:
     """Return the page; films and plots go to `pictures`. What cannot be shown gives way to the reason."""
-    able, entries = capabilities(), []
+    entries = []
     for name in sorted(names):
         say(f"filming and timing {name}")
         scene = scenes.make(name)

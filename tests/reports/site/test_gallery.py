@@ -25,8 +25,7 @@ def pages(monkeypatch, tmp_path):
     """Return what returns the pages of a site without a gallery, given what engines can."""
 
     def written(*able: Capability) -> dict[str, str]:
-        for module in (site, gallery):
-            monkeypatch.setattr(module, "capabilities", lambda: able)
+        monkeypatch.setattr(site, "capabilities", lambda: able)
         site.write_sources(tmp_path / "site", lambda text: None, ())
         return {page.stem: page.read_text(encoding="utf-8") for page in (tmp_path / "site").glob("*.md")}
 
