@@ -1,9 +1,11 @@
 """A leg in a multistep code of someone else's: where it is, what it has filled, and why it ends early."""
 
+from functools import wraps
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from mbs_ref.cores.events import NOISE
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop.crossing import is_near_singular, leap
 from mbs_ref.integrators.loop.events import EVENT, H_NEXT, RETRY, event_tables, has_events, settle, watch
@@ -14,6 +16,27 @@ if TYPE_CHECKING:
     from mbs_ref.cores.system import System
 
 LOOK_EVERY = 2_000  # steps between looks at the pace
+BEYOND = 1.0  # of the relative tolerance: more than iterations leave of a state
+
+
+def beyond_remainders(advance: leg.Advance) -> leg.Advance:
+    """Return the driver of a leg that locates events as far beyond their roots as what its iterations leave.
+
+    Only where constraints hold contacts: those open without speed, and in the short steps that follow remainders would
+    close them again, hundreds of times.
+    """
+
+    @wraps(advance)
+    def beyond(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
+        held = any(contact.holds for contact in system.scene.contacts)
+        factor = 2.0 ** max(0.0, np.ceil(np.log2(BEYOND * options.rtol / NOISE))) if held else 1.0  # divides exactly
+        system.spread_events(factor)
+        try:
+            return advance(system, options, run, y, times)
+        finally:
+            system.spread_events(1.0 / factor)
+
+    return beyond
 
 
 class Ending(NamedTuple):

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mbs_ref.cores.events import NOISE
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators import methods
 from mbs_ref.integrators.loop.leg import Advance, Integrator, Leg, Options, Progress
-from mbs_ref.integrators.loop.multistep import MultistepLeg
+from mbs_ref.integrators.loop.multistep import MultistepLeg, beyond_remainders
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.border.handles import make_handle
@@ -52,7 +51,7 @@ PROXIMAL = 1e-12  # of the scene's time, of a multiplier over the heaviest mass,
 MULTIPLIER_SHARE = 1e-4  # of the largest applied force at the start, or of what moves the heaviest body
 HOPELESS_FAILURES, HOPELESS_SHARE = 500, 0.4  # error-test failures, in all and per step taken, that end a run
 CJ_CHANGE = 0.5  # of alpha/h, (1 - r)/(1 + r) to its inverse: IDA's 0.25 makes a Jacobian at each doubling of h
-NEWTON_OF_EVENTS, BEYOND_EVENTS = 0.03, 0.3  # of the tolerance, that Newton may leave, and of a root, that it may hide
+NEWTON_OF_EVENTS = 0.03  # of the tolerance, that Newton may leave in a scene with events
 NEWTON_OF_RATES = 0.1  # of the tolerance, that Newton may leave at plain index 2: in C_dot it adds up to drift
 STOPPED = {  # IDA's return values, in words
     -1: ("too much work between outputs", Status.TOO_MANY_STEPS),
@@ -229,23 +228,12 @@ def _passes_tests(leg: MultistepLeg, solver: _Ida) -> bool:
 
 
 def ida(form: int) -> Advance:
-    """Return the leg-by-leg driver of one index form.
+    """Return the leg-by-leg driver of one index form."""
 
-    The first steps after an event are so short that Newton's remainders could carry a body back through it, and one
-    crossing would be several. Events are located as far beyond their roots as these remainders reach.
-    """
-
+    @beyond_remainders
     def advance(system: "System", options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
         assert isinstance(system, JointedSystem)  # `cores` of the Integrator sees to it
         system.prepare(FORM)
-        beyond = 2.0 ** max(0.0, np.ceil(np.log2(BEYOND_EVENTS * options.rtol / NOISE)))  # which divides exactly
-        system.spread_events(beyond)
-        try:
-            return advanced(system, options, run, y, times)
-        finally:
-            system.spread_events(1.0 / beyond)
-
-    def advanced(system: JointedSystem, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
         leg = MultistepLeg(system, options, run, y, times)
         solver: _Ida | None = None
         while leg.goes_on():

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from mbs_ref.integrators.loop.leg import Integrator, Leg, Options, Progress
-from mbs_ref.integrators.loop.multistep import Ending, MultistepLeg
+from mbs_ref.integrators.loop.multistep import Ending, MultistepLeg, beyond_remainders
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ TIGHTEST = 100.0 * np.finfo(float).eps  # relative tolerance: SciPy takes none t
 ADAMS = 1  # ODEPACK's number of the family that every start begins with; 2 is BDF
 
 
+@beyond_remainders
 def advance(system: System, options: Options, run: Progress, y: np.ndarray, times: np.ndarray) -> Leg:
     """Integrate one leg; outputs come from the method's own interpolant."""
     leg = MultistepLeg(system, options, run, y, times)

@@ -27,6 +27,7 @@ METHODS = {
     "radau": (Settings(method="radau", rtol=1e-10), 1e-9),
     "generalized_alpha": (Settings(method="generalized_alpha", step=2.5e-4), 3e-6),
     "dassl": (Settings(method="dassl", rtol=1e-9), 3e-6),
+    "lsodar": (Settings(method="lsodar", rtol=1e-8), 3e-6),
 }
 
 
