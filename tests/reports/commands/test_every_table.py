@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import random
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -54,6 +55,7 @@ from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.trajectory import Status, Trajectory
 from reports.cli import main
 from reports.commands.choose import sweep
+from reports.commands.engines import doctor
 from reports.commands.engines import engines as engines_command
 from reports.commands.explore import parity as parity_command
 from reports.commands.judge import certify, check, proofs
@@ -314,12 +316,18 @@ STATUSES = (*map(str, Status), CANNOT, MISSING, "crashed", "timeout", "out-of-me
 
 
 @pytest.mark.parametrize("status", STATUSES)
-def test_every_status_of_a_run_has_its_exit_code(monkeypatch, status):
+def test_every_status_of_a_run_has_its_exit_code_and_what_succeeds_or_is_interrupted_is_written(
+    monkeypatch, tmp_path, status
+):
     made = record(random.Random(1), status=status, message="as it is")
-    monkeypatch.setattr(one_run, "judged_run", lambda *given, **more: (made, None))
+    path = Trajectory(np.arange(2.0), *(np.zeros((2, 1, *shape)) for shape in ((2,), (), (2,), ())))
     code = {"success": 0, "stop-event": 0, "engine-missing": 3, "interrupted": 4, "out-of-memory": 4}.get(status, 1)
-    assert run("simulate", "pendulum", "--no-truth").exit_code == code
-    assert run("simulate", "pendulum", "--no-truth", "--json").exit_code == code
+    for form in ((), ("--json",)):
+        file = tmp_path / f"run{len(form)}.csv"
+        for came in (None, path):
+            monkeypatch.setattr(one_run, "judged_run", lambda *given, came=came, **more: (made, came))
+            assert run("simulate", "pendulum", "--no-truth", "-o", str(file), *form).exit_code == code
+            assert file.exists() == (came is path and (code == 0 or status == "interrupted"))
 
 
 @pytest.mark.parametrize("name", ["spring_pendulum", "sliding_block", "android_simplified"])
@@ -863,6 +871,11 @@ def test_doctor(monkeypatch, tables):
     assert run("doctor").exit_code == 0
     shown = facts(tables[0])
     assert shown["pendulum"] == "right, error 2.25e-07 m"
+    for right in (os.R_OK, os.W_OK):  # the cache can be read, or written
+        monkeypatch.setattr(doctor.os, "access", lambda path, mode, right=right: mode == right)
+        assert json.loads(run("doctor", "--json").stdout)["numba_cache"]["writable"] == (right == os.W_OK)
+        assert run("doctor").exit_code == 0
+        assert facts(tables[-1])["compiled kernels"].endswith("anew)") == (right == os.R_OK)
     assert printed["sanity"]["error"] == pytest.approx(7.0 * 3.21e-8)
     for kind in ("packages", "engines"):
         assert {name: shown[name] for name in printed[kind]} == printed[kind]
