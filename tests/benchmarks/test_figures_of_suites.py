@@ -140,16 +140,17 @@ def test_a_rate_is_the_time_of_one_body_of_one_right_hand_side(monkeypatch):
 def test_a_rung_has_the_largest_error_that_it_may_have_and_none_follows_a_slow_one(monkeypatch):
     """Errors with the truth's uncertainty, in the order of the ladder; the first rung above a second is the last."""
     loops = (0.2, 0.9, 1.1, 2.0)
-    made = [Record("pendulum", {}, "mbs_ref", "rk4", {"step": 0.1 / (k + 1)}, status, times={"loop_s": loop},
-                   error=Error(10.0**-k, "exact", 0.3 * 10.0**-k, None) if k != 1 else None)
-            for k, (loop, status) in enumerate(zip(loops, ("success", "lost", "success", "success"), strict=True))]  # fmt: skip
+    statuses = ("success", "lost", "success", "success")
+    errors = [None if k == 1 else Error(10.0**-k, "exact", 0.3 * 10.0**-k, None) for k in range(4)]
+    made = [Record("pendulum", {}, "mbs_ref", "rk4", {"step": loop}, status, times={"loop_s": loop}, error=error)
+            for loop, status, error in zip(loops, statuses, errors, strict=True)]  # fmt: skip
     given, asked = iter(made), []
     monkeypatch.setattr(ladder, "rungs", lambda method, scene: [r.settings for r in made])
     monkeypatch.setattr(one_run, "evaluate", lambda *words: asked.append(words[1:3]) or next(given))
     found = worker.climb("pendulum", {"length": 2.0}, "mbs_ref", "rk4")
-    errors = [1.3, None, pytest.approx(1.3e-2)]
+    bounds = [1.3, None, pytest.approx(1.3e-2)]
     assert found == [{"settings": r.settings, "status": r.status, "error": error, "loop_s": r.times["loop_s"]}
-                     for r, error in zip(made[:3], errors, strict=True)]  # fmt: skip
+                     for r, error in zip(made[:3], bounds, strict=True)]  # fmt: skip
     assert asked == [("mbs_ref", r.settings) for r in made[:3]]
 
 
@@ -181,9 +182,8 @@ def test_a_tree_is_asked_and_answers_line_by_line(tmp_path):
         with pytest.raises(RuntimeError, match=r"does not run: exit code 3"):
             asked.climb(scene="d")
     lines = [json.loads(line) for line in said.getvalue().splitlines()]
-    assert [(line["do"], line["scene"]) for line in lines] == [
-        *zip(("climb", "time", "rate", "climb"), "abcd", strict=True)
-    ]
+    words = zip(("climb", "time", "rate", "climb"), "abcd", strict=True)
+    assert [(line["do"], line["scene"]) for line in lines] == list(words)
     assert ended == ["kill", ""]
 
 
@@ -192,12 +192,10 @@ def test_a_copy_of_a_tree_is_slowed_at_the_end_of_its_kernel(monkeypatch, tmp_pa
     monkeypatch.setattr(slowed, "PACKAGES", ("benchmarks/trees", "mbs_ref/kernels/planar"))
     copied = slowed.copy_tree(tmp_path / "copy")
     for package in slowed.PACKAGES:
-        files = {
-            file.relative_to(copied): file.read_bytes() for file in (copied / package).rglob("*") if file.is_file()
-        }
-        assert files == {name: (slowed.HERE / name).read_bytes() for name in files}
-        assert {*files} == {file.relative_to(slowed.HERE) for file in (slowed.HERE / package).rglob("*")
-                            if file.is_file() and "__pycache__" not in file.parts}  # fmt: skip
+        held, own = ({file.relative_to(root): file.read_bytes() for file in (root / package).rglob("*")
+                      if file.is_file() and (root is copied or "__pycache__" not in file.parts)}
+                     for root in (copied, slowed.HERE))  # fmt: skip
+        assert held == own
     kernel = (slowed.HERE / slowed.KERNEL).read_text()
     for turns in (50, 7):
         slowed.slow_down(copied, turns)
