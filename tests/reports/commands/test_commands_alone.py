@@ -76,8 +76,9 @@ def test_the_report_in_the_terminal(monkeypatch, tables):
     assert shown == data.scenes
 
 
-@pytest.mark.parametrize(("state", "opens", "code", "said"), [("", True, 0, ""), ("", False, 0, "yourself"),
-                                                            ("interrupted after 3 cells", True, 4, "shows what there")])  # fmt: skip
+@pytest.mark.parametrize(("state", "opens", "code", "said"), [
+    ("", True, 0, ""), ("", False, 0, "yourself"), ("interrupted after 3 cells", True, 4, "shows what there"),
+])  # fmt: skip
 def test_a_report_is_opened_once_it_is_whole(monkeypatch, tmp_path, state, opens, code, said):
     opened: list[Path] = []
     page, text = tmp_path / "index.html", []
