@@ -8,6 +8,8 @@ import json
 import re
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from mbs_ref.scene.base.part import unit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+from reports.film import drawing as drawn
 from reports.film.drawing import Drawing, _paper, drawing
 from reports.film.files import (
     STRIP,
@@ -318,3 +321,57 @@ def test_a_plane_in_space_is_drawn_around_its_spheres():
         assert (paper @ foot <= high).all()
     assert len({tuple(np.round(corner, 9)) for corner in sides}) == 4
     assert np.ptp(sides, axis=0).max() > 4.0 * contact.radius
+
+
+@pytest.mark.parametrize(("seconds", "rate", "shown"), [(2.0, 4, [0, 1, 2, 3, 5, 6, 7, 8]), (0.1, 30, [0, 4, 8]),
+                                                     (90.0, 1, None)])  # fmt: skip
+def test_an_mp4_has_pictures_at_an_even_rate_to_the_last_one(seconds, rate, shown):
+    """Nine pictures of an odd size: at most 30 a second, at least one; no row or column without a partner."""
+    stream, written = SimpleNamespace(encode=lambda *frame: frame), []
+
+    class Film:
+        def __enter__(self) -> Film:
+            return self
+
+        def __exit__(self, *given: object) -> None: ...
+
+        def add_stream(self, codec: str, rate: int) -> Any:
+            written.append((codec, rate))
+            return stream
+
+        def mux(self, packet: Any) -> None:
+            written.append(packet)
+
+    frame = SimpleNamespace(from_image=lambda picture: (picture.getpixel((0, 0))[0], picture.size))
+    av = SimpleNamespace(VideoFrame=frame, open=lambda buffer, mode, format: buffer.write(format.encode()) and Film())
+    pictures = [Image.new("RGB", (33, 21), (k, 0, 0)) for k in range(9)]
+    assert as_mp4(pictures, seconds, av) == b"mp4"
+    assert written[0] == ("h264", rate)
+    assert (stream.width, stream.height, stream.pix_fmt) == (32, 20, "yuv420p")
+    assert written[-1] == ()
+    frames = [one[0] for one in written[1:-1]]
+    assert {size for _, size in frames} == {(32, 20)}
+    numbers = [k for k, _ in frames]
+    assert numbers == (shown if shown is not None else np.linspace(0, 8, 90).round().tolist())
+
+
+def test_walls_of_grains_are_drawn_as_far_as_grains_go():
+    """A wall through a point along its normal's left, beyond the grains' way by the largest radius, at every time."""
+    rng = np.random.default_rng(2)
+    path, point, normal = rng.normal(size=(5, 3, 2)), rng.normal(size=2), (3.0, -4.0)
+    ends = drawn._wall(point, normal, path, 0.25)
+    along = np.array((-4.0, -3.0)) / 5.0
+    way = [(place - point) @ along for places in path for place in places]
+    assert ends.shape == (5, 2, 2)
+    for shown in ends:
+        assert shown == pytest.approx(point + np.outer((min(way) - 0.25, max(way) + 0.25), along))
+    scene = scenes.make("granular_column", search=True)
+    (grains,) = (load for load in scene.loads if load.type == "granules")
+    still = Trajectory(np.arange(2.0), *(np.stack((own, own)) for own in (
+        np.array([body.position for body in scene.bodies]), np.zeros(len(scene.bodies)),
+        np.zeros((len(scene.bodies), 2)), np.zeros(len(scene.bodies)))))  # fmt: skip
+    found = drawing(scene, still)
+    assert len(found.surfaces) == len(grains.walls)
+    radius, half = grains.shapes(len(scene.bodies), 2)
+    reach = radius + np.hypot(*np.transpose(half))
+    assert sorted(size for _, size in found.circles) == pytest.approx(sorted(reach))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from contextlib import nullcontext
+from dataclasses import asdict, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,22 +11,24 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.conformance import repeatability
+from cross_checks.conformance import repeatability, symmetry
 from cross_checks.conformance.apart import Called
-from cross_checks.conformance.broken_engines import _taken, self_test
+from cross_checks.conformance.broken_engines import _moved_inertia, _taken, self_test
+from cross_checks.conformance.cases import Case
 from cross_checks.conformance.examine import _order
 from cross_checks.conformance.finding import Row
 from cross_checks.conformance.ladder import _Rungs, climb, energy_drift
 from cross_checks.conformance.probes import probe_truth, probes
 from cross_checks.conformance.questions import Question
-from cross_checks.conformance.repeatability import WAYS, by_method, difference
+from cross_checks.conformance.repeatability import WAYS, by_method, difference, outcome
+from cross_checks.isolation.parent import Lost
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import POSES, Trajectory
+from mbs_ref.trajectory import POSES, Status, Trajectory
 
 RK4 = next(method for method in engines.get("mbs_ref").methods() if method.name == "rk4")
 
@@ -103,3 +106,73 @@ def test_repeatability_lists_the_cases_of_every_engine(monkeypatch):
     cases: list[Any] = [SimpleNamespace(engine=engine, name=k) for k, engine in enumerate("abacb")]
     monkeypatch.setattr(repeatability, "_of_engine", lambda own: [{"case": case.name} for case in own])
     assert [row["case"] for row in repeatability.measured(cases)] == [0, 2, 1, 4, 3]
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_cases_are_run_one_after_the_other_in_one_process_and_a_lost_one_is_named(monkeypatch, threads):
+    asked: list[Any] = []
+
+    def call(function: Any, case: Any) -> str:
+        asked.append((function, case.name))
+        if case.name == 1:
+            raise Lost("timeout", "gave no answer")
+        return f"ran {case.name}"
+
+    monkeypatch.setattr(repeatability, "Isolated", lambda **given: asked.append(given) or nullcontext(call))
+    cases: list[Any] = [SimpleNamespace(name=k) for k in range(3)]
+    found = repeatability._made(cases, outcome, threads)
+    assert found == {0: "ran 0", 1: "timeout: gave no answer", 2: "ran 2"}
+    assert asked == [{"timeout": 60.0, "threads": threads}, *((outcome, k) for k in range(3))]
+
+
+def test_a_run_is_what_its_poses_are_or_why_it_stopped(monkeypatch):
+    path = simulate(scenes.make("pendulum"), Settings(samples=2, t_end=0.1, estimate="off"))
+    case: Any = SimpleNamespace(engine="e", built=lambda: "scene", settings="settings")
+    asked: list[Any] = []
+    for run, expected in ((path, [path.times, *(getattr(path, name) for name in POSES)]),
+                          (replace(path, status=Status.SINGULAR, message="stuck"), "stuck")):  # fmt: skip
+        monkeypatch.setattr(repeatability.engines, "get", lambda name, run=run: SimpleNamespace(
+            run=lambda *given: asked.append(given) or run))  # fmt: skip
+        found = repeatability.twice(case)
+        for one in found:
+            assert one == expected if isinstance(one, str) else all(map(np.array_equal, one.values(), expected))
+    assert asked == [("scene", "settings")] * 4
+
+
+def test_a_case_that_is_lost_has_no_figures_but_why(monkeypatch):
+    case = Case("exudyn", "rk4", "pendulum", {"length": 2.0}, Settings(method="rk4", step=0.25))
+    about = {"engine": "exudyn", "method": "rk4", "scene": "pendulum", "parameters": {"length": 2.0},
+             "setting": "step 0.25 s"}  # fmt: skip
+
+    class Call:
+        timeout = 0.0
+
+        def __call__(self, function: Any, given: Any) -> dict[str, Any]:
+            assert (function, given) == (symmetry.facts, case)
+            raise Lost("crashed", "died by signal 11")
+
+    call: Any = Call()
+    assert symmetry.isolated(case, call) == about | {"judged": 0, "broken": [], "stopped": "crashed: died by signal 11"}
+    assert call.timeout == symmetry.PATIENCE
+    made = [symmetry.Violation("a", 1.0, 1e-9, 1e-3), symmetry.Violation("b", None, 1e-9, 1e-3, "no"),
+            symmetry.Violation("c", 1e-9, 1e-9, 1e-3), symmetry.Violation("d", 1e-3, 1e-9, 1e-3)]  # fmt: skip
+    monkeypatch.setattr(symmetry, "violations", lambda *given: made)
+    monkeypatch.setattr(symmetry.engines, "get", lambda name: name)
+    found = symmetry.facts(case)
+    assert found == about | {"judged": 3, "stopped": "", "broken": [
+        asdict(one) | {"exceeds_error": one.symmetry == "a"} for one in made if one.symmetry in "ad"]}  # fmt: skip
+    monkeypatch.setattr(symmetry, "violations", fails)
+    assert symmetry.facts(case) == about | {"judged": 0, "broken": [], "stopped": "it stopped"}
+
+
+def fails(*given: Any) -> Any:
+    raise symmetry.NotRunError("it stopped")
+
+
+def test_an_inertia_is_moved_on_bodies_that_have_one():
+    """By a quarter of it, the products too; a particle has none."""
+    for name in ("pendulum", "heavy_top", "kepler"):
+        for body in scenes.make(name).bodies:
+            own, moved = (np.array(getattr(one, "inertia", 0.0)) for one in (body, _moved_inertia(body)))
+            assert moved == pytest.approx(1.25 * own)
+            assert _moved_inertia(body).mass == body.mass
