@@ -322,12 +322,11 @@ def test_every_status_of_a_run_has_its_exit_code_and_what_succeeds_or_is_interru
     made = record(random.Random(1), status=status, message="as it is")
     path = Trajectory(np.arange(2.0), *(np.zeros((2, 1, *shape)) for shape in ((2,), (), (2,), ())))
     code = {"success": 0, "stop-event": 0, "engine-missing": 3, "interrupted": 4, "out-of-memory": 4}.get(status, 1)
-    for form in ((), ("--json",)):
+    for form, came in (([], path), (["--json"], None)):
         file = tmp_path / f"run{len(form)}.csv"
-        for came in (None, path):
-            monkeypatch.setattr(one_run, "judged_run", lambda *given, came=came, **more: (made, came))
-            assert run("simulate", "pendulum", "--no-truth", "-o", str(file), *form).exit_code == code
-            assert file.exists() == (came is path and (code == 0 or status == "interrupted"))
+        monkeypatch.setattr(one_run, "judged_run", lambda *given, came=came, **more: (made, came))
+        assert run("simulate", "pendulum", "--no-truth", "-o", str(file), *form).exit_code == code
+        assert file.exists() == (came is path and (code == 0 or status == "interrupted"))
 
 
 @pytest.mark.parametrize("name", ["spring_pendulum", "sliding_block", "android_simplified"])
