@@ -183,6 +183,10 @@ def test_a_spring_is_a_zigzag_from_end_to_end():
     line = coil((0.0, 0.0), (100.0, 0.0))
     assert (line[0], line[-1]) == ((0.0, 0.0), (100.0, 0.0))
     assert len({np.sign(y) for _, y in line[1:-1]}) == 2
+    inner = np.array(line[1:-1])
+    assert np.diff(inner[:, 0]) == pytest.approx(np.full(len(inner) - 1, 100.0 / len(inner)))
+    assert inner[:, 0] + inner[::-1, 0] == pytest.approx(np.full(len(inner), 100.0)), "as far from both ends"
+    assert inner[:, 1] + np.roll(inner[:, 1], 1) == pytest.approx(np.zeros(len(inner)))
 
 
 def test_bodies_that_travel_far_stay_in_the_picture_and_the_ground_passes_by():
@@ -375,3 +379,51 @@ def test_walls_of_grains_are_drawn_as_far_as_grains_go():
     radius, half = grains.shapes(len(scene.bodies), 2)
     reach = radius + np.hypot(*np.transpose(half))
     assert sorted(size for _, size in found.circles) == pytest.approx(sorted(reach))
+
+
+class Pen:
+    """Notes what is drawn, and how."""
+
+    def __init__(self) -> None:
+        self.drawn: list[tuple[str, np.ndarray, dict[str, Any]]] = []
+
+    def polygon(self, places: Any, **how: Any) -> None:
+        self.drawn.append(("polygon", np.array(places), how))
+
+    def line(self, places: Any, **how: Any) -> None:
+        self.drawn.append(("line", np.array(places), how))
+
+    def circle(self, place: Any, radius: float, **how: Any) -> None:
+        self.drawn.append(("circle", np.array((*place, radius)), how))
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "spring_pendulum", "newtons_cradle"])
+def test_bodies_are_drawn_where_they_are_and_the_ground_below_its_joints(name):
+    scene = scenes.make(name)
+    shown = drawing(scene, simulate(scene, Settings(samples=3, t_end=0.2, estimate="off", reactions=False)))
+    camera, pen, k = Camera(shown), Pen(), 2
+    camera._bodies(pen, shown, k)  # type: ignore[arg-type]
+    polygons = [places for kind, places, _ in pen.drawn if kind == "polygon"]
+    for pin, (top, *foot) in zip(shown.pins, polygons, strict=False):
+        assert top == pytest.approx(camera(pin[k]))
+        assert all(corner[1] > top[1] for corner in foot), "pixels count downwards"
+        assert np.mean(foot, axis=0)[0] == pytest.approx(top[0])
+    fills = polygons[len(shown.pins) :]
+    for (_, corners), places in zip(shown.fills, fills, strict=True):
+        assert places == pytest.approx(np.array([camera(corner) for corner in corners[k]]))
+    circles = [(places, how) for kind, places, how in pen.drawn if kind == "circle"]
+    wide = 2 * camera.scale
+    for (place, radius), (drawn_, how) in zip(shown.circles, circles, strict=False):
+        assert drawn_ == pytest.approx((*camera(place[k]), wide * radius))
+        assert "outline" in how
+    for centre, (drawn_, how) in zip(shown.centres[k], circles[len(shown.circles) :], strict=True):
+        assert drawn_[:2] == pytest.approx(camera(centre))
+        assert "fill" in how
+    lines = [places for kind, places, _ in pen.drawn if kind == "line"]
+    straight = [ends[k] for ends in (*shown.surfaces, *shown.radii)], [ends[k] for _, ends in shown.spokes]
+    coils = lines[len(straight[0]) : len(straight[0]) + len(shown.springs)]
+    for ends, places in zip(shown.springs, coils, strict=True):
+        assert places[[0, -1]] == pytest.approx(np.array([camera(end) for end in ends[k]]))
+    others = lines[: len(straight[0])] + lines[len(straight[0]) + len(shown.springs) :]
+    for ends, places in zip([*straight[0], *straight[1]], others, strict=True):
+        assert places == pytest.approx(np.array([camera(end) for end in ends]))

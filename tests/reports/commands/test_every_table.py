@@ -99,6 +99,13 @@ def run(*words: str) -> Result:
     return CliRunner().invoke(main, list(words), prog_name="mbs-ref")
 
 
+def json_of(code: int, *words: str) -> Any:
+    """Return what a command prints as JSON, which is JSON alone whatever its exit code."""
+    done = run(*words, "--json")
+    assert done.exit_code == code
+    return json.loads(done.stdout)
+
+
 def g(value: float | None) -> str:
     """Return a number as every table shows it."""
     return "-" if value is None else f"{value:.3g}"
@@ -478,8 +485,9 @@ def test_symmetry(monkeypatch, tables, place, engine, code):
                 "stopped": "ended" if k == 1 else "",
             }
         )
+    made.append({"engine": "drake", "method": "whole", "scene": "s", "judged": 9, "broken": [], "stopped": ""})
     given = iter(made * 2)
-    faked(monkeypatch, 3)
+    faked(monkeypatch, 4)
     monkeypatch.setattr(violation, "isolated", lambda case, call: next(given))
     assert run("symmetry").exit_code == code
     headings = (("engine", "engine"), ("method", "method"), ("scenes", "cases"), ("not finished", "stopped"),
@@ -494,11 +502,11 @@ def test_symmetry(monkeypatch, tables, place, engine, code):
         expected += [[*about, one["stopped"], "", "", ""]] if one["stopped"] else []
     assert tables[1].head == ["engine", "method", "scene", "symmetry", "by, m", "roundoff, m", "error, m"]
     assert tables[1].rows == expected
-    assert json.loads(run("symmetry", "--json").stdout)["cases"] == made
+    assert json_of(code, "symmetry")["cases"] == made
 
 
 @pytest.mark.parametrize("place", range(3))
-def test_repeatability(monkeypatch, tables, place):
+def test_repeatability(monkeypatch, tables, tmp_path, place):
     chance, made = random.Random(place), []
     for k in range(3):
         sizes = [chance.choice((0.0, size(chance), None)) for _ in repeatability.WAYS]
@@ -522,6 +530,8 @@ def test_repeatability(monkeypatch, tables, place):
     for engine, way, code in ((OURS, "another order", 1), (OURS, "two threads", 0), ("exudyn", "at once", 0)):
         made[place] |= {"engine": engine, "differs": dict.fromkeys(repeatability.WAYS, 0.0) | {way: 1e-16}}
         assert run("repeatability").exit_code == code
+        printed = json_of(code, "repeatability", "--table", str(tmp_path / "table.json"))
+        assert printed == json.loads((tmp_path / "table.json").read_text()) | {"runs": made}
 
 
 def test_parity(monkeypatch, tables, tmp_path):
@@ -540,8 +550,12 @@ def test_parity(monkeypatch, tables, tmp_path):
     done = run("parity", str(file))
     assert done.exit_code == 1
     assert "mass at 'j1' and 'j2' is 1.25 in b and 3.75 in a" in done.stderr
+    assert json_of(1, "parity", str(file))["differences"] == [
+        found[0].differences[0]._asdict() | {"joints": ["j1", "j2"]}
+    ]
     found[0] = result._replace(read=("a",), apart={})
     assert run("parity", str(file)).exit_code == 5
+    assert json_of(5, "parity", str(file))["read"] == ["a"]
 
 
 def trial(chance: random.Random, method: str, over: float) -> Trial:
@@ -677,6 +691,8 @@ def test_conformance(monkeypatch, tables, tmp_path, seed):
     counts = Counter(outcomes)
     assert said[-1] == ", ".join(f"{counts[word]} {word}" for word in ("passed", "exempt", "failed"))
     badge = json.loads((tmp_path / "badge.json").read_text())
+    assert badge.keys() == {"schemaVersion", "label", "message", "color"}
+    assert (badge["schemaVersion"], badge["label"]) == (1, "mbs-ref conformance")
     assert badge["color"] == ("brightgreen", "yellow", "red")[seed]
     assert badge["message"] == ", ".join(f"{counts[w]} {w}" for w in ("passed", "exempt", "failed") if counts[w])
     kept = json.loads((tmp_path / "all.json").read_text())
@@ -768,8 +784,10 @@ def test_certify(monkeypatch, tables):
         ["new", "exact", "0.3", g(other.difference), "-"]]  # fmt: skip
     before[library[0].name] = certificate(library[0], 0.07, 0.04)
     assert run("certify").exit_code == 1
+    assert [row["verdict"] for row in json_of(1, "certify")] == ["departs", "no truth", "new"]
     fresh |= dict.fromkeys(fresh, NoTruth("none known"))
     assert run("certify").exit_code == 5
+    assert len(json_of(5, "certify")) == 3
 
 
 def test_proofs(monkeypatch, tables):

@@ -18,9 +18,9 @@ import pytest
 from cross_checks.contact.by_figure import Obtained
 from cross_checks.contact.tosses import Summary
 from cross_checks.engine.method import Method
-from cross_checks.judge.vocabulary import OURS, Cell, Verdict
+from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records.numbers import in_words, order_of
-from cross_checks.records.record import Record
+from cross_checks.records.record import Error, Record
 from mbs_ref import scenes
 from mbs_ref.scene import SpringDamper
 from mbs_ref.scenes.solar_system import julian_date
@@ -375,7 +375,8 @@ def test_a_loop_of_right_hand_sides_is_timed_by_the_processor_per_body(monkeypat
         set_mode_time=started.append, start_contacts=lambda *given: started.append(given[2]),
     )  # fmt: skip
     monkeypatch.setattr(papers, "compile_scene", lambda scene, coordinates: asked.append(coordinates) or system)
-    monkeypatch.setattr(papers, "_repeat", lambda model, work, y, dy, count: asked.append(count))
+    given = lambda model, work, y, dy, count: (model, work, y is dy) == ("model", "work", False) and count  # noqa: E731
+    monkeypatch.setattr(papers, "_repeat", lambda *words: asked.append(given(*words)))
     monkeypatch.setattr(papers, "process_time", lambda: next(clock))
     timed = papers._loop(scenes.make("pendulum_chain", links=links), "relative")
     assert asked == ["relative", 1]
@@ -508,3 +509,67 @@ def test_a_large_libration_and_the_frequency_of_a_small_one(monkeypatch, seed):
     assert asked == [papers.SMALL, papers.LARGE]
     monkeypatch.setattr(papers, "off_truth", lambda scene, path: None)
     assert papers.satellites()["satellite.off"] == "no truth"
+
+
+@pytest.mark.parametrize("law", contact.LAWS)
+def test_a_law_returns_its_restitution_or_that_is_noted(monkeypatch, law):
+    ball = contact._ball(law).contacts[0].law
+    exact = contact.impact(ball, 1.0, 1.0).restitution
+    run = SimpleNamespace(velocity=np.array([[[0.0, 9.0]], [[0.0, exact]]]))
+    monkeypatch.setattr(contact, "simulate", lambda scene, settings: run)
+    row, nominal = contact._restitution(law), getattr(ball, "restitution", None)
+    returned = nominal is None or abs(nominal - exact) <= 1e-3
+    assert (row["nominal"], row["note"]) == (nominal, "" if returned else ", not returned")
+
+
+def test_the_stable_steps_of_an_android_and_what_a_longer_one_does(monkeypatch):
+    scene = scenes.make("android_simplified", **crash.PAPER)
+    asked: list[Settings] = []
+    limits = {name: method.stability for name, method in androids.integrators().items() if method.stability}
+    found: Any = SimpleNamespace(
+        oscillation_rule=3e-3, damping_rule=math.inf, fastest_decay=77.0, step_limit=lambda stability: stability[0],
+        modes=np.array([-1.0 + 2.0j, -3.0 - 4.0j]),
+    )  # fmt: skip
+    monkeypatch.setattr(androids, "stiffness_at_start", lambda scene: found)
+
+    def run(scene: Any, settings: Settings) -> Any:
+        asked.append(settings)
+        return SimpleNamespace(status="refused" if settings.refuse_unstable else "non-finite", message="why")
+
+    monkeypatch.setattr(androids, "simulate", run)
+    for damping in (math.inf, 4e-3):
+        measured, found.damping_rule = Measured(), damping
+        androids.add_stable(measured, scene)
+        (row,) = measured.tables["stable"]
+        rules = "1/omega = 3e-3 s" + ("" if damping == math.inf else ", m/c = 4e-3 s")
+        assert (row["android"], row["decay"], row["rules"]) == (scene.name, 77.0, f" The papers' rules: {rules}.")
+        assert row["limits"] == ", ".join(f"{name} {androids.short(own[0])} s" for name, own in limits.items())
+        assert (row["refusal"], row["forced"]) == ("why", "non-finite: why")
+        assert row["beyond"] == androids.RUNS["beyond"][scene.name] == asked[0].step == asked[1].step
+        line = measured.curves[f"eigenvalues: {scene.name}"]
+        assert (line.x, line.lines["eigenvalues"]) == ((-1.0, -3.0), (2.0, -4.0))
+
+
+def test_a_pair_has_a_row_for_each_target_and_one_for_who_cannot_run_the_scene(monkeypatch):
+    """Who cannot has none at the targets; ratios are over our cheapest, none where ours does not reach."""
+    targets = (1e-3, 1e-6)
+    loops = {(OURS, 1e-3): 2.0, ("x", 1e-3): 1.0, ("x", 1e-6): 5.0}
+    error = lambda target: Error(0.5 * target, "exact", 0.0, None)  # noqa: E731
+    runs = {key: Record("pendulum", {}, key[0], "m", {"step": key[1]}, "success", times={"loop_s": loop},
+                        error=error(key[1])) for key, loop in loops.items()}  # fmt: skip
+
+    def cells(runs_: Any, scene: Any, engine: str, request: Any) -> list[Cell]:
+        if engine == "z":
+            return [Cell("pendulum", {}, "z", "m", Verdict.CANNOT, "no ropes")]
+        results = [TargetResult(t, "reached" if (engine, t) in runs else "not-reached", runs.get((engine, t)), "off")
+                   for t in targets]  # fmt: skip
+        return [Cell("pendulum", {}, engine, "m", Verdict.AGREES, "", targets=tuple(results))]
+
+    monkeypatch.setattr(pairs, "_cells", cells)
+    monkeypatch.setattr(pairs, "_timed", lambda store, scene, data, targets: tuple(runs.values()))
+    request: Any = SimpleNamespace(rivals=("x", "z"), targets=targets)
+    rows = list(pairs.compared(SimpleNamespace(store=None), scenes.make("pendulum"), request))  # type: ignore[arg-type]
+    assert [(row.target, row.entry.engine, row.entry.answer, row.ratio) for row in rows] == [
+        (1e-3, "x", "reached", 0.5), (1e-3, OURS, "reached", 1.0), (1e-6, "x", "reached", None),
+        (1e-6, OURS, "not-reached", None), (None, "z", "cannot", None)]  # fmt: skip
+    assert (rows[-1].entry.reason, {row.constrained for row in rows[:-1]}) == ("no ropes", {True})
