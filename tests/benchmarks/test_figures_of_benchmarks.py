@@ -151,11 +151,16 @@ def test_right_hand_sides_of_two_trees_are_compared_pair_by_pair(monkeypatch):
 def test_the_cost_of_an_estimate_counts_over_the_loop(monkeypatch):
     run = SimpleNamespace(status="success", estimate=SimpleNamespace(value=3e-7, cost_s=7.0),
                           timing=SimpleNamespace(build_s=0.3, first_call_s=11.0, loop_s=2.0))  # fmt: skip
-    monkeypatch.setattr(calibration, "simulate", lambda *given: run)
+    asked: list[Any] = []
+    monkeypatch.setattr(calibration, "simulate", lambda *given: asked.append(given[1]) or run)
     monkeypatch.setattr(calibration, "_truth", lambda scene, times: ("truth", 1e-9))
     monkeypatch.setattr(calibration, "_gap", lambda scene, path, truth: 5e-8)
-    found = calibration.trial(3)
-    assert (found.estimate, found.error, found.uncertainty, found.cost) == (3e-7, 5e-8, 1e-9, 3.5)
+    for seed in range(3, 9):  # of fixed and of adaptive methods
+        found, chosen = calibration.trial(seed), asked
+        assert (found.estimate, found.error, found.uncertainty, found.cost) == (3e-7, 5e-8, 1e-9, 3.5)
+        word, value = ("step", chosen[-1].step) if chosen[-1].step else ("rtol", chosen[-1].rtol)
+        assert (found.method, found.setting) == (chosen[-1].method, f"{word} {value:.3g}")
+    assert len({one.step is None for one in asked}) == 2
 
 
 def test_the_strongest_split_is_that_of_welchs_statistic():

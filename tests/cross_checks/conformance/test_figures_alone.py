@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from dataclasses import asdict, replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from cross_checks import engines
-from cross_checks.conformance import repeatability, symmetry
+from cross_checks.conformance import broken_engines, ladder, repeatability, symmetry
 from cross_checks.conformance.apart import Called
 from cross_checks.conformance.broken_engines import _moved_inertia, _taken, self_test
 from cross_checks.conformance.cases import Case
 from cross_checks.conformance.examine import _order
 from cross_checks.conformance.finding import Row
 from cross_checks.conformance.ladder import _Rungs, climb, energy_drift
-from cross_checks.conformance.probes import probe_truth, probes
+from cross_checks.conformance.probes import _turning, probe_truth, probes
 from cross_checks.conformance.questions import Question
 from cross_checks.conformance.repeatability import WAYS, by_method, difference, outcome
 from cross_checks.isolation.parent import Lost
@@ -176,3 +178,70 @@ def test_an_inertia_is_moved_on_bodies_that_have_one():
             own, moved = (np.array(getattr(one, "inertia", 0.0)) for one in (body, _moved_inertia(body)))
             assert moved == pytest.approx(1.25 * own)
             assert _moved_inertia(body).mass == body.mass
+
+
+def test_euler_parameters_turn_at_half_the_angular_velocity():
+    """Those of a body that turns steadily about a fixed axis, by a difference of two moments."""
+    rng = np.random.default_rng(5)
+    omega, step = rng.normal(size=(3, 3)), 1e-6
+    start = Rotation.from_rotvec(rng.normal(size=(3, 3)))
+    before, after = ((Rotation.from_rotvec(t * omega) * start).as_quat(scalar_first=True) for t in (-step, step))
+    found = _turning(start.as_quat(scalar_first=True), omega)
+    assert found == pytest.approx((after - before) / (2.0 * step), abs=1e-6)
+
+
+def test_a_slow_clock_reports_two_fifths_of_the_call(monkeypatch):
+    clock = iter((7.0, 9.5))
+    monkeypatch.setattr(broken_engines, "process_time", lambda: next(clock))
+    path = simulate(scenes.make("pendulum"), Settings(samples=2, t_end=0.1, estimate="off"))
+    found = broken_engines._slow_clock(SimpleNamespace(run=lambda *given: path), None, None, None)  # type: ignore[arg-type]
+    assert found.timing == replace(path.timing, loop_s=pytest.approx(1.0))
+
+
+@pytest.mark.parametrize(("settings", "scaled"), [
+    (Settings(method="rk4", step=0.01), {"step": 0.08}),
+    (Settings(method="dop853", rtol=1e-6, atol=1e-8), {"atol": 32e-8, "rtol": 1e-6}),
+    (Settings(method="dop853", rtol=1e-6), {"atol": None, "rtol": 1e-6}),
+])  # fmt: skip
+def test_an_image_in_other_units_is_run_in_those_units(settings, scaled):
+    """Lengths are 32 times as long and times 8 times; an engine that follows moves the image exactly so."""
+    scene, times = scenes.make("pendulum"), np.linspace(0.0, 1.0, 3)
+    plain = simulate(scene, Settings(rtol=1e-9, samples=3, t_end=1.0, estimate="off"))
+    asked: list[Any] = []
+
+    def run(image: Scene, chosen: Settings, at: np.ndarray) -> Trajectory:
+        asked.append((image, chosen, at))
+        return replace(plain, times=at, position=32.0 * plain.position)
+
+    engine: Any = SimpleNamespace(name="made", run=run)
+    measure = symmetry._seen(partial(symmetry._placed, length=32.0, time=8.0))
+    assert measure(engine, scene, settings, plain) == pytest.approx(0.0, abs=1e-12)
+    ((image, chosen, at),) = asked
+    assert (image.duration, chosen.t_end, at.tolist()) == (8.0 * scene.duration, 8.0, (8.0 * times).tolist())
+    assert {name: getattr(chosen, name) for name in scaled} == pytest.approx(scaled)
+    needs_step = symmetry._seen(partial(symmetry._placed, length=32.0, time=8.0), needs_step=True)
+    assert isinstance(needs_step(engine, scene, settings, plain), str) == (settings.step is None)
+    few = SimpleNamespace(name="few", run=lambda *given: replace(plain, times=plain.times[:2]))
+    with pytest.raises(symmetry.NotRunError, match="few does not finish"):
+        measure(few, scene, settings, plain)  # type: ignore[arg-type]
+    free = scene.model_copy(update={"loads": (SimpleNamespace(type="drag"),)})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(symmetry.place, "obstacle", lambda scene, placed: "singles out a direction")
+        assert measure(engine, free, settings, plain) == "singles out a direction"
+
+
+def test_velocities_are_judged_by_what_most_samples_show(monkeypatch):
+    """An impact's jump spoils few samples: the median counts, of all other deviations the largest."""
+    asked: dict[str, Any] = {}
+    note = lambda self, what, curves, floor, size=None: asked.setdefault(what, size) and ""  # noqa: E731
+    monkeypatch.setattr(_Rungs, "deviation", note)
+    scene, times = scenes.make("pendulum"), np.linspace(0.0, 1.0, 41)
+    truth = seek_truth(scene, times)
+    assert isinstance(truth, Truth)
+    settings = Settings(method="rk4", step=0.01, estimate="off")
+    run = Called(settings, simulate(scene, settings, times))
+    rising = _Rungs(RK4, Question(scene, times, truth), (run, run))
+    list(ladder._always(rising))
+    assert asked == {"velocities miss the slope of positions by": ladder.typical}
+    misses = np.array([[0.1, -0.2], [9.0, 0.0], [0.3, 0.1]])
+    assert ladder.typical(misses) == 0.3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -275,3 +276,14 @@ def test_a_motion_from_a_program_is_read_as_what_it_is():
     for given in (held, frame_of):
         found: Any = library._source(given, scene)
         assert {name: column.tolist() for name, column in found.items()} == held
+
+
+def test_a_program_judges_by_the_machines_store(monkeypatch):
+    opened: list[Any] = []
+    monkeypatch.setattr(library, "Store", lambda *path: opened.append(path) or nullcontext())
+    monkeypatch.setattr(library, "read_motion", lambda *given: given)
+    monkeypatch.setattr(library, "truth_at", lambda runs, scene: "at")
+    monkeypatch.setattr(library, "judged", lambda *given: given)
+    found: Any = library.judge(SCENE, "a.csv", error=1e-3, column_map="m.toml")
+    assert found == (SCENE, (Path("a.csv"), SCENE, Path("m.toml")), "at", 1e-3)
+    assert opened == [(library.default_path(),)]

@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, replace
+from datetime import datetime
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -57,6 +58,7 @@ from reports.cli import main
 from reports.commands.choose import sweep
 from reports.commands.engines import doctor
 from reports.commands.engines import engines as engines_command
+from reports.commands.explore import extremes as extremes_command
 from reports.commands.explore import parity as parity_command
 from reports.commands.judge import certify, check, proofs
 from reports.commands.publish import rerun
@@ -460,6 +462,18 @@ def test_extremes(monkeypatch, tables, tmp_path, seed):
     lines.append(tmp_path / "cells.jsonl", [wrong])
     assert run(*words, "--only", wrong.extreme, *(["--full"] if wrong.full else [])).exit_code == 1
     assert run(*words, "--only", wrong.extreme, *([] if wrong.full else ["--full"])).exit_code == 0
+
+
+def test_new_cells_of_the_extremes_state_the_day_and_the_revision(monkeypatch, tmp_path):
+    """The file has every cell once; the day is that of the command's start."""
+    noon = SimpleNamespace(now=lambda zone: datetime(2026, 3, 7, 12, tzinfo=zone))
+    fresh = ExtremeCell("overflow", "family", "exudyn", "rk4", False, Fate.STOPPED, None, (), "why")
+    monkeypatch.setattr(extremes_command, "datetime", noon)
+    monkeypatch.setattr("reports.facts.environment.commit", lambda: "abc")
+    monkeypatch.setattr(extreme_runs, "matrix", lambda *given, **more: [fresh])
+    file = tmp_path / "cells.jsonl"
+    assert run("extremes", "--only", "overflow", "-o", str(file), "--engine", "exudyn").exit_code == 0
+    assert lines.read(file, ExtremeCell) == ([replace(fresh, made="2026-03-07, revision abc")], [])
 
 
 def faked(monkeypatch, count: int) -> list[Any]:
