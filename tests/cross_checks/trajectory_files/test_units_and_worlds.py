@@ -49,7 +49,8 @@ def named(name: str, count: int) -> list[str]:
 
 @pytest.mark.parametrize("maps", ["body to world", "world to body"])
 @pytest.mark.parametrize("spin", [(0.0, 0.0, 0.0), (0.3, -0.7, 1.1)])
-def test_space(maps, spin):
+@pytest.mark.parametrize("axes", ["body", "world"])
+def test_space(maps, spin, axes):
     rng, n = np.random.default_rng(3), len(TIMES)
     place, speed, omega = (rng.normal(size=(n, 3)) for _ in range(3))
     turn, origin = Rotation.from_rotvec(rng.normal(size=(n, 3))), rng.normal(size=3)
@@ -61,12 +62,12 @@ def test_space(maps, spin):
     written = bodies.inv() if maps == "world to body" else bodies
     arrays = {
         "t": TIMES * 1e3, "r": into(place - origin) / constants.foot, "v": into(seen) * 6e4,  # mm/min
-        "q": written.as_quat(), "w": turn.inv().apply(omega) / constants.degree,
+        "q": written.as_quat(), "w": (turn.inv().apply(omega) if axes == "body" else into(omega)) / constants.degree,
     }  # fmt: skip
     body = {
         "position": {"columns": named("r", 3), "unit": "ft"}, "velocity": {"columns": named("v", 3), "unit": "mm/min"},
         "orientation": {"columns": named("q", 4), "convention": "quaternion xyzw", "maps": maps},
-        "angular_velocity": {"columns": named("w", 3), "unit": "deg/s", "axes": "body"},
+        "angular_velocity": {"columns": named("w", 3), "unit": "deg/s", "axes": axes},
     }  # fmt: skip
     path = read(TOP, arrays, body, axes=["-y", "z", "-x"], origin=origin.tolist(), spin=spin).path
     assert np.allclose(path.times, TIMES)
