@@ -151,11 +151,16 @@ def test_right_hand_sides_of_two_trees_are_compared_pair_by_pair(monkeypatch):
 def test_the_cost_of_an_estimate_counts_over_the_loop(monkeypatch):
     run = SimpleNamespace(status="success", estimate=SimpleNamespace(value=3e-7, cost_s=7.0),
                           timing=SimpleNamespace(build_s=0.3, first_call_s=11.0, loop_s=2.0))  # fmt: skip
-    monkeypatch.setattr(calibration, "simulate", lambda *given: run)
+    asked: list[Any] = []
+    monkeypatch.setattr(calibration, "simulate", lambda *given: asked.append(given[1]) or run)
     monkeypatch.setattr(calibration, "_truth", lambda scene, times: ("truth", 1e-9))
     monkeypatch.setattr(calibration, "_gap", lambda scene, path, truth: 5e-8)
-    found = calibration.trial(3)
-    assert (found.estimate, found.error, found.uncertainty, found.cost) == (3e-7, 5e-8, 1e-9, 3.5)
+    for seed in range(3, 9):  # of fixed and of adaptive methods
+        found, chosen = calibration.trial(seed), asked
+        assert (found.estimate, found.error, found.uncertainty, found.cost) == (3e-7, 5e-8, 1e-9, 3.5)
+        word, value = ("step", chosen[-1].step) if chosen[-1].step else ("rtol", chosen[-1].rtol)
+        assert (found.method, found.setting) == (chosen[-1].method, f"{word} {value:.3g}")
+    assert len({one.step is None for one in asked}) == 2
 
 
 def test_the_strongest_split_is_that_of_welchs_statistic():
@@ -209,3 +214,33 @@ def test_a_tree_is_timed_with_one_thread(monkeypatch):
         regression.Tree(slowed.HERE)
     assert given["env"].items() >= ONE_THREAD.items()
     assert given["env"]["PYTHONPATH"] == str(given["cwd"]) == str(slowed.HERE)
+
+
+def test_the_table_of_methods_ends_with_all_ratios(monkeypatch, capsys):
+    """A line a row in the order of the scenes; without names every scene; the share counts ratios up to 1.3."""
+    made = {name: [method_table.Row(name, 1e-6, "gauss", 2e-8, f"radau {ratio:g}", 0.5, ratio) for ratio in ratios]
+            for name, ratios in (("a", (1.3, 2.0)), ("b", (0.5,)), ("c", (1.31,)))}  # fmt: skip
+    monkeypatch.setattr(method_table, "rows", made.__getitem__)
+    monkeypatch.setattr(method_table.scenes, "names", lambda: list(made))
+    for names in ([], ["b", "a"]):
+        method_table.main(names)
+        rows = [row for name in names or made for row in made[name]]
+        *listed, last = capsys.readouterr().out.splitlines()
+        assert [line.split() for line in listed] == [
+            [r.scene, "1e-06", "gauss", "error", "2.0e-08", "500.00", "ms", f"{r.ratio:.2f}", "of", *r.best.split()]
+            for r in rows]  # fmt: skip
+        ratios = [r.ratio for r in rows]
+        share = sum(x <= 1.3 for x in ratios) / len(ratios)
+        assert last == (f"{len(rows)} rows: median {np.median(ratios):.2f}, {share:.0%} at most 1.3, largest 2.00")
+
+
+def test_an_error_of_a_choice_is_of_poses_and_infinite_where_a_run_fails(monkeypatch):
+    sizes = np.array([[0.1, 0.3, 9.0, 9.0], [0.2, 0.1, 9.0, 9.0]])
+    monkeypatch.setattr(method_table, "relative", lambda scene, path, tight: sizes)
+    for ok, error in ((True, 0.3), (False, np.inf)):
+        assert method_table._error(None, SimpleNamespace(ok=ok), None) == error  # type: ignore[arg-type]
+    given: list[Any] = []
+    monkeypatch.setattr(method_table, "simulate", lambda scene, settings: given.append(settings))
+    method_table._run(None, "radau", 1e-7)  # type: ignore[arg-type]
+    (settings,) = given
+    assert (settings.method, settings.rtol, settings.estimate, settings.reactions) == ("radau", 1e-7, "off", False)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import io
 import json
 import random
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from types import SimpleNamespace
@@ -15,9 +17,13 @@ import numpy as np
 import pytest
 
 from benchmarks.suites import bench_batch, bench_growth, bench_peers
-from benchmarks.trees import regression, worker
-from cross_checks.prices.timing import Sample
+from benchmarks.trees import regression, slowed, worker
+from cross_checks import engines
+from cross_checks.judge import ladder, one_run
+from cross_checks.prices.timing import Comparison, Pace, Sample
+from cross_checks.records.record import Error, Record
 from mbs_ref.settings import Settings
+from mbs_ref.trajectory import Timing
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -129,3 +135,90 @@ def test_a_rate_is_the_time_of_one_body_of_one_right_hand_side(monkeypatch):
     monkeypatch.setattr(worker, "_rated", {("chain", "{}"): (run, 4)})
     monkeypatch.setattr(worker, "time", SimpleNamespace(process_time=lambda: spent[0]))
     assert worker.rate("chain", {}, 0.5) == {"ns_per_body": pytest.approx(3000.0)}
+
+
+def test_a_rung_has_the_largest_error_that_it_may_have_and_none_follows_a_slow_one(monkeypatch):
+    """Errors with the truth's uncertainty, in the order of the ladder; the first rung above a second is the last."""
+    loops = (0.2, 0.9, 1.1, 2.0)
+    statuses = ("success", "lost", "success", "success")
+    errors = [None if k == 1 else Error(10.0**-k, "exact", 0.3 * 10.0**-k, None) for k in range(4)]
+    made = [Record("pendulum", {}, "mbs_ref", "rk4", {"step": loop}, status, times={"loop_s": loop}, error=error)
+            for loop, status, error in zip(loops, statuses, errors, strict=True)]  # fmt: skip
+    given, asked = iter(made), []
+    monkeypatch.setattr(ladder, "rungs", lambda method, scene: [r.settings for r in made])
+    monkeypatch.setattr(one_run, "evaluate", lambda *words: asked.append(words[1:3]) or next(given))
+    found = worker.climb("pendulum", {"length": 2.0}, "mbs_ref", "rk4")
+    bounds = [1.3, None, pytest.approx(1.3e-2)]
+    assert found == [{"settings": r.settings, "status": r.status, "error": error, "loop_s": r.times["loop_s"]}
+                     for r, error in zip(made[:3], bounds, strict=True)]  # fmt: skip
+    assert asked == [("mbs_ref", r.settings) for r in made[:3]]
+
+
+def test_a_timed_run_is_its_loop_and_the_share_of_a_processor_in_the_call(monkeypatch):
+    clocks = {"perf_counter": iter((10.0, 14.0)), "process_time": iter((1.0, 2.0))}
+    monkeypatch.setattr(worker, "time", SimpleNamespace(**{name: of.__next__ for name, of in clocks.items()}))
+    seen: list[Any] = []
+    run = lambda *given: seen.append(given) or SimpleNamespace(timing=Timing(build_s=9.0, loop_s=0.5))  # noqa: E731
+    monkeypatch.setattr(engines, "get", lambda name: SimpleNamespace(run=run))
+    found = worker.timed("pendulum", {"length": 2.0}, "exudyn", {"method": "rk4", "step": 0.25})
+    assert found == {"loop_s": 0.5, "cpu_share": 0.25}
+    ((scene, settings, times),) = seen
+    assert (scene.parameters["length"], settings.step, times[-1]) == (2.0, 0.25, scene.duration)
+
+
+def test_a_tree_is_asked_and_answers_line_by_line(tmp_path):
+    """What each method of a tree asks is what its worker knows; a worker that ends is named with its exit code."""
+    answers = ({"rungs": 1}, {"loop_s": 0.5, "cpu_share": 1.0}, {"ns_per_body": 7.0})
+    said, told = io.StringIO(), io.StringIO("".join(json.dumps(one) + "\n" for one in answers))
+    ended: list[str] = []
+    asked = regression.Tree.__new__(regression.Tree)
+    asked.folder = tmp_path
+    asked._child = SimpleNamespace(  # type: ignore[assignment]
+        stdin=said, stdout=told, wait=lambda: 3, kill=lambda: ended.append("kill"), communicate=lambda: ended.append("")
+    )
+    with asked:
+        assert (asked.climb(scene="a"), asked.time(scene="b")) == (answers[0], Sample(0.5, 1.0))
+        assert asked.rate(scene="c", seconds=0.1) == 7.0
+        with pytest.raises(RuntimeError, match=r"does not run: exit code 3"):
+            asked.climb(scene="d")
+    lines = [json.loads(line) for line in said.getvalue().splitlines()]
+    words = zip(("climb", "time", "rate", "climb"), "abcd", strict=True)
+    assert [(line["do"], line["scene"]) for line in lines] == list(words)
+    assert ended == ["kill", ""]
+
+
+def test_a_copy_of_a_tree_is_slowed_at_the_end_of_its_kernel(monkeypatch, tmp_path):
+    """Packages are copied without compiled files; a slowed kernel has so many more turns, whatever it had before."""
+    monkeypatch.setattr(slowed, "PACKAGES", ("benchmarks/trees", "mbs_ref/kernels/planar"))
+    copied = slowed.copy_tree(tmp_path / "copy")
+    for package in slowed.PACKAGES:
+        held, own = ({file.relative_to(root): file.read_bytes() for file in (root / package).rglob("*")
+                      if file.is_file() and (root is copied or "__pycache__" not in file.parts)}
+                     for root in (copied, slowed.HERE))  # fmt: skip
+        assert held == own
+    kernel = (slowed.HERE / slowed.KERNEL).read_text()
+    for turns in (50, 7):
+        slowed.slow_down(copied, turns)
+        changed = (copied / slowed.KERNEL).read_text()
+        made, own = ({node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
+                     for text in (changed, kernel))  # fmt: skip
+        assert [name for name in own if ast.dump(made[name]) != ast.dump(own[name])] == [slowed.FUNCTION]
+        more = made[slowed.FUNCTION].body[len(own[slowed.FUNCTION].body) :]
+        assert ast.unparse(made[slowed.FUNCTION].body[: -len(more)]) == ast.unparse(own[slowed.FUNCTION].body)
+        assert f"in range({turns}):" in ast.unparse(more)
+
+
+def test_a_comparison_is_told_with_its_interval_and_what_disturbed_it(monkeypatch):
+    case = replace(regression.CASES[0], error=1e-5)
+    told = {disturbed: regression._sentence(Comparison(Pace.SLOWER, 1.2345, 1.1, 1.4, 9, disturbed), case)
+            for disturbed in (0.0, 0.1, 0.25)}  # fmt: skip
+    sentence = "1.234 times the baseline's loop time [1.100, 1.400] to 1e-05 of the scene, 9 blocks"
+    assert told == {0.0: sentence, 0.1: sentence, 0.25: f"{sentence}; 25% of the runs shared the machine"}
+    afresh: list[Any] = []
+    monkeypatch.setattr(regression, "Tree", nullcontext)
+    monkeypatch.setattr(regression, "examine", lambda *given: afresh.append(given) or SimpleNamespace(changed=True))
+    monkeypatch.setattr(regression, "confirmed", lambda finding, again: again())
+    steps: list[Any] = []
+    list(regression.regressions(Path("a"), Path("b"), [case], lambda *given: steps.append(given), seed=4))
+    assert [given[:3] for given in afresh] == [(Path("a"), Path("b"), case)] * 2
+    assert (afresh[0][3:], steps) == ((4,), [(0, 1, case.name)])

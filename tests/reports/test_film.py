@@ -8,6 +8,8 @@ import json
 import re
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from mbs_ref.scene.base.part import unit
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
+from reports.film import drawing as drawn
 from reports.film.drawing import Drawing, _paper, drawing
 from reports.film.files import (
     STRIP,
@@ -180,6 +183,10 @@ def test_a_spring_is_a_zigzag_from_end_to_end():
     line = coil((0.0, 0.0), (100.0, 0.0))
     assert (line[0], line[-1]) == ((0.0, 0.0), (100.0, 0.0))
     assert len({np.sign(y) for _, y in line[1:-1]}) == 2
+    inner = np.array(line[1:-1])
+    assert np.diff(inner[:, 0]) == pytest.approx(np.full(len(inner) - 1, 100.0 / len(inner)))
+    assert inner[:, 0] + inner[::-1, 0] == pytest.approx(np.full(len(inner), 100.0)), "as far from both ends"
+    assert inner[:, 1] + np.roll(inner[:, 1], 1) == pytest.approx(np.zeros(len(inner)))
 
 
 def test_bodies_that_travel_far_stay_in_the_picture_and_the_ground_passes_by():
@@ -318,3 +325,105 @@ def test_a_plane_in_space_is_drawn_around_its_spheres():
         assert (paper @ foot <= high).all()
     assert len({tuple(np.round(corner, 9)) for corner in sides}) == 4
     assert np.ptp(sides, axis=0).max() > 4.0 * contact.radius
+
+
+@pytest.mark.parametrize(("seconds", "rate", "shown"), [(2.0, 4, [0, 1, 2, 3, 5, 6, 7, 8]), (0.1, 30, [0, 4, 8]),
+                                                     (90.0, 1, None)])  # fmt: skip
+def test_an_mp4_has_pictures_at_an_even_rate_to_the_last_one(seconds, rate, shown):
+    """Nine pictures of an odd size: at most 30 a second, at least one; no row or column without a partner."""
+    stream, written = SimpleNamespace(encode=lambda *frame: frame), []
+
+    class Film:
+        def __enter__(self) -> Film:
+            return self
+
+        def __exit__(self, *given: object) -> None: ...
+
+        def add_stream(self, codec: str, rate: int) -> Any:
+            written.append((codec, rate))
+            return stream
+
+        def mux(self, packet: Any) -> None:
+            written.append(packet)
+
+    frame = SimpleNamespace(from_image=lambda picture: (picture.getpixel((0, 0))[0], picture.size))
+    av = SimpleNamespace(VideoFrame=frame, open=lambda buffer, mode, format: buffer.write(format.encode()) and Film())
+    pictures = [Image.new("RGB", (33, 21), (k, 0, 0)) for k in range(9)]
+    assert as_mp4(pictures, seconds, av) == b"mp4"
+    assert written[0] == ("h264", rate)
+    assert (stream.width, stream.height, stream.pix_fmt) == (32, 20, "yuv420p")
+    assert written[-1] == ()
+    frames = [one[0] for one in written[1:-1]]
+    assert {size for _, size in frames} == {(32, 20)}
+    numbers = [k for k, _ in frames]
+    assert numbers == (shown if shown is not None else np.linspace(0, 8, 90).round().tolist())
+
+
+def test_walls_of_grains_are_drawn_as_far_as_grains_go():
+    """A wall through a point along its normal's left, beyond the grains' way by the largest radius, at every time."""
+    rng = np.random.default_rng(2)
+    path, point, normal = rng.normal(size=(5, 3, 2)), rng.normal(size=2), (3.0, -4.0)
+    ends = drawn._wall(point, normal, path, 0.25)
+    along = np.array((-4.0, -3.0)) / 5.0
+    way = [(place - point) @ along for places in path for place in places]
+    assert ends.shape == (5, 2, 2)
+    for shown in ends:
+        assert shown == pytest.approx(point + np.outer((min(way) - 0.25, max(way) + 0.25), along))
+    scene = scenes.make("granular_column", search=True)
+    (grains,) = (load for load in scene.loads if load.type == "granules")
+    still = Trajectory(np.arange(2.0), *(np.stack((own, own)) for own in (
+        np.array([body.position for body in scene.bodies]), np.zeros(len(scene.bodies)),
+        np.zeros((len(scene.bodies), 2)), np.zeros(len(scene.bodies)))))  # fmt: skip
+    found = drawing(scene, still)
+    assert len(found.surfaces) == len(grains.walls)
+    radius, half = grains.shapes(len(scene.bodies), 2)
+    reach = radius + np.hypot(*np.transpose(half))
+    assert sorted(size for _, size in found.circles) == pytest.approx(sorted(reach))
+
+
+class Pen:
+    """Notes what is drawn, and how."""
+
+    def __init__(self) -> None:
+        self.drawn: list[tuple[str, np.ndarray, dict[str, Any]]] = []
+
+    def polygon(self, places: Any, **how: Any) -> None:
+        self.drawn.append(("polygon", np.array(places), how))
+
+    def line(self, places: Any, **how: Any) -> None:
+        self.drawn.append(("line", np.array(places), how))
+
+    def circle(self, place: Any, radius: float, **how: Any) -> None:
+        self.drawn.append(("circle", np.array((*place, radius)), how))
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "spring_pendulum", "newtons_cradle"])
+def test_bodies_are_drawn_where_they_are_and_the_ground_below_its_joints(name):
+    scene = scenes.make(name)
+    shown = drawing(scene, simulate(scene, Settings(samples=3, t_end=0.2, estimate="off", reactions=False)))
+    camera, pen, k = Camera(shown), Pen(), 2
+    camera._bodies(pen, shown, k)  # type: ignore[arg-type]
+    polygons = [places for kind, places, _ in pen.drawn if kind == "polygon"]
+    for pin, (top, *foot) in zip(shown.pins, polygons, strict=False):
+        assert top == pytest.approx(camera(pin[k]))
+        assert all(corner[1] > top[1] for corner in foot), "pixels count downwards"
+        assert np.mean(foot, axis=0)[0] == pytest.approx(top[0])
+    fills = polygons[len(shown.pins) :]
+    for (_, corners), places in zip(shown.fills, fills, strict=True):
+        assert places == pytest.approx(np.array([camera(corner) for corner in corners[k]]))
+    circles = [(places, how) for kind, places, how in pen.drawn if kind == "circle"]
+    wide = 2 * camera.scale
+    for (place, radius), (drawn_, how) in zip(shown.circles, circles, strict=False):
+        assert drawn_ == pytest.approx((*camera(place[k]), wide * radius))
+        assert "outline" in how
+    for centre, (drawn_, how) in zip(shown.centres[k], circles[len(shown.circles) :], strict=True):
+        assert drawn_[:2] == pytest.approx(camera(centre))
+        assert "fill" in how
+    lines = [places for kind, places, _ in pen.drawn if kind == "line"]
+    straight = [ends[k] for ends in (*shown.surfaces, *shown.radii)], [ends[k] for _, ends in shown.spokes]
+    coils = lines[len(straight[0]) : len(straight[0]) + len(shown.springs)]
+    for ends, places in zip(shown.springs, coils, strict=True):
+        assert places[[0, -1]] == pytest.approx(np.array([camera(end) for end in ends[k]]))
+    others = lines[: len(straight[0])] + lines[len(straight[0]) + len(shown.springs) :]
+    for ends, places in zip([*straight[0], *straight[1]], others, strict=True):
+        assert places == pytest.approx(np.array([camera(end) for end in ends]))

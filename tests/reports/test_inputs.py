@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from types import SimpleNamespace
 
 import click
 import pytest
@@ -13,6 +14,7 @@ from cross_checks.isolation.parent import Isolated
 from cross_checks.judge.runs import Runs
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
+from mbs_ref.settings import Settings
 from reports import inputs, query
 from reports.cli import main
 from reports.terminal.console import NothingSelected
@@ -101,3 +103,39 @@ def test_runs_are_stored_where_it_is_said(monkeypatch, tmp_path, named):
     with query.open_runs((), chosen) as runs:
         assert isinstance(runs, Runs)
         assert runs.store.path == tmp_path / (named or "usual.sqlite")
+
+
+def test_a_start_is_compared_to_the_tolerance_of_every_run(monkeypatch):
+    asked: list[float] = []
+    monkeypatch.setattr(inputs, "broken_start", lambda scene, tolerance: asked.append(tolerance) or "it breaks rod")
+    with pytest.raises(click.UsageError, match=r"pendulum: it breaks rod, which engines would repair differently"):
+        inputs.comparable("pendulum")
+    assert asked == [Settings().initial_tolerance]
+
+
+def test_a_package_whose_import_is_barred_is_not_there(monkeypatch, tmp_path):
+    def barred(name: str) -> None:
+        raise ValueError(name)
+
+    for found, there in ((lambda name: name, True), (lambda name: None, False), (barred, False)):
+        monkeypatch.setattr(inputs, "find_spec", found)
+        if there:
+            assert inputs.output(str(tmp_path / "a.parquet"), (".parquet",)) == tmp_path / "a.parquet"
+        else:
+            with pytest.raises(click.UsageError, match="Parquet needs the package pyarrow"):
+                inputs.output(str(tmp_path / "a.parquet"), (".parquet",))
+
+
+def test_a_start_file_and_parameters_go_together(monkeypatch, tmp_path):
+    """What a start states is read first, and parameters that are named beside it count."""
+    file, start = tmp_path / "a.urdf", tmp_path / "s.toml"
+    for one in (file, start):
+        one.write_text("")
+    asked: list[object] = []
+    robot = SimpleNamespace(scene="scene", assumed=("no damping",))
+    monkeypatch.setattr("cross_checks.robots.read_start", lambda path: ({"a": 1.0, "b": 2.0}, {"drive": path.name}))
+    monkeypatch.setattr("cross_checks.robots.driven", lambda scene, drives, path: (scene, drives, path))
+    monkeypatch.setattr(inputs, "_reader", lambda name: lambda path, wanted: asked.append((path, wanted)) or robot)
+    assert inputs.scene(str(file), [f"start={start}", "b=7"]) == ("scene", {"drive": "s.toml"}, start)  # type: ignore[comparison-overlap]
+    assert inputs.scene(str(file), ["b=7"]) == "scene"  # type: ignore[comparison-overlap]
+    assert asked == [(file, {"a": 1.0, "b": 7}), (file, {"b": 7})]

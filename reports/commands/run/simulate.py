@@ -19,6 +19,8 @@ from reports.scene_summary import summary
 from reports.terminal import console
 from reports.terminal.text_plot import text_plot
 
+ENDED = ("success", "stop-event")  # statuses of a run that came to its end
+
 
 @click.command(
     name="simulate", epilog="Example: mbs-ref simulate slider_crank -p crank_length=0.2 --rtol 1e-9 -o run.csv"
@@ -55,11 +57,11 @@ def command(
     from cross_checks.judge.runs import NOT_COMPARED
 
     record, trajectory = compare.judged_run(chosen_scene, solver.name, chosen, truth=NOT_COMPARED)
-    if target is not None and trajectory is not None and record.status in ("success", "interrupted"):
+    if target is not None and trajectory is not None and record.status in (*ENDED, "interrupted"):
         write_poses(trajectory, chosen_scene.body_names, target)
     if not as_json:
         _show(record)
-    if trajectory is not None and not no_truth and record.status in ("success", "stop-event"):
+    if trajectory is not None and not no_truth and record.status in ENDED:
         text = len(record.notes)
         record = _judged(chosen_scene, record, trajectory, store)
         if not as_json:
@@ -72,7 +74,7 @@ def command(
         raise console.EngineAbsent(record.message)
     if record.status in ("interrupted", "out-of-memory"):
         raise console.Incomplete(record.message)
-    if record.status not in ("success", "stop-event"):
+    if record.status not in ENDED:
         raise console.Failed(f"{record.status}: {record.message}")
 
 

@@ -40,3 +40,18 @@ def test_a_bounce_does_not_depend_on_the_other_outputs(times: list[float]):
         assert truth.velocity is not None
         assert whole.velocity is not None
         np.testing.assert_allclose(truth.velocity, whole.velocity[rows], rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("kind", "dimension"), [(kind, d) for (kind, d), scene in probes().items() if scene.contacts])
+def test_the_velocity_of_a_bounce_is_the_slope_of_its_position(kind: str, dimension: int):
+    """Before, within and after the contact; differences across a jump of the velocity do not count."""
+    scene, step = probes()[kind, dimension], 1e-6
+    middle = np.linspace(0.01, scene.duration - 0.01, 24)
+    times = np.sort(np.concatenate((middle - step, middle, middle + step)))
+    truth = bounce_truth(scene, times)
+    assert truth.velocity is not None
+    slope = (truth.position[2::3] - truth.position[::3]) / (2.0 * step)
+    off = np.abs(slope - truth.velocity[1::3]).max(axis=(1, 2))
+    jumps = np.abs(truth.velocity[2::3] - truth.velocity[::3]).max(axis=(1, 2)) > 0.1
+    assert off[~jumps].max() < 1e-2
+    assert jumps.sum() <= 1

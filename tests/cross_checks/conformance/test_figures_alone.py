@@ -2,30 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from contextlib import nullcontext
+from dataclasses import asdict, replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from cross_checks import engines
-from cross_checks.conformance import repeatability
+from cross_checks.conformance import broken_engines, ladder, repeatability, symmetry
 from cross_checks.conformance.apart import Called
-from cross_checks.conformance.broken_engines import _taken, self_test
+from cross_checks.conformance.broken_engines import _moved_inertia, _taken, self_test
+from cross_checks.conformance.cases import Case
 from cross_checks.conformance.examine import _order
 from cross_checks.conformance.finding import Row
 from cross_checks.conformance.ladder import _Rungs, climb, energy_drift
-from cross_checks.conformance.probes import probe_truth, probes
+from cross_checks.conformance.probes import _turning, probe_truth, probes
 from cross_checks.conformance.questions import Question
-from cross_checks.conformance.repeatability import WAYS, by_method, difference
+from cross_checks.conformance.repeatability import WAYS, by_method, difference, outcome
+from cross_checks.isolation.parent import Lost
 from cross_checks.truths import seek_truth
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import PlanarBody, Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.trajectory import POSES, Trajectory
+from mbs_ref.trajectory import POSES, Status, Trajectory
 
 RK4 = next(method for method in engines.get("mbs_ref").methods() if method.name == "rk4")
 
@@ -103,3 +108,140 @@ def test_repeatability_lists_the_cases_of_every_engine(monkeypatch):
     cases: list[Any] = [SimpleNamespace(engine=engine, name=k) for k, engine in enumerate("abacb")]
     monkeypatch.setattr(repeatability, "_of_engine", lambda own: [{"case": case.name} for case in own])
     assert [row["case"] for row in repeatability.measured(cases)] == [0, 2, 1, 4, 3]
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_cases_are_run_one_after_the_other_in_one_process_and_a_lost_one_is_named(monkeypatch, threads):
+    asked: list[Any] = []
+
+    def call(function: Any, case: Any) -> str:
+        asked.append((function, case.name))
+        if case.name == 1:
+            raise Lost("timeout", "gave no answer")
+        return f"ran {case.name}"
+
+    monkeypatch.setattr(repeatability, "Isolated", lambda **given: asked.append(given) or nullcontext(call))
+    cases: list[Any] = [SimpleNamespace(name=k) for k in range(3)]
+    found = repeatability._made(cases, outcome, threads)
+    assert found == {0: "ran 0", 1: "timeout: gave no answer", 2: "ran 2"}
+    assert asked == [{"timeout": 60.0, "threads": threads}, *((outcome, k) for k in range(3))]
+
+
+def test_a_run_is_what_its_poses_are_or_why_it_stopped(monkeypatch):
+    path = simulate(scenes.make("pendulum"), Settings(samples=2, t_end=0.1, estimate="off"))
+    case: Any = SimpleNamespace(engine="e", built=lambda: "scene", settings="settings")
+    asked: list[Any] = []
+    for run, expected in ((path, [path.times, *(getattr(path, name) for name in POSES)]),
+                          (replace(path, status=Status.SINGULAR, message="stuck"), "stuck")):  # fmt: skip
+        monkeypatch.setattr(repeatability.engines, "get", lambda name, run=run: SimpleNamespace(
+            run=lambda *given: asked.append(given) or run))  # fmt: skip
+        found = repeatability.twice(case)
+        for one in found:
+            assert one == expected if isinstance(one, str) else all(map(np.array_equal, one.values(), expected))
+    assert asked == [("scene", "settings")] * 4
+
+
+def test_a_case_that_is_lost_has_no_figures_but_why(monkeypatch):
+    case = Case("exudyn", "rk4", "pendulum", {"length": 2.0}, Settings(method="rk4", step=0.25))
+    about = {"engine": "exudyn", "method": "rk4", "scene": "pendulum", "parameters": {"length": 2.0},
+             "setting": "step 0.25 s"}  # fmt: skip
+
+    class Call:
+        timeout = 0.0
+
+        def __call__(self, function: Any, given: Any) -> dict[str, Any]:
+            assert (function, given) == (symmetry.facts, case)
+            raise Lost("crashed", "died by signal 11")
+
+    call: Any = Call()
+    assert symmetry.isolated(case, call) == about | {"judged": 0, "broken": [], "stopped": "crashed: died by signal 11"}
+    assert call.timeout == symmetry.PATIENCE
+    made = [symmetry.Violation("a", 1.0, 1e-9, 1e-3), symmetry.Violation("b", None, 1e-9, 1e-3, "no"),
+            symmetry.Violation("c", 1e-9, 1e-9, 1e-3), symmetry.Violation("d", 1e-3, 1e-9, 1e-3)]  # fmt: skip
+    monkeypatch.setattr(symmetry, "violations", lambda *given: made)
+    monkeypatch.setattr(symmetry.engines, "get", lambda name: name)
+    found = symmetry.facts(case)
+    assert found == about | {"judged": 3, "stopped": "", "broken": [
+        asdict(one) | {"exceeds_error": one.symmetry == "a"} for one in made if one.symmetry in "ad"]}  # fmt: skip
+    monkeypatch.setattr(symmetry, "violations", fails)
+    assert symmetry.facts(case) == about | {"judged": 0, "broken": [], "stopped": "it stopped"}
+
+
+def fails(*given: Any) -> Any:
+    raise symmetry.NotRunError("it stopped")
+
+
+def test_an_inertia_is_moved_on_bodies_that_have_one():
+    """By a quarter of it, the products too; a particle has none."""
+    for name in ("pendulum", "heavy_top", "kepler"):
+        for body in scenes.make(name).bodies:
+            own, moved = (np.array(getattr(one, "inertia", 0.0)) for one in (body, _moved_inertia(body)))
+            assert moved == pytest.approx(1.25 * own)
+            assert _moved_inertia(body).mass == body.mass
+
+
+def test_euler_parameters_turn_at_half_the_angular_velocity():
+    """Those of a body that turns steadily about a fixed axis, by a difference of two moments."""
+    rng = np.random.default_rng(5)
+    omega, step = rng.normal(size=(3, 3)), 1e-6
+    start = Rotation.from_rotvec(rng.normal(size=(3, 3)))
+    before, after = ((Rotation.from_rotvec(t * omega) * start).as_quat(scalar_first=True) for t in (-step, step))
+    found = _turning(start.as_quat(scalar_first=True), omega)
+    assert found == pytest.approx((after - before) / (2.0 * step), abs=1e-6)
+
+
+def test_a_slow_clock_reports_two_fifths_of_the_call(monkeypatch):
+    clock = iter((7.0, 9.5))
+    monkeypatch.setattr(broken_engines, "process_time", lambda: next(clock))
+    path = simulate(scenes.make("pendulum"), Settings(samples=2, t_end=0.1, estimate="off"))
+    found = broken_engines._slow_clock(SimpleNamespace(run=lambda *given: path), None, None, None)  # type: ignore[arg-type]
+    assert found.timing == replace(path.timing, loop_s=pytest.approx(1.0))
+
+
+@pytest.mark.parametrize(("settings", "scaled"), [
+    (Settings(method="rk4", step=0.01), {"step": 0.08}),
+    (Settings(method="dop853", rtol=1e-6, atol=1e-8), {"atol": 32e-8, "rtol": 1e-6}),
+    (Settings(method="dop853", rtol=1e-6), {"atol": None, "rtol": 1e-6}),
+])  # fmt: skip
+def test_an_image_in_other_units_is_run_in_those_units(settings, scaled):
+    """Lengths are 32 times as long and times 8 times; an engine that follows moves the image exactly so."""
+    scene, times = scenes.make("pendulum"), np.linspace(0.0, 1.0, 3)
+    plain = simulate(scene, Settings(rtol=1e-9, samples=3, t_end=1.0, estimate="off"))
+    asked: list[Any] = []
+
+    def run(image: Scene, chosen: Settings, at: np.ndarray) -> Trajectory:
+        asked.append((image, chosen, at))
+        return replace(plain, times=at, position=32.0 * plain.position)
+
+    engine: Any = SimpleNamespace(name="made", run=run)
+    measure = symmetry._seen(partial(symmetry._placed, length=32.0, time=8.0))
+    assert measure(engine, scene, settings, plain) == pytest.approx(0.0, abs=1e-12)
+    ((image, chosen, at),) = asked
+    assert (image.duration, chosen.t_end, at.tolist()) == (8.0 * scene.duration, 8.0, (8.0 * times).tolist())
+    assert {name: getattr(chosen, name) for name in scaled} == pytest.approx(scaled)
+    needs_step = symmetry._seen(partial(symmetry._placed, length=32.0, time=8.0), needs_step=True)
+    assert isinstance(needs_step(engine, scene, settings, plain), str) == (settings.step is None)
+    few = SimpleNamespace(name="few", run=lambda *given: replace(plain, times=plain.times[:2]))
+    with pytest.raises(symmetry.NotRunError, match="few does not finish"):
+        measure(few, scene, settings, plain)  # type: ignore[arg-type]
+    free = scene.model_copy(update={"loads": (SimpleNamespace(type="drag"),)})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(symmetry.place, "obstacle", lambda scene, placed: "singles out a direction")
+        assert measure(engine, free, settings, plain) == "singles out a direction"
+
+
+def test_velocities_are_judged_by_what_most_samples_show(monkeypatch):
+    """An impact's jump spoils few samples: the median counts, of all other deviations the largest."""
+    asked: dict[str, Any] = {}
+    note = lambda self, what, curves, floor, size=None: asked.setdefault(what, size) and ""  # noqa: E731
+    monkeypatch.setattr(_Rungs, "deviation", note)
+    scene, times = scenes.make("pendulum"), np.linspace(0.0, 1.0, 41)
+    truth = seek_truth(scene, times)
+    assert isinstance(truth, Truth)
+    settings = Settings(method="rk4", step=0.01, estimate="off")
+    run = Called(settings, simulate(scene, settings, times))
+    rising = _Rungs(RK4, Question(scene, times, truth), (run, run))
+    list(ladder._always(rising))
+    assert asked == {"velocities miss the slope of positions by": ladder.typical}
+    misses = np.array([[0.1, -0.2], [9.0, 0.0], [0.3, 0.1]])
+    assert ladder.typical(misses) == 0.3

@@ -110,3 +110,25 @@ def test_torques_of_joints_in_space_count():
         other = {"pin": one["pin"].copy()}
         other["pin"][2, column] += 7.0
         assert reaction_error(one, other) == pytest.approx(7.0)
+
+
+def test_an_impulse_is_stated_of_free_bodies_alone():
+    """The reduced mass of two bodies, the mass of one against the ground; none where anything else acts."""
+    scene = scenes.make("colliding_spheres")
+    free = scene.model_copy(update={"gravity": (0.0,) * scene.dimension, "loads": (), "joints": ()})
+    (contact,) = free.contacts
+    path: Any = None
+    masses = [free.bodies[free.body_index(name)].mass for name in (contact.body_a, contact.body_b)]
+    found = figures._free_mass(Motion(free, path), contact)
+    assert found in (None, pytest.approx(1.0 / sum(1.0 / mass for mass in masses)))
+    ball = scenes.make("bouncing_ball")
+    alone = ball.model_copy(update={"gravity": (0.0, 0.0), "loads": (), "joints": ()})
+    touch = alone.contacts[0].model_copy(update={"friction": None})
+    alone = alone.model_copy(update={"contacts": (touch,)})
+    assert figures._free_mass(Motion(alone, path), touch) == pytest.approx(alone.bodies[0].mass)
+    spring = scenes.make("spring_pendulum").loads[:1]
+    rod = scenes.make("pendulum").joints[:1]
+    assert len(spring) == len(rod) == 1
+    for more in ({"gravity": (0.0, -9.81)}, {"gravity": (1e-3, 0.0)}, {"loads": spring}, {"joints": rod},
+                 {"contacts": (touch, touch)}):  # fmt: skip
+        assert figures._free_mass(Motion(alone.model_copy(update=more), path), touch) is None

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import random
 import signal
+import sqlite3
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -155,3 +157,16 @@ def test_a_file_that_is_no_store_is_named(tmp_path):
     (tmp_path / "notes.txt").write_text("no database, but long enough to be looked at " * 20)
     with pytest.raises(OSError, match=r"notes\.txt: .*: name another store by --store or MBS_REF_STORE"):
         Store(tmp_path / "notes.txt")
+
+
+def test_a_store_waits_for_another_process_that_writes(tmp_path):
+    """A tenth of a second here; the store gives up after a minute."""
+    with Store(tmp_path / "a.sqlite") as store:
+        other = sqlite3.connect(tmp_path / "a.sqlite", check_same_thread=False)
+        other.execute("BEGIN IMMEDIATE")
+        ended = threading.Timer(0.1, other.rollback)
+        ended.start()
+        store.keep_timings("key", "host", [1.0, 2.0])
+        ended.join()
+        other.close()
+        assert store.timings("key", "host") == [1.0, 2.0]

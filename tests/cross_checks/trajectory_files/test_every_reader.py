@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 from scipy import constants
 
 from cross_checks.records.record import Error
-from cross_checks.trajectory_files import columns, formats
+from cross_checks.trajectory_files import columns, formats, library
 from cross_checks.trajectory_files.columns import columns_of, read_columns
 from cross_checks.trajectory_files.formats import Columns, FileError
 from cross_checks.trajectory_files.judgement import MOST, Judgement, Part, _parts, _verdict, truth_rows
@@ -226,3 +227,63 @@ def test_a_change_is_small_over_the_scene_and_a_factor_may_be_negative():
     assert world.is_none(small * units)
     assert not world.is_none(1.5 * small * units)
     assert {start[0] > 0.0 for start in _factor(lambda x: scene, "a term is").starts} == {True, False}
+
+
+@pytest.mark.parametrize("n", [5, 12])
+def test_a_parquet_file_is_read_in_batches_of_bounded_size(monkeypatch, tmp_path, n):
+    """Batches of so many rows that they hold PART numbers; rows are counted from the start of the file."""
+    made, file, asked = table(np.random.default_rng(n), n), tmp_path / "a.parquet", []
+    file.write_bytes(b"")
+
+    class Batch(list):
+        schema = SimpleNamespace(names=list(made))
+
+    class File:
+        schema_arrow = SimpleNamespace(names=list(made))
+        metadata = SimpleNamespace(num_rows=n)
+
+        def __init__(self, path: Path) -> None:
+            assert path == file
+
+        def iter_batches(self, batch_size: int) -> Any:
+            asked.append(batch_size)
+            for k in range(0, n, batch_size):
+                held = [own[k : k + batch_size] for own in made.values()]
+                yield Batch(SimpleNamespace(to_numpy=lambda zero_copy_only, own=own: own) for own in held)
+
+    monkeypatch.setattr(formats, "PART", 13)
+    monkeypatch.setattr(formats.importlib, "import_module", lambda name: SimpleNamespace(ParquetFile=File))
+    found = list(formats.parts(file))
+    assert asked == [4]
+    assert [len(part) for part in found] == [min(4, n - k) for k in range(0, n, 4)]
+    assert np.concatenate([part.counted for part in found]).tolist() == list(range(n))
+    assert [part.share for part in found] == [min(1.0, (k + 4) / n) for k in range(0, n, 4)]
+    for name, column in made.items():
+        assert np.array_equal(np.concatenate([part.values[name] for part in found]), column)
+
+
+def test_a_motion_from_a_program_is_read_as_what_it_is():
+    """A file, a trajectory, a data frame or arrays by name."""
+    scene, (path, *_) = scenes.make("double_pendulum"), irregular(1, 4)
+    assert library._source("a.csv", scene) == library._source(Path("a.csv"), scene) == Path("a.csv")
+    own: Any = library._source(path, scene)
+    assert own.keys() == {"bodies", "times", *POSES}
+    assert own["bodies"].tolist() == scene.body_names
+    assert all(own[name] is getattr(path, name) for name in ("times", *POSES))
+    held = {"t": [0.0, 1.0], "a": [2.0, 3.0]}
+    frame = SimpleNamespace(columns=["t", "a"])
+    frame_of = type("Frame", (), {"columns": frame.columns, "__getitem__": lambda self, name: held[name]})()
+    for given in (held, frame_of):
+        found: Any = library._source(given, scene)
+        assert {name: column.tolist() for name, column in found.items()} == held
+
+
+def test_a_program_judges_by_the_machines_store(monkeypatch):
+    opened: list[Any] = []
+    monkeypatch.setattr(library, "Store", lambda *path: opened.append(path) or nullcontext())
+    monkeypatch.setattr(library, "read_motion", lambda *given: given)
+    monkeypatch.setattr(library, "truth_at", lambda runs, scene: "at")
+    monkeypatch.setattr(library, "judged", lambda *given: given)
+    found: Any = library.judge(SCENE, "a.csv", error=1e-3, column_map="m.toml")
+    assert found == (SCENE, (Path("a.csv"), SCENE, Path("m.toml")), "at", 1e-3)
+    assert opened == [(library.default_path(),)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,8 @@ def named(name: str, count: int) -> list[str]:
 
 @pytest.mark.parametrize("maps", ["body to world", "world to body"])
 @pytest.mark.parametrize("spin", [(0.0, 0.0, 0.0), (0.3, -0.7, 1.1)])
-def test_space(maps, spin):
+@pytest.mark.parametrize("axes", ["body", "world"])
+def test_space(maps, spin, axes):
     rng, n = np.random.default_rng(3), len(TIMES)
     place, speed, omega = (rng.normal(size=(n, 3)) for _ in range(3))
     turn, origin = Rotation.from_rotvec(rng.normal(size=(n, 3))), rng.normal(size=3)
@@ -60,12 +62,12 @@ def test_space(maps, spin):
     written = bodies.inv() if maps == "world to body" else bodies
     arrays = {
         "t": TIMES * 1e3, "r": into(place - origin) / constants.foot, "v": into(seen) * 6e4,  # mm/min
-        "q": written.as_quat(), "w": turn.inv().apply(omega) / constants.degree,
+        "q": written.as_quat(), "w": (turn.inv().apply(omega) if axes == "body" else into(omega)) / constants.degree,
     }  # fmt: skip
     body = {
         "position": {"columns": named("r", 3), "unit": "ft"}, "velocity": {"columns": named("v", 3), "unit": "mm/min"},
         "orientation": {"columns": named("q", 4), "convention": "quaternion xyzw", "maps": maps},
-        "angular_velocity": {"columns": named("w", 3), "unit": "deg/s", "axes": "body"},
+        "angular_velocity": {"columns": named("w", 3), "unit": "deg/s", "axes": axes},
     }  # fmt: skip
     path = read(TOP, arrays, body, axes=["-y", "z", "-x"], origin=origin.tolist(), spin=spin).path
     assert np.allclose(path.times, TIMES)
@@ -124,3 +126,41 @@ def test_two_files_are_compared_where_their_times_agree():
     assert ours.path.times.tolist() == [0.0, 0.31, 0.93]
     assert np.array_equal(ours.path.position, first.position[[0, 2, 4]])
     assert truth.position.shape == (3, 2, 2)
+
+
+PLACE = {"columns": named("r", 3), "unit": "m"}
+TURN = {"columns": named("q", 4), "convention": "quaternion wxyz", "maps": "body to world"}
+SPIN_AXES = {"columns": named("r", 3), "unit": "rad/s"}
+FLAT = {"columns": named("r", 2), "unit": "m"}
+
+
+@pytest.mark.parametrize(("scene", "body", "world", "message"), [
+    (TOP, {"angular_velocity": SPIN_AXES | {"axes": "body"}}, {},
+     "angular_velocity.axes = 'body' needs the orientation, which the file does not state"),
+    (TOP, {"angular_velocity": SPIN_AXES}, {}, "angular_velocity.axes is missing; allowed: world, body"),
+    (TOP, {"orientation": {**TURN, "maps": None}}, {},
+     "orientation.maps is missing; allowed: body to world, world to body"),
+    (TOP, {"orientation": {"columns": ["t"], "convention": "angle", "unit": "deg"}}, {},
+     "orientation.convention = 'angle' does not fit a scene in 3 dimensions"),
+    (PENDULUM, {"orientation": TURN}, {},
+     "orientation.convention = 'quaternion wxyz' does not fit a scene in 2 dimensions"),
+    (PENDULUM, {"orientation": {"columns": ["t"], "convention": "angle"}}, {},
+     "orientation.unit is missing; allowed: rad, deg, rev"),
+    (TOP, {"position": {"columns": named("r", 2), "unit": "m"}}, {}, "position.columns: 2 are given; expected: 3"),
+    (TOP, {"position": PLACE}, {"axes": ["x", "z", "y"]}, "mirrors the world: those axes are left-handed"),
+    (TOP, {"position": PLACE}, {"axes": ["x", "y"]}, "has 2 axes; the scene has 3"),
+    (PENDULUM, {"position": FLAT}, {"spin": [0.0, 0.0, 1.0]}, "world.spin and world.turned are for scenes in space"),
+    (TOP, {"position": PLACE, "velocity": PLACE | {"unit": "m/s"}},
+     {"turned": {"column": "t", "unit": "deg"}}, "a frame whose angle is a column is unknown; remove `velocity`"),
+])  # fmt: skip
+def test_a_statement_that_does_not_fit_is_named_with_what_does(scene, body, world, message):
+    n = len(TIMES)
+    arrays = {"t": TIMES * 1e3, "r": np.ones((n, 3)), "q": np.tile((1.0, 0.0, 0.0, 0.0), (n, 1))}
+    with pytest.raises(FileError, match=re.escape(message)):
+        read(scene, arrays, body, **world)
+
+
+def test_a_body_that_the_scene_lacks_is_named_with_the_nearest():
+    stated = {"time": {"column": "t", "unit": "s"}, "bodies": {PENDULUM.body_names[0][:-1]: {"position": FLAT}}}
+    with pytest.raises(FileError, match=f"the scene has no such body.*allowed: {', '.join(PENDULUM.body_names)}$"):
+        described_motion(PENDULUM, columns_of({"t": TIMES}), ColumnMap.model_validate(stated))

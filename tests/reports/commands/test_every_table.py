@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import random
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, replace
+from datetime import datetime
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -54,7 +56,9 @@ from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.trajectory import Status, Trajectory
 from reports.cli import main
 from reports.commands.choose import sweep
+from reports.commands.engines import doctor
 from reports.commands.engines import engines as engines_command
+from reports.commands.explore import extremes as extremes_command
 from reports.commands.explore import parity as parity_command
 from reports.commands.judge import certify, check, proofs
 from reports.commands.publish import rerun
@@ -95,6 +99,13 @@ def tables(monkeypatch) -> list[Table]:
 
 def run(*words: str) -> Result:
     return CliRunner().invoke(main, list(words), prog_name="mbs-ref")
+
+
+def json_of(code: int, *words: str) -> Any:
+    """Return what a command prints as JSON, which is JSON alone whatever its exit code."""
+    done = run(*words, "--json")
+    assert done.exit_code == code
+    return json.loads(done.stdout)
 
 
 def g(value: float | None) -> str:
@@ -314,12 +325,17 @@ STATUSES = (*map(str, Status), CANNOT, MISSING, "crashed", "timeout", "out-of-me
 
 
 @pytest.mark.parametrize("status", STATUSES)
-def test_every_status_of_a_run_has_its_exit_code(monkeypatch, status):
+def test_every_status_of_a_run_has_its_exit_code_and_what_succeeds_or_is_interrupted_is_written(
+    monkeypatch, tmp_path, status
+):
     made = record(random.Random(1), status=status, message="as it is")
-    monkeypatch.setattr(one_run, "judged_run", lambda *given, **more: (made, None))
+    path = Trajectory(np.arange(2.0), *(np.zeros((2, 1, *shape)) for shape in ((2,), (), (2,), ())))
     code = {"success": 0, "stop-event": 0, "engine-missing": 3, "interrupted": 4, "out-of-memory": 4}.get(status, 1)
-    assert run("simulate", "pendulum", "--no-truth").exit_code == code
-    assert run("simulate", "pendulum", "--no-truth", "--json").exit_code == code
+    for form, came in (([], path), (["--json"], None)):
+        file = tmp_path / f"run{len(form)}.csv"
+        monkeypatch.setattr(one_run, "judged_run", lambda *given, came=came, **more: (made, came))
+        assert run("simulate", "pendulum", "--no-truth", "-o", str(file), *form).exit_code == code
+        assert file.exists() == (came is path and (code == 0 or status == "interrupted"))
 
 
 @pytest.mark.parametrize("name", ["spring_pendulum", "sliding_block", "android_simplified"])
@@ -448,6 +464,18 @@ def test_extremes(monkeypatch, tables, tmp_path, seed):
     assert run(*words, "--only", wrong.extreme, *([] if wrong.full else ["--full"])).exit_code == 0
 
 
+def test_new_cells_of_the_extremes_state_the_day_and_the_revision(monkeypatch, tmp_path):
+    """The file has every cell once; the day is that of the command's start."""
+    noon = SimpleNamespace(now=lambda zone: datetime(2026, 3, 7, 12, tzinfo=zone))
+    fresh = ExtremeCell("overflow", "family", "exudyn", "rk4", False, Fate.STOPPED, None, (), "why")
+    monkeypatch.setattr(extremes_command, "datetime", noon)
+    monkeypatch.setattr("reports.facts.environment.commit", lambda: "abc")
+    monkeypatch.setattr(extreme_runs, "matrix", lambda *given, **more: [fresh])
+    file = tmp_path / "cells.jsonl"
+    assert run("extremes", "--only", "overflow", "-o", str(file), "--engine", "exudyn").exit_code == 0
+    assert lines.read(file, ExtremeCell) == ([replace(fresh, made="2026-03-07, revision abc")], [])
+
+
 def faked(monkeypatch, count: int) -> list[Any]:
     """Let there be so many cases of symmetry and repeatability."""
     made = [SimpleNamespace(name=f"case {k}", engine="e") for k in range(count)]
@@ -471,8 +499,9 @@ def test_symmetry(monkeypatch, tables, place, engine, code):
                 "stopped": "ended" if k == 1 else "",
             }
         )
+    made.append({"engine": "drake", "method": "whole", "scene": "s", "judged": 9, "broken": [], "stopped": ""})
     given = iter(made * 2)
-    faked(monkeypatch, 3)
+    faked(monkeypatch, 4)
     monkeypatch.setattr(violation, "isolated", lambda case, call: next(given))
     assert run("symmetry").exit_code == code
     headings = (("engine", "engine"), ("method", "method"), ("scenes", "cases"), ("not finished", "stopped"),
@@ -487,11 +516,11 @@ def test_symmetry(monkeypatch, tables, place, engine, code):
         expected += [[*about, one["stopped"], "", "", ""]] if one["stopped"] else []
     assert tables[1].head == ["engine", "method", "scene", "symmetry", "by, m", "roundoff, m", "error, m"]
     assert tables[1].rows == expected
-    assert json.loads(run("symmetry", "--json").stdout)["cases"] == made
+    assert json_of(code, "symmetry")["cases"] == made
 
 
 @pytest.mark.parametrize("place", range(3))
-def test_repeatability(monkeypatch, tables, place):
+def test_repeatability(monkeypatch, tables, tmp_path, place):
     chance, made = random.Random(place), []
     for k in range(3):
         sizes = [chance.choice((0.0, size(chance), None)) for _ in repeatability.WAYS]
@@ -515,6 +544,8 @@ def test_repeatability(monkeypatch, tables, place):
     for engine, way, code in ((OURS, "another order", 1), (OURS, "two threads", 0), ("exudyn", "at once", 0)):
         made[place] |= {"engine": engine, "differs": dict.fromkeys(repeatability.WAYS, 0.0) | {way: 1e-16}}
         assert run("repeatability").exit_code == code
+        printed = json_of(code, "repeatability", "--table", str(tmp_path / "table.json"))
+        assert printed == json.loads((tmp_path / "table.json").read_text()) | {"runs": made}
 
 
 def test_parity(monkeypatch, tables, tmp_path):
@@ -533,8 +564,12 @@ def test_parity(monkeypatch, tables, tmp_path):
     done = run("parity", str(file))
     assert done.exit_code == 1
     assert "mass at 'j1' and 'j2' is 1.25 in b and 3.75 in a" in done.stderr
+    assert json_of(1, "parity", str(file))["differences"] == [
+        found[0].differences[0]._asdict() | {"joints": ["j1", "j2"]}
+    ]
     found[0] = result._replace(read=("a",), apart={})
     assert run("parity", str(file)).exit_code == 5
+    assert json_of(5, "parity", str(file))["read"] == ["a"]
 
 
 def trial(chance: random.Random, method: str, over: float) -> Trial:
@@ -670,6 +705,8 @@ def test_conformance(monkeypatch, tables, tmp_path, seed):
     counts = Counter(outcomes)
     assert said[-1] == ", ".join(f"{counts[word]} {word}" for word in ("passed", "exempt", "failed"))
     badge = json.loads((tmp_path / "badge.json").read_text())
+    assert badge.keys() == {"schemaVersion", "label", "message", "color"}
+    assert (badge["schemaVersion"], badge["label"]) == (1, "mbs-ref conformance")
     assert badge["color"] == ("brightgreen", "yellow", "red")[seed]
     assert badge["message"] == ", ".join(f"{counts[w]} {w}" for w in ("passed", "exempt", "failed") if counts[w])
     kept = json.loads((tmp_path / "all.json").read_text())
@@ -761,8 +798,10 @@ def test_certify(monkeypatch, tables):
         ["new", "exact", "0.3", g(other.difference), "-"]]  # fmt: skip
     before[library[0].name] = certificate(library[0], 0.07, 0.04)
     assert run("certify").exit_code == 1
+    assert [row["verdict"] for row in json_of(1, "certify")] == ["departs", "no truth", "new"]
     fresh |= dict.fromkeys(fresh, NoTruth("none known"))
     assert run("certify").exit_code == 5
+    assert len(json_of(5, "certify")) == 3
 
 
 def test_proofs(monkeypatch, tables):
@@ -863,6 +902,11 @@ def test_doctor(monkeypatch, tables):
     assert run("doctor").exit_code == 0
     shown = facts(tables[0])
     assert shown["pendulum"] == "right, error 2.25e-07 m"
+    for right in (os.R_OK, os.W_OK):  # the cache can be read, or written
+        monkeypatch.setattr(doctor.os, "access", lambda path, mode, right=right: mode == right)
+        assert json.loads(run("doctor", "--json").stdout)["numba_cache"]["writable"] == (right == os.W_OK)
+        assert run("doctor").exit_code == 0
+        assert facts(tables[-1])["compiled kernels"].endswith("anew)") == (right == os.R_OK)
     assert printed["sanity"]["error"] == pytest.approx(7.0 * 3.21e-8)
     for kind in ("packages", "engines"):
         assert {name: shown[name] for name in printed[kind]} == printed[kind]

@@ -252,15 +252,20 @@ def test_a_run_afresh_meets_the_bounds_or_fails(capsys, error, gap, ends):
     assert stated in str(failed.value)
 
 
-def test_changes_of_trends_are_those_of_the_series_in_time(monkeypatch, tmp_path):
+def test_changes_of_trends_are_those_of_the_series_in_time(monkeypatch, tmp_path, capsys):
     drawn: list[Any] = []
     entries = [SimpleNamespace(value=v) for v in (1.0, 2.0, 7.0)]
     monkeypatch.setattr(lines, "read", lambda file, kind: (entries, []))
     monkeypatch.setattr(nightly.history, "series", lambda entries: {"one": entries})
-    monkeypatch.setattr(nightly.history, "new_levels", lambda result: {})
+    made = {name: history.Entry("j", "2026-03-07", "abc", "box", name, 0.123456, unit) for name, unit in (
+        ("chain", "1"), ("track", "s"))}  # fmt: skip
+    monkeypatch.setattr(nightly.history, "new_levels", lambda result: made)
     monkeypatch.setattr(nightly.history, "change_points", list)
     monkeypatch.setattr(nightly, "write_trends", lambda result, changes, file: drawn.append(changes))
     nightly._report_history(tmp_path, tmp_path)
+    assert capsys.readouterr().out.splitlines() == [
+        f"{name}: a new level since 2026-03-07 (abc): 0.1235 {one.unit}" for name, one in made.items()
+    ]
     assert drawn == [{"one": [1.0, 2.0, 7.0]}]
 
 

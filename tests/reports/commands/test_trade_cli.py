@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from click.testing import CliRunner
 
+from benchmarks.history import Entry
 from benchmarks.trees import regression, slowed
 from benchmarks.trees.regression import Case, Finding
 from cross_checks.isolation.parent import Lost
@@ -150,6 +151,11 @@ def test_a_night_is_kept_and_drawn(night, tmp_path):
     found = json.loads(run("history", "--file", str(tmp_path / "history.jsonl"), "--json").stdout)
     assert found["ratio pendulum mbs_ref rk4"]["values"] == [1.01, 1.01]
     assert found["loop pendulum mbs_ref within 1e-06 of the scene"]["values"] == [1e-3, 1e-3]
+    entries, problems = record_file.read(tmp_path / "history.jsonl", Entry)
+    kept = [(e.series.split()[0], e.value, e.unit, e.verdict, e.error) for e in entries]
+    cheapest = ("loop", 1e-3, "s", "mbs_ref rk4 step=0.01", pytest.approx(1e-7, rel=1e-6))
+    assert (kept, problems) == ([("ratio", 1.01, "1", "same", 1e-6), cheapest] * 2, [])
+    assert [len({getattr(e, name) for e in entries}) for name in ("job", "commit_id", "machine")] == [2, 1, 1]
     assert "plotly" in (tmp_path / "trends.html").read_text()
     assert (tmp_path / "sweeps-before" / "pendulum.jsonl").is_file()
 

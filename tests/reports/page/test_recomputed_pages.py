@@ -195,6 +195,8 @@ def test_engines_by_scene(data):
 def test_what_accuracy_costs(data):
     figure = overview.frontier_plot(data)
     assert figure
+    titles = [figure["layout"][axis]["title"]["text"] for axis in ("xaxis", "yaxis")]
+    assert titles == ["loop time over that of the cheapest ranked engine at 1e-6", "error over the scene's scales"]
     for line in figure["data"]:
         engine, costs = line["meta"]["engine"], {}
         for links in LINKS:

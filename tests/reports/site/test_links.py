@@ -36,6 +36,7 @@ def test_a_whole_site_has_nothing_broken(site):
         ("/elsewhere.html", "leads to no file"),
         ("file:///etc/hosts", "has the scheme 'file'"),
         ("https:", "names no host"),
+        ("//host/page.html", "has the scheme ''"),
     ],
 )
 @pytest.mark.parametrize("tag", ['<a href="{}">x</a>', '<img src="{}">'])
@@ -48,3 +49,10 @@ def test_what_leads_nowhere_is_named(site, link, why, tag):
 
 def test_an_empty_folder_is_no_site(tmp_path):
     assert main(tmp_path) == 1
+
+
+def test_a_place_is_one_by_its_id_or_its_name(site):
+    (site / "index.html").write_text(
+        INDEX + '<a name="old"></a><p id="new"></p><a href="#old">x</a><a href="#new">x</a>'
+    )
+    assert list(broken(site)) == []

@@ -209,6 +209,8 @@ def test_the_track_of_the_second_paper(monkeypatch, ran):
     get = lambda name: SimpleNamespace(run=lambda scene, settings, times: replace(  # noqa: E731
         ran(scene, settings, times), steps=0))  # fmt: skip
     monkeypatch.setattr(track_figures.engines, "get", get)
+    ridden: list[Trajectory] = []
+    monkeypatch.setattr(track_figures, "_own_contacts", lambda scene, path: ridden.append(path) or {"track.own": 7.0})
     found = track_figures.measure_track()
     scene, bare = scenes.make("tracked_vehicle"), scenes.make("tracked_vehicle", model="paper")
     times = np.linspace(0.0, 0.5, 26)
@@ -246,12 +248,13 @@ def test_the_track_of_the_second_paper(monkeypatch, ran):
     wheels = [bare.body_names.index(name) for name in slips]
     expected |= {
         "track.rest": abs(still.position - still.position[0]).max(), "track.slip_median": np.median(every),
-        "track.slip_95": np.percentile(every, 95.0),
+        "track.slip_95": np.percentile(every, 95.0), "track.slip_most": max(every),
         "track.sliding_turns": max(abs(sliding.angular_velocity[:, k]).max() for k in wheels),
         "track.travel": path.position[-1, 0, 0] - path.position[0, 0, 0],
         "track.sliding_travel": sliding.position[-1, 0, 0] - sliding.position[0, 0, 0],
     }  # fmt: skip
-    assert found.figures == pytest.approx(expected)
+    assert found.figures == pytest.approx(expected | {"track.own": 7.0})
+    assert ridden == [path]
     lines = found.curves["Track: wheels roll"].lines
     assert lines["chassis"] == pytest.approx(path.velocity[:, chassis, 0], rel=1e-5)
     for wheel in ("idler", "roller2"):
