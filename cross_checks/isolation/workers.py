@@ -18,6 +18,7 @@ TIMEOUT = 300.0  # s for one call; the search bounds its work by steps, so that 
 BRIEF = 10.0  # s that a call of a task's first try may compute: longer than nearly all runs, short enough to wait for
 LONGER = 4.0  # by which a second try's call may compute longer ...
 LAST = 2  # ... and tries after which one has the whole time
+FIRST = -1  # of a task that has the whole time at once, before all others
 TICK = 1.0  # s between reports while no task ends
 
 Report = Callable[[int, int, str], None]  # done, of how many, what is under way
@@ -63,7 +64,7 @@ class _Worker:
 
     def _tried(self, call: Callable[..., Any], *arguments: Any) -> Any:
         tries, left = self.task.place[0] if self.task else LAST, self.until - time.monotonic()
-        limit = self.timeout if tries >= LAST else min(LONGER**tries * self.brief, self.timeout)
+        limit = min(LONGER**tries * self.brief, self.timeout) if 0 <= tries < LAST else self.timeout
         self.call.timeout = max(0.0, min(limit, left))
         if call is self.call and left <= 0.0:
             raise Over("no time is left for another run")

@@ -28,7 +28,7 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.isolation.parent import Caller
-from cross_checks.isolation.workers import BRIEF, LAST, TIMEOUT, Late, Over, Pool
+from cross_checks.isolation.workers import BRIEF, FIRST, TIMEOUT, Late, Over, Pool
 from cross_checks.judge.bounds import AGREEMENT, TARGETS
 from cross_checks.judge.convergence.prediction import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
@@ -190,8 +190,8 @@ class Consensus:
             if is_next and (costs[wanted][1] <= TIMEOUT or len(busy | cheap) < TWO):
                 self._waiting.remove(wanted)
                 self._open.append(wanted.request)
-                work = partial(_timed, self._runs, wanted.request)
-                self._pool.add(wanted.request, work, wanted.seconds, LAST if wanted.seconds > BRIEF else 0)
+                work, tries = partial(_timed, self._runs, wanted.request), FIRST if wanted.seconds > BRIEF else 0
+                self._pool.add(wanted.request, work, tries=tries)  # before what waits for the truth
 
     def _decides(self, wanted: Wanted, package_is_known: bool, cost: float) -> bool:
         """Whether a level may matter: the scene is not known, its method is one of the closest pair, or it is cheap."""
