@@ -292,7 +292,7 @@ def test_the_first_levels_are_those_of_two_packages_that_lead_there_at_the_least
     """Where contact makes fixed steps a method of first order, tolerances lead."""
     engines.get("pinocchio")
     asked: list[Any] = []
-    consensus_of(scenes.make("bouncing_ball"), lambda request, *given: asked.append(request))
+    consensus_of(scenes.make("bouncing_ball"), lambda request, work, tries: asked.append(request))
     assert len({one.library for one in asked}) == len(asked) == 2
     assert {one.method.kind for one in asked} == {"adaptive"}
 
@@ -301,7 +301,7 @@ def test_while_runs_are_under_way_the_scene_is_known_to_what_is_hoped(script):
     """That the second is as near to the first shows more than how far it moved."""
     script({ONE: [(0.0, 1e-5)], OTHER: [(2e-5, 1e-2)]})
     asked: list[Any] = []
-    found = consensus_of(SCENE, lambda request, work, *given: asked.append((request, work)))
+    found = consensus_of(SCENE, lambda request, work, tries: asked.append((request, work)))
     for request, work in asked[:2]:
         found.receive(request, work(direct))
     assert found.pair is not None
