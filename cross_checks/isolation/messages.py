@@ -113,11 +113,12 @@ class Patience:
     def __init__(self, timeout: float, start: Moment, compilation: float | None = None) -> None:
         compilation = COMPILATION if compilation is None else compilation
         self._limits = self._left, self._compilation = timeout, compilation
-        self._compiling, self._seen = False, start
+        self._compiling, self._seen, self.used = False, start, 0.0
 
     def spend(self, now: Moment, note: str | None = None) -> str:
         """Spend the time since the last look; return what to complain of, or nothing. A note changes what comes."""
         used, self._seen = spent(self._seen, now), now
+        self.used += used
         if self._compiling:
             self._compilation -= used
         else:

@@ -65,6 +65,7 @@ class Isolated:
     _child: subprocess.Popen[bytes] | None = None
     _pipe: Connection | None = None
     _copy: int | None = None  # process id of the child's copy that makes the call
+    _patience: Patience | None = None  # with the last call
     is_cancelled: bool = False
     _starting: threading.Lock = field(default_factory=threading.Lock)
 
@@ -123,6 +124,11 @@ class Isolated:
     def fresh(self) -> bool:
         """Whether the next call starts a new child."""
         return self._child is None or self._child.poll() is not None
+
+    @property
+    def used(self) -> float:
+        """The time (s) that the last call computed or slept; infinite where it is unknown."""
+        return math.inf if self._patience is None else self._patience.used
 
     @property
     def processors(self) -> int:
@@ -184,7 +190,7 @@ class Isolated:
         peak = 0
         try:
             self._copy = receive(self._pipe) if apart else None
-            patience = Patience(timeout, moment(self._copy or self._child.pid))
+            patience = self._patience = Patience(timeout, moment(self._copy or self._child.pid))
             while (message := receive(self._pipe) if self._pipe.poll(LOOK) else None) in (None, *NOTES):
                 relay.receive(message)
                 used = resident(self._copy or self._child.pid)

@@ -2,6 +2,7 @@
 
 import atexit
 import heapq
+import math
 import queue
 import threading
 import time
@@ -15,18 +16,25 @@ from cross_checks.isolation.parent import MEMORY, Caller, Cancelled, Isolated, L
 
 TIMEOUT = 300.0  # s for one call; the search bounds its work by steps, so that only a run that hangs meets this
 BRIEF = 10.0  # s that a call of a task's first try may compute: longer than nearly all runs, short enough to wait for
+LONGER = 4.0  # by which a second try's call may compute longer ...
+LAST = 2  # ... and tries after which one has the whole time
+FIRST = -1  # of a task that has the whole time at once, before all others
 TICK = 1.0  # s between reports while no task ends
 
 Report = Callable[[int, int, str], None]  # done, of how many, what is under way
 
 
 class Late(RuntimeError):
-    """A call of a task's first try computed longer than it may."""
+    """A call of a task's first or second try computed longer than it may."""
+
+
+class Over(Late):
+    """A call would compute, or computed, for longer than it may at most, in a pool whose time is limited."""
 
 
 @dataclass(order=True)
 class _Task:
-    place: tuple[bool, float, int]  # second tries last, then the expected seconds, then first come
+    place: tuple[int, float, int]  # by tries before this one, then the expected seconds, then first come
     name: Any = field(compare=False)
     work: Callable[[Caller], Any] = field(compare=False)
 
@@ -36,9 +44,11 @@ class _Worker:
     """What makes the calls of one task after the other."""
 
     call: Isolated
+    timeout: float  # s, the whole time of a call
+    brief: float  # s, of a first try's
+    until: float  # s on the monotonic clock; later where calls have waited for a processor
     task: _Task | None = None
     since: float = 0.0  # s on the monotonic clock
-    is_first: bool = False  # whether it makes the task's first try
 
     @property
     def patient(self) -> Caller:
@@ -46,17 +56,27 @@ class _Worker:
         return self.call.patient
 
     def expect(self, seconds: float) -> None:
-        """Raise Late or Lost in place of a call that is expected to compute for longer (s) than it may."""
+        """Raise Late, Over or Lost in place of a call that is expected to compute for longer (s) than it may."""
         self._tried(self.call.expect, seconds)
 
     def __call__(self, function: Callable[..., Any], *arguments: Any) -> Any:
         return self._tried(self.call, function, *arguments)
 
     def _tried(self, call: Callable[..., Any], *arguments: Any) -> Any:
+        tries, left = self.task.place[0] if self.task else LAST, self.until - time.monotonic()
+        limit = min(LONGER**tries * self.brief, self.timeout) if 0 <= tries < LAST else self.timeout
+        self.call.timeout = max(0.0, min(limit, left))
+        if call is self.call and left <= 0.0:
+            raise Over("no time is left for another run")
+        begun = time.monotonic()
         try:
             return call(*arguments)
         except Lost as lost:
-            raise Late(str(lost)) if self.is_first and lost.status == "timeout" else lost from None
+            if lost.status != "timeout" or (limit >= self.timeout and self.until == math.inf):
+                raise lost from None
+            raise (Late if limit < min(self.timeout, left) else Over)(str(lost)) from None
+        finally:
+            self.until += max(0.0, time.monotonic() - begun - self.call.used) if call is self.call else 0.0
 
 
 class Pool[Name, Result]:
@@ -65,15 +85,18 @@ class Pool[Name, Result]:
     Iterate to receive every task's name with what its work returns, in the order in which they end; an exception of
     the work is raised there. Tasks of fewest expected seconds begin first. Callers alike `call` execute the calls, one
     for each of its processors unless `workers` says how many. With `brief` (s) the calls of a first try stay within
-    that; the result of a task with one that does not is a Late. A `call` that is not Isolated makes every task in the
-    caller's thread. `tick` receives the tasks under way and their seconds. Use as a context manager.
+    that, and of a second one within LONGER times that; the result of a task with one that does not is a Late. With
+    `time_left` (s, from now, without what calls wait for a processor) the result is an Over of a task with a call for
+    which that, or the whole time of a call, does not suffice. A `call` that is not Isolated makes every task in the
+    caller's thread, and knows no limit. `tick` receives the tasks under way and their seconds. Use as a context
+    manager.
     """
 
     def __init__(
-        self, call: Caller, workers: int = 0, brief: float | None = None,
+        self, call: Caller, workers: int = 0, brief: float = math.inf, time_left: float = math.inf,
         tick: Callable[[list[tuple[Name, float]]], None] = lambda running: None,
     ) -> None:  # fmt: skip
-        self._call, self._most, self._brief = call, workers, brief
+        self._call, self._most, self._brief, self._until = call, workers, brief, time.monotonic() + time_left
         if isinstance(call, Isolated):
             self._most = workers or call.processors
         self._tick, self._numbers, self._closed = tick, count(), False
@@ -102,9 +125,9 @@ class Pool[Name, Result]:
         for thread in self._threads:
             thread.join()
 
-    def add(self, name: Name, work: Callable[[Caller], Result], seconds: float = 0.0, again: bool = False) -> None:
-        """Add a task that is expected to take `seconds`; `again` makes its second try, after all others."""
-        task = _Task((again, seconds, next(self._numbers)), name, work)
+    def add(self, name: Name, work: Callable[[Caller], Result], seconds: float = 0.0, tries: int = 0) -> None:
+        """Add a task that is expected to take `seconds`, after those with fewer `tries` before."""
+        task = _Task((tries, seconds, next(self._numbers)), name, work)
         with self._changed:
             self._open[task.place[-1]] = task
             heapq.heappush(self._waiting, task)
@@ -149,7 +172,7 @@ class Pool[Name, Result]:
         """Execute tasks until the pool is closed; a process whose task was dropped is replaced."""
         while not self._closed:
             with self._call.alike() as call, suppress(Cancelled):  # type: ignore[attr-defined] - an Isolated has threads
-                worker = _Worker(call)
+                worker = _Worker(call, call.timeout, self._brief, self._until)
                 while (task := self._next(worker)) is not None:
                     self._done.put((task, _made(worker, task)))
 
@@ -163,9 +186,6 @@ class Pool[Name, Result]:
             if self._closed:
                 return None
             worker.task, worker.since = heapq.heappop(self._waiting), time.monotonic()
-            worker.is_first = self._brief is not None and not worker.task.place[0]
-            whole = self._call.timeout  # type: ignore[attr-defined]
-            worker.call.timeout = min(self._brief or whole, whole) if worker.is_first else whole
             self._running[threading.get_ident()] = worker
             return worker.task
 

@@ -87,7 +87,8 @@ def answers(
 
     Runs use all processors, where `runs` computes them in processes of their own; answers are provisional first
     where the truth is what engines agree on. A method with a run that computes longer than BRIEF is answered after all
-    others; unless `patient`, not at all. The questions to an engine begin once its `preparations` have ended.
+    others; unless `patient`, not at all. The questions to an engine begin once its `preparations` have ended. After
+    `runs.time_left` no run is begun: every question is answered by the runs so far, and cells state what is missing.
     """
     settled, scenes, waited_for = 0, dict[int, _OfScene](), list(preparations)
 
@@ -95,7 +96,7 @@ def answers(
         if progress is not None:
             progress(settled, len(requested), ", ".join(f"{name} ({seconds:.0f} s)" for name, seconds in running))
 
-    with Pool[_Task, Any](runs.call, brief=BRIEF, tick=tick) as pool:
+    with Pool[_Task, Any](runs.call, 0, BRIEF, runs.time_left, tick) as pool:
         for scene, group in groupby(requested, key=lambda question: id(question.scene)):
             scenes[scene] = _OfScene(pool, runs, targets, patient, waited_for)
             for answer in scenes[scene].begin(list(group)):
@@ -138,7 +139,7 @@ class _OfScene:
         self._waited_for = waited_for  # of the engines that are not searched yet
         self._able: list[Question] = []
         self._busy: set[Question] = set()  # whose search waits or runs
-        self._late: set[Question] = set()  # whose first try computed for too long
+        self._late: dict[Question, int] = {}  # tries that computed for too long
         self._truth: tuple[Truth | NoTruth, float, bool] | None = None  # known to, of the scene, and whether settled
 
     def begin(self, requested: Sequence[Question]) -> Iterator[Answer]:
@@ -183,7 +184,7 @@ class _OfScene:
     def _search(self, question: Question) -> None:
         if question not in self._late or self._patient:
             self._busy.add(question)
-            self._pool.add(question, partial(self._searched, question), SEARCH, again=question in self._late)
+            self._pool.add(question, partial(self._searched, question), SEARCH, self._late.get(question, 0))
 
     def _searched(self, question: Question, call: Caller) -> Answer:
         """Search and judge by the best truth there is when the task begins."""
@@ -198,7 +199,7 @@ class _OfScene:
         assert self._truth is not None
         self._busy.remove(question)
         if isinstance(result, Late):
-            self._late.add(question)
+            self._late[question] = self._late.get(question, 0) + 1
         if self._truth[2] and (isinstance(result, Late) or not result.is_settled):
             self._search(question)
         return None if isinstance(result, Late) else result

@@ -6,6 +6,7 @@ TARGETS = (1e-3, 1e-6, 1e-9)  # errors over the scene's scales
 MOST_STEPS = 100_000  # that a run may take
 LONGEST = 1.0  # s of processor time: a report makes no run for a target alone that would take longer, unless --full
 CHECKED = 15.0  # s, likewise of `check`: a table of 40 methods ends in minutes
+CHECK = 540.0  # s from the begin of a check, for each of its scenes, after which it makes no further run
 AGREEMENT = 1e-6  # of the scene: an error at or below this is agreement
 
 # Thresholds. None refers to a scene or an engine; `python -m tests.cross_checks.convergence.searched` calibrates them.

@@ -1,11 +1,12 @@
 """Compute a consensus truth from two independent engines where no certified truth exists.
 
-Every engine that runs the scene contributes its best methods. Cheap settings are run first, those of fast methods
-before those of slow ones; finer ones follow while the scene is not known well enough. A method's limit comes from two
-tolerances, or from three steps that halve: the last two are extrapolated, and the first two show how well that works.
-The closest pair of methods is the truth; it is agreed and not certified. The two belong to different packages. The
-distance includes each member's own last refinement and is the uncertainty. A method with a documented weakness on the
-scene is run last, and its partner in a pair must have none.
+Every engine that runs the scene contributes its best methods. While the scene is not known well enough, the two runs
+follow that are expected to lead there at the least cost; a method that is far off yet, or slow, or of low order on this
+scene waits until no others do. A method's limit comes from two tolerances, or from three steps that halve: the last two
+are extrapolated, and the first two show how well that works. The closest pair of methods is the truth; it is agreed and
+not certified. The two belong to different packages. The distance includes each member's own last refinement and is the
+uncertainty; while runs are under way, that of the member which moved more is left out. A method with a documented
+weakness on the scene counts as dearer, and its partner in a pair must have none.
 
 Runs that look for events at the same times are one witness. Each run therefore has output times of its own between
 those of the judges, and each method steps of its own. Where one package runs the scene alone, two unlike methods of it
@@ -27,11 +28,12 @@ import numpy as np
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from cross_checks.isolation.parent import Caller
-from cross_checks.isolation.workers import BRIEF, Late, Pool
+from cross_checks.isolation.workers import BRIEF, FIRST, TIMEOUT, Late, Over, Pool
 from cross_checks.judge.bounds import AGREEMENT, TARGETS
 from cross_checks.judge.convergence.prediction import extrapolated
 from cross_checks.judge.ladder import knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, gap
+from cross_checks.judge.tried import documented_order
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.scene.scales import scales_of
@@ -42,7 +44,10 @@ LEVELS: tuple[dict[str, tuple[float, ...]], ...] = (
     {"adaptive": (1e-10, 1e-12), "fixed": (4e-5, 2e-5, 1e-5)},
     {"adaptive": (1e-12, 1e-14)},
 )  # tolerances, and steps over the duration, by the kind of a method; each level begins where the one before ends
-DEARER = 4.0  # expected cost of a level over that of the one before: the ratio of its steps
+FINER = {"adaptive": 100.0, "fixed": 4.0}  # ratio of the tolerances, or of the steps, of a level to the one before
+GUESS = 1.0  # s of a level of which nothing is known
+TWO = 2  # levels that are sought at a time: of both members of a pair
+DEARER = 4.0  # by which a documented weakness makes a method dearer, and a run that came late than BRIEF
 WORST = TARGETS[0]  # of the scene: engines further apart agree on nothing
 ENOUGH = AGREEMENT / ONE_FIGURE  # of the scene: a truth that is known so well shows agreement
 PER_ENGINE = 2  # methods of each
@@ -73,6 +78,7 @@ class Pair(NamedTuple):
     known_to: float  # over the scene's scales
     first: Witness
     second: Witness
+    hoped: float = math.inf  # likewise, if the second has approached the first for no other reason than the truth
 
     @property
     def packages(self) -> int:
@@ -91,8 +97,20 @@ class Request(NamedTuple):
     def scene(self) -> Scene:
         return self.consensus.scene
 
+    @property
+    def library(self) -> str:
+        """The package that its engine stands on."""
+        return engines.get(self.engine).library
+
     def __str__(self) -> str:
         return f"{self.scene.name} {self.engine} {self.method.name} for the truth, level {self.level + 1}"
+
+
+class Wanted(NamedTuple):
+    """A level that may be requested, and the seconds that it is expected to take."""
+
+    request: Request
+    seconds: float = 0.0  # unknown before any run; more than BRIEF of what came late
 
 
 class Consensus:
@@ -108,10 +126,11 @@ class Consensus:
         self._pool, self._runs, self._reason, self._enough = pool, runs, reason, enough
         self._witnesses: dict[tuple[str, str], Witness] = {}
         self._closest: dict[int, Pair] = {}  # by the number of packages, of all pairs so far
-        self._late: list[Request] = []
         able = [(engine.name, method) for engine in engines.installed() for method in best_methods(engine, scene)]
         self._packages = len({engines.get(name).library for name, _ in able})
-        self._open = [self._requested(Request(self, name, method, 0)) for name, method in able]
+        self._open: list[Request] = []
+        self._waiting = [Wanted(Request(self, name, method, 0)) for name, method in able]
+        self._request()
 
     @property
     def is_settled(self) -> bool:
@@ -120,8 +139,9 @@ class Consensus:
 
     @property
     def pair(self) -> Pair | None:
-        """The closest pair of two packages, else of one."""
-        return self._closest.get(2) or self._closest.get(1)
+        """The closest pair of two packages, else of one; as long as runs are under way, known to what is hoped."""
+        closest = self._closest.get(2) or self._closest.get(1)
+        return closest and (closest if self.is_settled else closest._replace(known_to=closest.hoped))
 
     @property
     def truth(self) -> Truth | NoTruth:
@@ -130,7 +150,7 @@ class Consensus:
             return _agreed(self.scene, self.pair)
         why = "fewer than two methods run the scene to its end"
         if self.pair is not None:
-            known_to, first, second = self.pair
+            known_to, first, second, _ = self.pair
             apart = f"the closest, {first.name} and {second.name}, are {known_to:.1e} of the scene apart"
             who = "one package runs the scene, and its methods" if self.pair.packages == 1 else "engines"
             why = f"{who} agree on nothing: {apart}"
@@ -146,34 +166,54 @@ class Consensus:
         """Take in what came of a request, and request what is needed next."""
         self._open.remove(request)
         if isinstance(result, Late):
-            self._late.append(request)
+            self._waiting += [] if isinstance(result, Over) else [Wanted(request, DEARER * BRIEF)]
         else:
             witness, seconds = result
             self._compare(witness)
             finer = request._replace(level=request.level + 1)
             if finer.level < len(LEVELS) and request.method.kind in LEVELS[finer.level]:
-                self._open.append(self._requested(finer, DEARER * seconds))
+                self._waiting.append(Wanted(finer, _growth(request.method) * seconds))
         if self._is_known(self._enough):
             self._pool.drop(lambda name: name in self._open)
             self._open = []
-        elif not self._open:
-            again, self._late = sorted(filter(self._decides, self._late), key=self._moved), []
-            self._open = [self._requested(late, again=True) for late in again]
+        else:
+            self._request()
 
-    def _decides(self, late: Request) -> bool:
-        """Whether the truth depends on a method: the scene is not known, or the method is one of the closest pair."""
-        pair = self._closest.get(min(2, self._packages))
-        names = [] if pair is None else [(one.engine, one.method) for one in (pair.first, pair.second)]
-        return not self._is_known(WORST) or (late.engine, late.method.name) in names
+    def _request(self) -> None:
+        """Request the levels that are expected to lead to what is enough at the least cost: of TWO packages, if any."""
+        costs = {wanted: self._cost(wanted) for wanted in self._waiting}
+        costs = {wanted: cost for wanted, cost in costs.items() if self._decides(wanted, *cost)}
+        cheap = {wanted.request.library for wanted, (_, cost) in costs.items() if cost <= TIMEOUT}
+        for wanted in sorted(costs, key=lambda one: costs[one]):
+            busy, library = {one.library for one in self._open}, wanted.request.library
+            is_next = (library not in busy or self._packages == 1) and len(self._open) < TWO
+            if is_next and (costs[wanted][1] <= TIMEOUT or len(busy | cheap) < TWO):
+                self._waiting.remove(wanted)
+                self._open.append(wanted.request)
+                work, tries = partial(_timed, self._runs, wanted.request), FIRST if wanted.seconds > BRIEF else 0
+                self._pool.add(wanted.request, work, tries=tries)  # before what waits for the truth
 
-    def _moved(self, request: Request) -> float:
-        """Return how far a method moved at its last level: what is nearly settled is waited for first."""
-        witness = self._witnesses.get((request.engine, request.method.name))
-        return math.inf if witness is None else witness.moved
+    def _decides(self, wanted: Wanted, package_is_known: bool, cost: float) -> bool:
+        """Whether a level may matter: the scene is not known, its method is one of the closest pair, or it is cheap."""
+        if not self._is_known(WORST):
+            return True
+        request, pair = wanted.request, self._closest[min(2, self._packages)]
+        if any((one.engine, one.method) == (request.engine, request.method.name) for one in (pair.first, pair.second)):
+            return True
+        return not package_is_known and wanted.seconds <= BRIEF and cost <= TIMEOUT
 
-    def _requested(self, request: Request, seconds: float = 0.0, again: bool = False) -> Request:
-        self._pool.add(request, partial(_timed, self._runs, request), seconds, again)
-        return request
+    def _cost(self, wanted: Wanted) -> tuple[bool, float]:
+        """Return whether the package is known, and the seconds until the method's own last refinement is enough.
+
+        A method that was not run yet, or gave nothing, is off by the scene's scales.
+        """
+        engine, method, library = wanted.request.engine, wanted.request.method, wanted.request.library
+        witness = self._witnesses.get((engine, method.name))
+        off = max(self._enough, 1.0 if witness is None else min(1.0, witness.moved))
+        falls = documented_order(method, self.scene) * math.log(FINER[method.kind])
+        seconds = (wanted.seconds or GUESS) * (DEARER if method.exemption(self.scene) else 1.0)
+        known = any(one.library == library and one.moved <= self._enough for one in self._witnesses.values())
+        return known, seconds * _growth(method) ** (math.log(off / self._enough) / falls)
 
     def _compare(self, witness: Witness | None) -> None:
         if witness is None:
@@ -181,8 +221,9 @@ class Consensus:
         self._witnesses[witness.engine, witness.method] = witness
         for other in self._witnesses.values():
             if other is not witness and (witness.is_sound or other.is_sound):
-                known_to = max(_distance(self.scene, witness.path, other.path), witness.moved, other.moved)
-                pair = Pair(known_to, *sorted((witness, other), key=lambda one: one.moved))
+                apart = _distance(self.scene, witness.path, other.path)
+                best, second = sorted((witness, other), key=lambda one: one.moved)
+                pair = Pair(max(apart, second.moved), best, second, max(apart, best.moved))
                 self._closest[pair.packages] = min(self._closest.get(pair.packages, pair), pair, key=lambda p: p[0])
 
 
@@ -196,7 +237,7 @@ def working_truth(runs: Runs, scene: Scene, reason: str = "", enough: float = EN
 
 
 def _agreed(scene: Scene, pair: Pair) -> Truth:
-    known_to, best, other = pair
+    known_to, best, other, _ = pair
     scales = scales_of(scene)
     alone, how = pair.packages == 1, f"{best.name} and {other.name} are {known_to:.1e} of the scene apart"
     how = f"{how}, and both stand on {best.library}: one package, not certified" if alone else f"not certified: {how}"
@@ -218,6 +259,11 @@ def best_methods(engine: Engine, scene: Scene) -> list[Method]:
     """Return the methods of highest order that run the scene; those with a documented weakness on it come last."""
     able = engine.able(scene)
     return sorted(able, key=lambda m: (bool(m.exemption(scene)), m.kind != "adaptive", -(m.order or 4)))[:PER_ENGINE]
+
+
+def _growth(method: Method) -> float:
+    """Return what a level costs over the one before: the ratio of its steps."""
+    return FINER[method.kind] ** (1.0 / method.local_order if method.kind == "adaptive" else 1.0)
 
 
 def _timed(runs: Runs, request: Request, call: Caller) -> tuple[Witness | None, float]:

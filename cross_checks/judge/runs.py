@@ -35,6 +35,7 @@ class Runs:
     computed: int = 0  # runs that were not in the store
     times: np.ndarray | None = None  # (n_t,) s of every run; the judges' grid unless given
     longest: float = np.inf  # s of processor time that a search may spend on a run for a target alone
+    time_left: float = np.inf  # s, from when questions are put (answers.py): no run is begun after that
 
     def grid(self, scene: Scene) -> np.ndarray:
         """Return the times of a scene's runs (n_t,), s."""

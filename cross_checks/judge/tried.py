@@ -8,11 +8,12 @@ import numpy as np
 
 from cross_checks import engines
 from cross_checks.engine import Method
+from cross_checks.isolation.workers import Over
 from cross_checks.judge.bounds import AGREEMENT, FAILING, MOST_STEPS, TARGETS
 from cross_checks.judge.ladder import SAMPLES, TIGHTEST, coarsest, knob_of, label, settings_at
 from cross_checks.judge.runs import Runs, against, gap
 from cross_checks.judge.search import Search
-from cross_checks.judge.verdict import Point, at_error
+from cross_checks.judge.verdict import Judgement, Point, at_error
 from cross_checks.judge.vocabulary import REFUSED, WRONG, Answer, TargetResult, Verdict
 from cross_checks.metrics.metric import known_to
 from cross_checks.records.record import Record
@@ -42,6 +43,7 @@ class Tried(Search):
     records: dict[float, Record] = field(default_factory=dict)
     paths: dict[float, Trajectory | None] = field(default_factory=dict)
     gaps: dict[tuple[float, float], float] = field(default_factory=dict)
+    missing: str = ""  # why the search ended before the run that was next
 
     def __post_init__(self) -> None:
         super().__init__()
@@ -53,6 +55,13 @@ class Tried(Search):
         self.finest = TIGHTEST if self.kind == "adaptive" else self.duration / self.most_steps
         self.why_no_truth = self.truth.reason if isinstance(self.truth, NoTruth) else ""
         self.uncertainty = 0.0 if isinstance(self.truth, NoTruth) else known_to(self.scene, self.truth)
+
+    def verdict(self) -> Judgement:
+        """Return the verdict on all runs; open where the run is missing that would show or confirm it."""
+        judged = super().verdict()
+        if not self.missing or judged.verdict not in {Verdict.NOT_SHOWN, *WRONG}:
+            return judged
+        return Judgement(Verdict.NOT_SHOWN, f"{judged.reason}; {self.missing}")
 
     def typed(self, knob: float) -> float:
         """Return a setting as a user types it: a step that divides the outputs, a tolerance of two digits."""
@@ -154,17 +163,22 @@ def search(
     """Search the method's settings for every target; return all runs and what became of each target.
 
     Unless `settle`, no run serves the verdict. One open or wrong within `runs.longest` is sought without it; not
-    where a documented weakness exempts the method, which neither verdict classifies.
+    where a documented weakness exempts the method, which neither verdict classifies. Where no time is left for a run,
+    the search ends, and states so.
     """
     tried = Tried(runs, scene, engine, method, truth, most_steps)
-    if not tried.begin(first_knob(scene, method)):
+    try:
+        runs_at_all = tried.begin(first_knob(scene, method))
+        if runs_at_all and isinstance(truth, Truth):
+            tried.reach(sorted(targets, reverse=True))
+        is_open = runs_at_all and settle and tried.settle().verdict in {Verdict.NOT_SHOWN, *WRONG}
+    except Over as over:
+        tried.missing, is_open = f"beyond the time left: {over}", False
+    if not tried.good:
         refused = all(record.status in REFUSED for record in tried.records.values())
-        answer: Answer = "cannot" if refused else "not-reached"
-        last = tried.records[tried.knobs[-1]]
-        return tried, [TargetResult(target, answer, None, last.message or last.status) for target in targets]
-    if isinstance(truth, Truth):
-        tried.reach(sorted(targets, reverse=True))
-    is_open = settle and tried.settle().verdict in {Verdict.NOT_SHOWN, *WRONG}
+        answer: Answer = "not-tried" if tried.missing else "cannot" if refused else "not-reached"
+        why = tried.missing or tried.records[tried.knobs[-1]].message or tried.records[tried.knobs[-1]].status
+        return tried, [TargetResult(target, answer, None, why) for target in targets]
     if is_open and not tried.is_exempt and runs.longest < math.inf:
         return search(replace(runs, longest=math.inf), scene, engine, method, truth, targets, most_steps)
     return tried, [_result(tried, target, settle) for target in sorted(targets, reverse=True)]
@@ -195,6 +209,8 @@ def _result(tried: Tried, target: float, settled: bool) -> TargetResult:
         why = f"the best error is {best:.1e}, and the truth is known to {tried.uncertainty:.1e}"
         return TargetResult(target, "unjudged", None, why)
     omitted, verdict = tried.omitted(target - tried.uncertainty), tried.verdict()
+    if tried.missing:
+        return TargetResult(target, "not-tried", None, tried.missing, omitted)
     if omitted is not None and (finest := tried.knobs[-1]) == good[-1].knob:
         is_possible = verdict.verdict not in WRONG and omitted.reaches > 1.0 - FAILING
         if is_possible or (not settled and omitted.setting < finest):

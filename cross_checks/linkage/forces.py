@@ -10,17 +10,17 @@ import numpy as np
 
 from cross_checks.engine import Engine, Plan, Poses, Refusal
 from cross_checks.linkage.links import Linkage, closure_refusals
-from cross_checks.linkage.motion import COMPONENTS, Motion, arrays_of, composed, motion_of, poses_of, project, rotated
+from cross_checks.linkage.motion import Motion, arrays_of, composed, motion_of, poses_of, project, rotated
 from mbs_ref import Scene
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.dynamics import load_state as load_planar
-from mbs_ref.kernels.spatial.marks import cross, plus, put, symmetric_times, triple
+from mbs_ref.kernels.spatial.marks import cross, dot, plus, put, symmetric_times, times, triple
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
 from mbs_ref.scene.celestial import CelestialLoad, Epoch, GravityGradient, Newton
 from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
-from mbs_ref.scene.euler_parameters import conjugate, from_matrix, parameter_matrix, product
+from mbs_ref.scene.euler_parameters import from_matrix
 from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Drive, PointOnPlane, RollingWheel, UserConstraint
 from mbs_ref.scene.scales import is_celestial
@@ -117,8 +117,48 @@ def spatial_generalized(model, work, core, tree, t, q, v):
     return project(tree, motion, axes, spatial_wrenches(model, work, core, t, motion))
 
 
-WRENCHES = {2: planar_wrenches, 3: spatial_wrenches}  # by dimension
-GENERALIZED = {2: planar_generalized, 3: spatial_generalized}
+@jit
+def planar_at_poses(model, work, core, t, pose, rate):
+    """Return the generalized forces (n, n_bodies, 3) of n states of a planar scene, as `Applied.at_poses`."""
+    out, bodies = np.empty(pose.shape), pose.shape[1]
+    still, turning = np.zeros((bodies, 4)), np.zeros((bodies, 3))
+    for k in range(pose.shape[0]):
+        turning[:, 2] = rate[k, :, 2]
+        motion = Motion(pose[k], still, rate[k], turning, pose[k, :, 2] - core.angle)
+        wrench = planar_wrenches(model, work, core, t, motion)
+        out[k, :, :2], out[k, :, 2] = wrench[:, :2], wrench[:, 5]
+    return out
+
+
+@jit
+def spatial_at_poses(model, work, core, t, pose, rate):
+    """Return the same (n, n_bodies, 7) in space: omega = 2 E theta', and 2 E^T times a torque acts on theta."""
+    out, bodies, angle = np.empty(pose.shape), pose.shape[1], np.zeros(pose.shape[1])
+    turn, omega = np.empty((bodies, 4)), np.empty((bodies, 3))
+    for k in range(pose.shape[0]):
+        for b in range(bodies):
+            e0, e, e0_rate, e_rate = pose[k, b, 3], triple(pose[k, b], 4), rate[k, b, 3], triple(rate[k, b], 4)
+            length, still = np.sqrt(e0**2 + dot(e, e)), core.theta[b]
+            back = still[0], -still[1], -still[2], -still[3]
+            turn[b, 0], turn[b, 1], turn[b, 2], turn[b, 3] = composed(
+                (e0 / length, e[0] / length, e[1] / length, e[2] / length), back
+            )
+            put(omega[b], 0, times(2.0, plus(plus(times(-e0_rate, e), times(e0, e_rate)), cross(e, e_rate))))
+        motion = Motion(pose[k, :, :3].copy(), turn, rate[k, :, :3].copy(), omega, angle)
+        wrench = spatial_wrenches(model, work, core, t, motion)
+        for b in range(bodies):
+            e0, e, torque = pose[k, b, 3], triple(pose[k, b], 4), triple(wrench[b], 3)
+            put(out[k, b], 0, wrench[b])
+            out[k, b, 3] = -2.0 * dot(e, torque)
+            put(out[k, b], 4, times(2.0, plus(times(e0, torque), cross(torque, e))))
+    return out
+
+
+# by dimension: forces and torques, the same of linkages' coordinates, and of bodies' own
+CODE = {
+    2: (planar_wrenches, planar_generalized, planar_at_poses),
+    3: (spatial_wrenches, spatial_generalized, spatial_at_poses),
+}
 
 
 class Applied:
@@ -126,8 +166,7 @@ class Applied:
 
     def __init__(self, linkage: Linkage) -> None:
         self.tree = arrays_of(linkage)
-        dimension = linkage.scene.dimension
-        self.evaluate, self.project = WRENCHES[dimension], GENERALIZED[dimension]
+        self.evaluate, self.project, self.place = CODE[linkage.scene.dimension]
         self.system: Any = compile_scene(linkage.scene)
         start = self.system.initial_state()
         self.system.start_contacts(0.0, start, located=False)
@@ -146,17 +185,10 @@ class Applied:
     def at_poses(self, t: float, pose: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Return the generalized forces (N, N m) of places and of angles or Euler parameters, and of their rates.
 
-        All are (n_bodies, 3) in the plane and (n_bodies, 7) in space.
+        All are (n, n_bodies, 3) in the plane and (n, n_bodies, 7) in space, of n states at one time (s).
         """
-        if pose.shape[1] == 3:
-            still, turning, angle = np.zeros((len(pose), 4)), rate * (0.0, 0.0, 1.0), pose[:, 2] - self.core.angle
-            return self.wrenches(t, Motion(pose, still, rate, turning, angle))[:, COMPONENTS[2]]
-        theta, arms = pose[:, 3:], np.array([parameter_matrix(one) for one in pose[:, 3:]])
-        turn = product(theta / np.linalg.norm(theta, axis=1, keepdims=True), conjugate(self.core.theta))
-        omega = 2.0 * np.einsum("nij,nj->ni", arms, rate[:, 3:])
-        motion = Motion(pose[:, :3].copy(), turn, rate[:, :3].copy(), omega, np.zeros(len(pose)))
-        wrench = self.wrenches(t, motion)
-        return np.column_stack((wrench[:, :3], 2.0 * np.einsum("nij,ni->nj", arms, wrench[:, 3:])))
+        self.system.set_mode_time(t)
+        return self.place(*self.system.own_handles, self.core, t, pose, rate)
 
     def generalized(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the generalized forces (n_v,) of the linkage's coordinates and rates (see `motion_of`)."""

@@ -27,6 +27,7 @@ from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
 from mbs_ref.scene.traits import traits
 
 ROTATION_VECTOR = "rotation_vector"
+MOVED = 1e-7  # m, rad, m/s: by which states differ whose forces give a Jacobian, as in Exudyn's own differences
 
 
 def takes_shared_forces(scene: Scene, method: str) -> bool:
@@ -108,18 +109,27 @@ def _add_shared_forces(model: Redundant) -> None:
     weight = np.zeros(start.shape)  # the bodies have it already
     weight[:, : model.scene.dimension] = np.outer([body.mass for body in model.scene.bodies], model.scene.gravity)
 
+    def at(t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        pose, rate = np.tile(start, (len(q), 1, 1)), np.zeros((len(q), *start.shape))
+        pose[:, used] += q
+        rate[:, used] = v
+        return (applied.at_poses(t, pose, rate) - weight)[:, used]
+
     def forces(mbs, t, number, q, v) -> np.ndarray:
-        pose, rate = start.copy(), np.zeros_like(start)
-        pose[used] += q
-        rate[used] = v
-        return (applied.at_poses(t, pose, rate) - weight)[used]
+        return at(t, np.array([q]), np.array([v]))[0]
+
+    def jacobian(mbs, t, number, q, v, of_q: float, of_v: float) -> np.ndarray:
+        """Return -(of_q df/dq + of_v df/dv), from states moved along both at once (ObjectGenericODE2's J_user)."""
+        move = MOVED / max(of_q, of_v) * np.vstack((np.zeros(size), np.eye(size)))
+        found = at(t, q + of_q * move, v + of_v * move)
+        return (found[0] - found[1:]).T * (max(of_q, of_v) / MOVED)
 
     size = int(used.sum())
     zero = np.zeros((size, size))
     model.mbs.AddObject(
         item.ObjectGenericODE2(
             nodeNumbers=model.nodes, massMatrix=zero, stiffnessMatrix=zero, dampingMatrix=zero,
-            forceVector=np.zeros(size), forceUserFunction=forces,
+            forceVector=np.zeros(size), forceUserFunction=forces, jacobianUserFunction=jacobian,
         )
     )  # fmt: skip
     shared = [

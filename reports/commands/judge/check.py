@@ -6,7 +6,7 @@ from dataclasses import replace
 import click
 
 from cross_checks.judge.answers import Answer, Question, answers, questions
-from cross_checks.judge.bounds import CHECKED
+from cross_checks.judge.bounds import CHECK, CHECKED
 from cross_checks.judge.cell import tasks
 from cross_checks.judge.vocabulary import Cell, Refused, refusals
 from cross_checks.truths.truth import Truth
@@ -36,7 +36,8 @@ def command(
     Where no truth is certified, unlike engines compute a consensus truth; answers are provisional until that is
     accurate enough. Runs are stored and never repeated; they use all processors, each in a process of its own: one
     that hangs, crashes or eats memory costs its own cell. A target alone is worth no run of more than 15 s, unless the
-    verdict is open or wrong; the cell states the time. Any signal ends the command with what is known so far.
+    verdict is open or wrong; the cell states the time. After 9 min a scene no further run begins: cells state what is
+    missing, and the command, repeated, continues. Any signal ends the command with what is known so far.
     Exit code 1 where a method is wrong where it does not declare that it is known to be.
     """
     for option, given in (("-p", parameters), ("--keep", keep_rates)):
@@ -48,7 +49,8 @@ def command(
     interrupted = False
     try:
         with progress("check") as report, open_runs(selected, store, scheduler=scheduler) as runs:
-            limited, shown = replace(runs, longest=CHECKED), reporting(report, lambda: _best(known.values()))
+            limited = replace(runs, longest=CHECKED, time_left=CHECK * len(selected))
+            shown = reporting(report, lambda: _best(known.values()))
             for answer in answers(limited, wanted, progress=shown):
                 known[answer.question] = answer
     except KeyboardInterrupt:
@@ -103,7 +105,8 @@ def _show(cells: list[Cell]) -> None:
     omitted, contact = [], []  # what runs that were left out would show, and figures of the run that speaks for a cell
     for cell in cells:
         name = (cell.label, cell.engine, cell.method)
-        omitted += [(*name, number(r.target), str(r.omitted)) for r in cell.targets if r.answer == "not-tried"]
+        not_tried = [target for target in cell.targets if target.answer == "not-tried"]
+        omitted += [(*name, number(target.target), str(target.omitted or target.reason)) for target in not_tried]
         figures = "; ".join(f"{figure} {number(value)}" for figure, value in cell.contact.items())
         contact += [(*name, figures)] if figures else []
     if omitted:

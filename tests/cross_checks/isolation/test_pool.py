@@ -12,7 +12,7 @@ from functools import partial
 import pytest
 
 from cross_checks.isolation.parent import Isolated, Lost, direct
-from cross_checks.isolation.workers import Late, Pool, each
+from cross_checks.isolation.workers import LAST, Late, Over, Pool, each
 from tests.cross_checks.isolation import troubles
 
 
@@ -33,7 +33,7 @@ def test_a_task_that_hangs_comes_late_and_its_second_try_after_the_others():
         for name, result in pool:
             ends.append((name, result))
             if isinstance(result, Late):
-                pool.add("hangs again", hang, again=True)
+                pool.add("hangs again", hang, tries=LAST)
             if name == "adds 2":
                 pool.drop(lambda name: name == "hangs again")
     assert [name for name, _ in ends] == ["hangs", "adds 0", "adds 1", "adds 2"]
@@ -45,7 +45,7 @@ def test_a_second_try_has_the_whole_time_and_comes_last():
     ends = []
     with Pool[str, object](Isolated(troubles.PATIENCE), workers=1, brief=1.0) as pool:
         pool.add("begins", hang)
-        pool.add("again", partial(_sleep, 2.0), again=True)
+        pool.add("again", partial(_sleep, 2.0), tries=LAST)
         pool.add("dear", partial(add, 1.0), seconds=9.0)
         pool.add("cheap", partial(add, 2.0), seconds=1.0)
         ends = list(pool)
@@ -59,11 +59,32 @@ def test_a_call_that_is_expected_to_last_too_long_is_not_begun():
         for seconds in (0.5, 5.0):
             pool.add(f"first {seconds}", partial(_expected, seconds))
         for seconds in (5.0, 50.0):
-            pool.add(f"again {seconds}", partial(_expected, seconds), again=True)
+            pool.add(f"again {seconds}", partial(_expected, seconds), tries=LAST)
         ends = dict(pool)
     assert isinstance(late := ends.pop("first 5.0"), Late)
     assert "was not begun" in str(late)
     assert ends == {"first 0.5": "begun", "again 5.0": "begun", "again 50.0": "timeout"}
+
+
+def test_once_the_time_is_over_no_call_is_begun_and_none_is_lost():
+    """A call that was under way ends, and one that would take longer than what is left is not begun."""
+    with Pool[str, object](Isolated(1e3), workers=1, time_left=0.5) as pool:
+        pool.add("long", partial(_expected, 1e2), tries=LAST)
+        pool.add("hangs", hang)
+        for number in range(2):
+            pool.add(f"adds {number}", partial(add, number), tries=LAST)
+        ends = dict(pool)
+    assert {name: type(end) for name, end in ends.items()} == dict.fromkeys(("long", "hangs", "adds 0", "adds 1"), Over)
+
+
+def test_each_try_has_a_longer_time():
+    with Pool[str, object](Isolated(1e3), workers=1, brief=1.0) as pool:
+        for tries in range(LAST + 1):
+            pool.add(f"try {tries}", partial(_expected, 3.0 * 10.0 ** (tries - 1)), tries=tries)
+            pool.add(f"long try {tries}", partial(_expected, 3.0 * 10.0**tries), tries=tries)
+        ends = {name: isinstance(end, Late) for name, end in pool}
+    assert ends == {"try 0": False, "long try 0": True, "try 1": False, "long try 1": True,
+                    "try 2": False, "long try 2": False}  # fmt: skip
 
 
 def _expected(seconds: float, call) -> str:

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cross_checks import engines
 from cross_checks.isolation.parent import Isolated
-from cross_checks.isolation.workers import Late, Pool
+from cross_checks.isolation.workers import Late, Over, Pool
 from cross_checks.judge import answers as module
 from cross_checks.judge.answers import Preparation, answers, check, questions
 from cross_checks.judge.cell import tasks
@@ -109,11 +110,40 @@ def test_a_method_that_comes_late_is_answered_last_or_not_at_all(asked, monkeypa
     assert found == ["loops", "", "biased", *(["second"] if patient else [])]
 
 
+def test_what_the_time_does_not_suffice_for_is_missing_in_a_cell_and_classifies_none(swing):
+    """Whatever the run that is not made, of a method that agrees and of one that is wrong."""
+
+    class Limited(Runs):
+        left = 0
+
+        def run(self, *given):
+            if self.left == 0:
+                raise Over("would take 7 s")
+            self.left -= 1
+            return super().run(*given)
+
+    truth = truth_for(PENDULUM, np.linspace(0.0, PENDULUM.duration, 41))
+    assert truth is not None
+    for method in ("second", "biased"):
+        whole, _ = module.judged(Runs(), PENDULUM, "swing", engines.get("swing").method(method), truth)
+        for left in range(len(whole.runs) + 1):
+            runs = Limited()
+            runs.left = left
+            cell, records = module.judged(runs, PENDULUM, "swing", engines.get("swing").method(method), truth)
+            if len(records) == len(whole.runs):
+                assert cell.verdict is whole.verdict
+                continue
+            assert cell.verdict in {Verdict.NOT_SHOWN, Verdict.AGREES, Verdict.CONVERGING, Verdict.BELOW_TRUTH}
+            assert cell.verdict is not Verdict.NOT_SHOWN or "would take 7 s" in cell.reason
+            for result in cell.targets:
+                assert result.answer in ("reached", "unjudged") or "would take 7 s" in result.reason
+
+
 class Caught[Name, Result](Pool[Name, Result]):
     """A pool whose tasks give a Late here as they do in another process."""
 
-    def add(self, name, work, seconds=0.0, again=False):
-        super().add(name, partial(_caught, work), seconds, again)
+    def add(self, name, work, seconds=0.0, tries=0):
+        super().add(name, partial(_caught, work), seconds, tries)
 
 
 def _caught(work, call):

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import islice
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -285,6 +288,37 @@ def test_sound_methods_come_before_those_with_a_documented_weakness():
     assert [m.name for m in best_methods(engines.get("mbs_ref"), scene)] == ["lsodar", "dop853"]
 
 
+def test_the_first_levels_are_those_of_two_packages_that_lead_there_at_the_least_cost():
+    """Where contact makes fixed steps a method of first order, tolerances lead."""
+    engines.get("pinocchio")
+    asked: list[Any] = []
+    consensus_of(scenes.make("bouncing_ball"), lambda request, work, tries: asked.append(request))
+    assert len({one.library for one in asked}) == len(asked) == 2
+    assert {one.method.kind for one in asked} == {"adaptive"}
+
+
+def test_while_runs_are_under_way_the_scene_is_known_to_what_is_hoped(script):
+    """That the second is as near to the first shows more than how far it moved."""
+    script({ONE: [(0.0, 1e-5)], OTHER: [(2e-5, 1e-2)]})
+    asked: list[Any] = []
+    found = consensus_of(SCENE, lambda request, work, tries: asked.append((request, work)))
+    for request, work in asked[:2]:
+        found.receive(request, work(direct))
+    assert found.pair is not None
+    assert found.pair.known_to == pytest.approx(2e-5 * np.sqrt(2.0))  # in x and y
+    assert isinstance(found.truth, Truth)
+    for request, work in islice(asked, 2, None):  # grows meanwhile, until all levels were made
+        found.receive(request, work(direct))
+    assert found.is_settled
+    assert found.pair.known_to == pytest.approx(1e-2)
+    assert isinstance(found.truth, NoTruth)
+
+
+def consensus_of(scene, add: Callable[..., Any]) -> Consensus:
+    """Return a consensus whose pool does nothing but `add`."""
+    return Consensus(SimpleNamespace(add=add, drop=lambda unwanted: None), Runs(), scene)  # type: ignore[arg-type]
+
+
 def _received(made: Script) -> Truth | NoTruth:
     """Return the truth of a consensus whose runs are made here, a Late as in a process of its own."""
 
@@ -292,7 +326,7 @@ def _received(made: Script) -> Truth | NoTruth:
         def __init__(self):
             self.waiting = []
 
-        def add(self, name, work, seconds=0.0, again=False):
+        def add(self, name, work, seconds=0.0, tries=0):
             self.waiting.append((name, work))
 
         def drop(self, unwanted):
