@@ -72,7 +72,7 @@ class _Worker:
         try:
             return call(*arguments)
         except Lost as lost:
-            if lost.status != "timeout" or (limit >= self.timeout and self.until == math.inf):
+            if lost.status != "timeout" or left >= limit >= self.timeout:
                 raise lost from None
             raise (Late if limit < min(self.timeout, left) else Over)(str(lost)) from None
         finally:

@@ -77,6 +77,13 @@ def test_once_the_time_is_over_no_call_is_begun_and_none_is_lost():
     assert {name: type(end) for name, end in ends.items()} == dict.fromkeys(("long", "hangs", "adds 0", "adds 1"), Over)
 
 
+def test_a_call_that_had_its_whole_time_is_lost_though_time_is_left():
+    with Pool[str, object](Isolated(1.0), workers=1, time_left=1e3) as pool:
+        pool.add("hangs", hang, tries=LAST)
+        with pytest.raises(Lost, match="no answer within 1 s"):
+            list(pool)
+
+
 def test_each_try_has_a_longer_time():
     with Pool[str, object](Isolated(1e3), workers=1, brief=1.0) as pool:
         for tries in range(LAST + 1):
