@@ -31,7 +31,7 @@ from mbs_ref.simulate import simulate
     [
         ("figure_eight", {}),
         ("satellite", {"orbit": "geo"}),
-        ("satellite", {"orbit": "gps", "zonals": True}),
+        ("satellite", {"orbit": "gps", "days": 0.2, "zonals": True}),
         ("satellite", {"days": 0.01, "third_bodies": True, "drag": True}),
         ("satellite", {"days": 0.01, "radiation": True}),
         ("nesc_sphere_in_air", {}),

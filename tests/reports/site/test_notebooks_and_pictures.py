@@ -166,14 +166,13 @@ def test_the_gallery_has_an_entry_a_scene_with_its_film_or_why_there_is_none(mon
     monkeypatch.setattr(gallery, "beside", lambda scene, runs: [scene.name, runs])
     monkeypatch.setattr(gallery, "as_gif", lambda film, seconds: f"{film[0]} for {seconds:g} s".encode())
     monkeypatch.setattr(gallery, "as_page", lambda title, film, times, seconds: f"{title} {times}".encode())
-    monkeypatch.setattr(gallery, "capabilities", tuple)
     monkeypatch.setattr(gallery, "summary", lambda scene: SimpleNamespace(sentence=lambda: f"made of {scene.name}"))
     monkeypatch.setattr(
         gallery, "write_trade", lambda runs, scene, target: "" if scene.name == "kepler" else "no truth"
     )
     monkeypatch.setattr(gallery, "stored", lambda scene: SimpleNamespace(kind="exact", uncertainty=2e-9)
                         if scene.name == "kepler" else None)  # fmt: skip
-    page = gallery.gallery(Runs(), ["pendulum", "kepler"], tmp_path, told.append)
+    page = gallery.gallery(Runs(), ["pendulum", "kepler"], (), tmp_path, told.append)
     assert told == ["filming and timing kepler", "filming and timing pendulum"]
     assert page.index("kepler") < page.index("pendulum in motion")
     first, second = page.split("![pendulum in motion]")
@@ -229,7 +228,7 @@ def test_the_site_has_a_gallery_of_what_is_asked(monkeypatch, tmp_path, only):
     asked: list[Any] = []
     monkeypatch.setattr(site, "capabilities", tuple)
     monkeypatch.setattr(
-        site, "gallery", lambda runs, shown, pictures, say: asked.append((shown, pictures)) or "gallery"
+        site, "gallery", lambda runs, shown, able, pictures, say: asked.append((shown, pictures)) or "gallery"
     )
     site.write_sources(tmp_path / "site", lambda text: None, only)
     assert asked == [(only or scenes.names(), tmp_path / "site" / "gallery")]
