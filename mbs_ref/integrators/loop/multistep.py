@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mbs_ref.cores.system import System
 
 LOOK_EVERY = 2_000  # steps between looks at the pace
-BEYOND = 1.0  # of the relative tolerance: more than iterations leave of a state
+BEYOND = 0.2  # of the relative tolerance: what iterations leave of a state, and less than an error of a step
 
 
 def beyond_remainders(advance: leg.Advance) -> leg.Advance:
