@@ -125,5 +125,5 @@ class Patience:
             self._left -= used
         self._compiling = note == COMPILING if note else self._compiling
         if self._left < 0.0:
-            return f"gave no answer within {self._limits[0]:g} s"
+            return f"gave no answer within {self._limits[0]:.4g} s"
         return f"compiled for more than {self._limits[1]:g} s" if self._compilation < 0.0 else ""
