@@ -82,7 +82,8 @@ class Isolated:
     def expect(self, seconds: float) -> None:
         """Raise Lost in place of a call that is expected to compute for longer (s) than it may."""
         if seconds > self.timeout:
-            raise Lost("timeout", f"would take about {seconds:.3g} s of {self.timeout:.4g} s at most, and was not begun")
+            share = f"about {seconds:.3g} s of {self.timeout:.4g} s at most"
+            raise Lost("timeout", f"would take {share}, and was not begun")
 
     def patient(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call without a limit on time: for our own code, which comes back however busy the machine is."""
