@@ -16,7 +16,7 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import apply_loads
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.planar.dynamics import load_state as load_planar
-from mbs_ref.kernels.spatial.marks import cross, dot, plus, put, symmetric_times, times, triple
+from mbs_ref.kernels.spatial.marks import cross, plus, put, symmetric_times, triple
 from mbs_ref.kernels.spatial.orientation import load_state as load_spatial
 from mbs_ref.scene.celestial import CelestialLoad, Epoch, GravityGradient, Newton
 from mbs_ref.scene.contact import ConstraintLaw, FloresLaw, LankaraniNikraveshLaw, RigidLaw, StickSlip
@@ -132,25 +132,24 @@ def planar_at_poses(model, work, core, t, pose, rate):
 
 @jit
 def spatial_at_poses(model, work, core, t, pose, rate):
-    """Return the same (n, n_bodies, 7) in space: omega = 2 E theta', and 2 E^T times a torque acts on theta."""
+    """Return the same (n, n_bodies, 7) in space: omega is 2 theta' conj(theta), and 2 torque theta acts on theta."""
     out, bodies, angle = np.empty(pose.shape), pose.shape[1], np.zeros(pose.shape[1])
     turn, omega = np.empty((bodies, 4)), np.empty((bodies, 3))
     for k in range(pose.shape[0]):
         for b in range(bodies):
-            e0, e, e0_rate, e_rate = pose[k, b, 3], triple(pose[k, b], 4), rate[k, b, 3], triple(rate[k, b], 4)
-            length, still = np.sqrt(e0**2 + dot(e, e)), core.theta[b]
-            back = still[0], -still[1], -still[2], -still[3]
-            turn[b, 0], turn[b, 1], turn[b, 2], turn[b, 3] = composed(
-                (e0 / length, e[0] / length, e[1] / length, e[2] / length), back
-            )
-            put(omega[b], 0, times(2.0, plus(plus(times(-e0_rate, e), times(e0, e_rate)), cross(e, e_rate))))
+            theta, still = pose[k, b, 3:], core.theta[b]
+            unit = theta / np.sqrt(np.sum(theta**2))
+            turned = composed(unit, (still[0], -still[1], -still[2], -still[3]))
+            spin = composed(rate[k, b, 3:], (theta[0], -theta[1], -theta[2], -theta[3]))
+            turn[b, 0], turn[b, 1], turn[b, 2], turn[b, 3] = turned
+            omega[b, 0], omega[b, 1], omega[b, 2] = 2.0 * spin[1], 2.0 * spin[2], 2.0 * spin[3]
         motion = Motion(pose[k, :, :3].copy(), turn, rate[k, :, :3].copy(), omega, angle)
         wrench = spatial_wrenches(model, work, core, t, motion)
         for b in range(bodies):
-            e0, e, torque = pose[k, b, 3], triple(pose[k, b], 4), triple(wrench[b], 3)
-            put(out[k, b], 0, wrench[b])
-            out[k, b, 3] = -2.0 * dot(e, torque)
-            put(out[k, b], 4, times(2.0, plus(times(e0, torque), cross(torque, e))))
+            push = composed((0.0, wrench[b, 3], wrench[b, 4], wrench[b, 5]), pose[k, b, 3:])
+            out[k, b, :3] = wrench[b, :3]
+            for c in range(4):
+                out[k, b, 3 + c] = 2.0 * push[c]
     return out
 
 

@@ -169,12 +169,16 @@ def test_a_timed_run_is_its_loop_and_the_share_of_a_processor_in_the_call(monkey
 def test_a_tree_is_asked_and_answers_line_by_line(tmp_path):
     """What each method of a tree asks is what its worker knows; a worker that ends is named with its exit code."""
     answers = ({"rungs": 1}, {"loop_s": 0.5, "cpu_share": 1.0}, {"ns_per_body": 7.0})
-    said, told = io.StringIO(), io.StringIO("".join(json.dumps(one) + "\n" for one in answers))
+    said, replies = io.StringIO(), io.StringIO("".join(json.dumps(one) + "\n" for one in answers))
     ended: list[str] = []
     asked = regression.Tree.__new__(regression.Tree)
     asked.folder = tmp_path
     asked._child = SimpleNamespace(  # type: ignore[assignment]
-        stdin=said, stdout=told, wait=lambda: 3, kill=lambda: ended.append("kill"), communicate=lambda: ended.append("")
+        stdin=said,
+        stdout=replies,
+        wait=lambda: 3,
+        kill=lambda: ended.append("kill"),
+        communicate=lambda: ended.append(""),
     )
     with asked:
         assert (asked.climb(scene="a"), asked.time(scene="b")) == (answers[0], Sample(0.5, 1.0))
@@ -210,10 +214,10 @@ def test_a_copy_of_a_tree_is_slowed_at_the_end_of_its_kernel(monkeypatch, tmp_pa
 
 def test_a_comparison_is_told_with_its_interval_and_what_disturbed_it(monkeypatch):
     case = replace(regression.CASES[0], error=1e-5)
-    told = {disturbed: regression._sentence(Comparison(Pace.SLOWER, 1.2345, 1.1, 1.4, 9, disturbed), case)
+    sentences = {disturbed: regression._sentence(Comparison(Pace.SLOWER, 1.2345, 1.1, 1.4, 9, disturbed), case)
             for disturbed in (0.0, 0.1, 0.25)}  # fmt: skip
     sentence = "1.234 times the baseline's loop time [1.100, 1.400] to 1e-05 of the scene, 9 blocks"
-    assert told == {0.0: sentence, 0.1: sentence, 0.25: f"{sentence}; 25% of the runs shared the machine"}
+    assert sentences == {0.0: sentence, 0.1: sentence, 0.25: f"{sentence}; 25% of the runs shared the machine"}
     afresh: list[Any] = []
     monkeypatch.setattr(regression, "Tree", nullcontext)
     monkeypatch.setattr(regression, "examine", lambda *given: afresh.append(given) or SimpleNamespace(changed=True))

@@ -35,7 +35,7 @@ def contexts(data) -> dict[tuple[str, str], dict[str, Any]]:
 
 
 def shown(value: Any) -> Any:
-    """Return plain data, in which runs are told by all that they hold."""
+    """Return plain data, in which all that a run holds stands for it."""
     return json.loads(json.dumps(value, default=lambda one: vars(one) if hasattr(one, "__dict__") else str(one)))
 
 
@@ -53,17 +53,19 @@ def test_the_part_of_a_scene_is_that_of_a_report_on_it_alone(data, contexts):
             "energy.plots", "time_split.plots", "convergence.by_step", "records.groups"} <= met  # fmt: skip
 
 
+def dicts_in(value: Any) -> Iterator[dict[str, Any]]:
+    """Yield every dict within a value."""
+    if isinstance(value, dict):
+        yield value
+        value = tuple(value.values())
+    if isinstance(value, list | tuple):
+        for held in value:
+            yield from dicts_in(held)
+
+
 def figures_in(value: Any) -> Iterator[dict[str, Any]]:
     """Yield the figures of plotly within a value."""
-    if isinstance(value, dict):
-        if {"data", "layout"} <= value.keys():
-            yield value
-        else:
-            for held in value.values():
-                yield from figures_in(held)
-    elif isinstance(value, list | tuple):
-        for held in value:
-            yield from figures_in(held)
+    return (one for one in dicts_in(value) if {"data", "layout"} <= one.keys())
 
 
 def test_an_engine_has_its_own_colour_and_symbol_in_every_figure(contexts):
@@ -93,19 +95,9 @@ def test_every_figure_says_what_its_axes_are(contexts):
 def test_a_row_names_scene_and_engine_of_one_cell_or_run(data, contexts):
     pairs = {(one.label, one.engine) for one in (*data.cells, *data.records)}
     for place, context in contexts.items():
-        for row in rows_in(context):
+        for row in dicts_in(context):
             if {"scene", "engine"} <= row.keys():
                 assert (row["scene"], row["engine"]) in pairs, place
-
-
-def rows_in(value: Any) -> Iterator[dict[str, Any]]:
-    if isinstance(value, dict):
-        yield value
-        for held in value.values():
-            yield from rows_in(held)
-    elif isinstance(value, list | tuple):
-        for held in value:
-            yield from rows_in(held)
 
 
 def test_all_runs_near_the_cheapest_are_timed_again(data):

@@ -161,7 +161,7 @@ def test_a_browser_draws_a_page_into_a_file_of_its_own(monkeypatch, tmp_path):
 
 
 def test_the_gallery_has_an_entry_a_scene_with_its_film_or_why_there_is_none(monkeypatch, tmp_path):
-    path, told = SimpleNamespace(times=[0.0, 1.0]), []
+    path, reported = SimpleNamespace(times=[0.0, 1.0]), []
     monkeypatch.setattr(gallery, "filmed", lambda s: (None, "Not filmed: NaN") if s.name == "kepler" else (path, ""))
     monkeypatch.setattr(gallery, "beside", lambda scene, runs: [scene.name, runs])
     monkeypatch.setattr(gallery, "as_gif", lambda film, seconds: f"{film[0]} for {seconds:g} s".encode())
@@ -172,8 +172,8 @@ def test_the_gallery_has_an_entry_a_scene_with_its_film_or_why_there_is_none(mon
     )
     monkeypatch.setattr(gallery, "stored", lambda scene: SimpleNamespace(kind="exact", uncertainty=2e-9)
                         if scene.name == "kepler" else None)  # fmt: skip
-    page = gallery.gallery(Runs(), ["pendulum", "kepler"], (), tmp_path, told.append)
-    assert told == ["filming and timing kepler", "filming and timing pendulum"]
+    page = gallery.gallery(Runs(), ["pendulum", "kepler"], (), tmp_path, reported.append)
+    assert reported == ["filming and timing kepler", "filming and timing pendulum"]
     assert page.index("kepler") < page.index("pendulum in motion")
     first, second = page.split("![pendulum in motion]")
     for part, name, words in (

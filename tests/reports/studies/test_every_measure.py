@@ -386,7 +386,7 @@ def test_a_loop_of_right_hand_sides_is_timed_by_the_processor_per_body(monkeypat
 
 
 class Made:
-    """A scene of three bodies, wheels and a spring, and runs of it that end as they are told."""
+    """A scene of three bodies, wheels and a spring, and runs of it with prescribed ends."""
 
     def __init__(self, seed: int) -> None:
         self.rng = np.random.default_rng(seed)
