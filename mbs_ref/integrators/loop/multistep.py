@@ -1,5 +1,6 @@
 """A leg in a multistep code of someone else's: where it is, what it has filled, and why it ends early."""
 
+from collections.abc import Callable
 from functools import wraps
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,6 +18,27 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 2_000  # steps between looks at the pace
 BEYOND = 0.2  # of the relative tolerance: what iterations leave of a state, and less than an error of a step
+
+
+Interpolant = Callable[[float], np.ndarray]  # state at a time (s)
+
+
+def joined(
+    between: Interpolant, rate: Interpolant, begin: tuple[float, np.ndarray, np.ndarray], end: float
+) -> Interpolant:
+    """Return an interpolant with the value and slope of `begin` (time, state, slope) where its step begins.
+
+    That of a multistep code does not begin so: backward Euler's moves from the start on at the speed of the end. An
+    event just passed, which is left slowly, would be found again there, and again after it.
+    """
+    t0, y0, slope = begin
+    step, missed, bend = end - t0, y0 - between(t0), slope - rate(t0)
+
+    def join(t: float) -> np.ndarray:
+        s = (t - t0) / step
+        return between(t) + (1.0 - s) ** 2 * ((1.0 + 2.0 * s) * missed + s * step * bend)
+
+    return join
 
 
 def beyond_remainders(advance: leg.Advance) -> leg.Advance:

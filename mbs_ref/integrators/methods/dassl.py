@@ -8,7 +8,6 @@ Source: L. R. Petzold, A description of DASSL, 1982; A. C. Hindmarsh et al., ACM
 """
 
 import re
-from collections.abc import Callable
 from ctypes import CDLL, POINTER, byref, c_double, c_int, c_int64, c_long, c_void_p, cast
 from functools import cache, partial
 from importlib.resources import files
@@ -19,7 +18,7 @@ import numpy as np
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators import methods
 from mbs_ref.integrators.loop.leg import Advance, Integrator, Leg, Options, Progress
-from mbs_ref.integrators.loop.multistep import MultistepLeg, beyond_remainders
+from mbs_ref.integrators.loop.multistep import Interpolant, MultistepLeg, beyond_remainders, joined
 from mbs_ref.kernels.answers import FORM
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.border.handles import make_handle
@@ -184,6 +183,7 @@ class _Ida:
     def step(self, leg: MultistepLeg) -> int:
         """Take one internal step towards the next output, never past it; return IDA's flag, negative for a failure."""
         t_out, t, vectors = float(leg.times[leg.reached]), c_double(), self.objects.vectors
+        self.begin = self.t, self.y, self.rate[: self.n_state].copy()
         self.library.IDASetStopTime(self.memory, t_out)
         flag = self.library.IDASolve(self.memory, t_out, byref(t), vectors[0], vectors[1], ONE_STEP)
         self.t = t.value
@@ -194,14 +194,13 @@ class _Ida:
         """The state where the last step ended."""
         return self.x[: self.n_state].copy()
 
-    def dense_output(self) -> Callable[[float], np.ndarray]:
-        """Return the interpolant of the last step."""
+    def dense_output(self) -> Interpolant:
+        """Return the interpolant of the last step, joined to the step before."""
+        return joined(partial(self._between, 0), partial(self._between, 1), self.begin, self.t)
 
-        def between(t: float) -> np.ndarray:
-            self._call("IDAGetDky", t, 0, self.objects.vectors[4])
-            return self.between[: self.n_state].copy()
-
-        return between
+    def _between(self, derivative: int, t: float) -> np.ndarray:
+        self._call("IDAGetDky", t, derivative, self.objects.vectors[4])
+        return self.between[: self.n_state].copy()
 
     def failed_error_tests(self) -> int:
         count = c_long()

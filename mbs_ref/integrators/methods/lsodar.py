@@ -10,13 +10,13 @@ Source: L. R. Petzold, SIAM J. Sci. Stat. Comput. 4 (1983) 136-148; A. C. Hindma
 from __future__ import annotations
 
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 
 from mbs_ref.integrators.loop.leg import Integrator, Leg, Options, Progress
-from mbs_ref.integrators.loop.multistep import Ending, MultistepLeg, beyond_remainders
+from mbs_ref.integrators.loop.multistep import Ending, Interpolant, MultistepLeg, beyond_remainders, joined
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -66,24 +66,15 @@ def _record_passed(solver: LSODA, leg: MultistepLeg) -> None:
 
 def _start(leg: MultistepLeg) -> LSODA:
     """Return a solver from where the leg is to its end, where a pulse is zero: its ends must not make a step."""
-    options, end = leg.options, float(leg.times[-1])
-    if options.project:
-        return _on_constraints()(leg.system, options, leg.t, leg.now, end, leg.longest)
-    return scipy.integrate.LSODA(
-        leg.system.derivative, leg.t, leg.now, end, max_step=leg.longest, **_tolerances(options)
-    )
-
-
-def _tolerances(options: Options) -> dict[str, Any]:
-    return {"rtol": max(options.rtol, TIGHTEST), "atol": options.atol}
+    return _joined()(leg.system, leg.options, leg.t, leg.now, float(leg.times[-1]), leg.longest)
 
 
 @cache
-def _on_constraints() -> type:
-    """Return LSODA with projection, a class built when first used: importing SciPy's integrators takes long."""
+def _joined() -> type:
+    """Return LSODA as used here, a class built when first used: importing SciPy's integrators takes long."""
 
-    class OnConstraints(scipy.integrate.LSODA):
-        """Integrates z' = f(P(z)), P the projection, and gives y = P(z) at steps and between them.
+    class Joined(scipy.integrate.LSODA):
+        """Integrates z' = f(P(z)) and gives y = P(z) at steps and between them; P is a projection, or changes nothing.
 
         f is smooth through singular poses on the constraints alone; z, which carries LSODA's history, may drift off
         them by the tolerance, y may not.
@@ -92,28 +83,41 @@ def _on_constraints() -> type:
         def __init__(
             self, system: System, options: Options, t: float, y: np.ndarray, t_end: float, longest: float
         ) -> None:
-            self.system, self.tolerance = system, options.projection_tolerance
-            super().__init__(self._derivative, t, y, t_end, max_step=longest, **_tolerances(options))
+            self.system, self.tolerance = system, options.projection_tolerance if options.project else None
+            f = self._derivative if options.project else system.derivative
+            rtol = max(options.rtol, TIGHTEST)
+            super().__init__(f, t, y, t_end, max_step=longest, rtol=rtol, atol=options.atol)
 
         def _derivative(self, t: float, z: np.ndarray) -> np.ndarray:
             return self.system.derivative(t, self._onto(t, z))
 
         def _onto(self, t: float, z: np.ndarray) -> np.ndarray:
+            if self.tolerance is None:
+                return z
             y = np.array(z)
             self.system.project(t, y, self.tolerance)
             return y
 
         def _step_impl(self) -> tuple[bool, str | None]:
+            self.begin = self.t, np.array(self.y), None if self.t_old is None else np.array(_slope(self))
             ended = super()._step_impl()
             if ended[0] and np.isfinite(self.y).all():
                 self.y = self._onto(self.t, self.y)
             return ended
 
-        def dense_output(self):
-            between = super().dense_output()
+        def dense_output(self) -> Interpolant:
+            """Return the interpolant of the last step: Nordsieck's polynomial, joined to the step before."""
+            steps, (t0, y0, slope) = super().dense_output(), self.begin
+            slope = self.fun(t0, y0) if slope is None else slope
+
+            def rate(t: float) -> np.ndarray:
+                powers = steps.p * ((t - steps.t) / steps.h) ** np.maximum(steps.p - 1, 0)
+                return steps.yh @ powers / steps.h
+
+            between = joined(steps, rate, (t0, y0, slope), self.t)
             return lambda t: self._onto(t, between(t))
 
-    return OnConstraints
+    return Joined
 
 
 def _family(solver: LSODA) -> int:
