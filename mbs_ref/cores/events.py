@@ -138,8 +138,10 @@ class ContactSystem(System):
         modes = self.groups.contact_modes
         return modes.mode, modes.grip, modes.anchor, modes.dashpot
 
-    def spread_events(self, factor: float) -> None:
-        self.groups.contact_modes.noise[:] *= factor
+    def spread_events(self, factor: float, lag: float = 0.0) -> None:
+        modes = self.groups.contact_modes
+        modes.noise[:] *= factor
+        modes.first_lag[:] = lag
 
     @property
     def event_sources(self) -> tuple[str, ...]:

@@ -189,8 +189,8 @@ class System(ABC):
         """Set every contact's mode to the one that held at t (s) in the last run."""
         return None
 
-    def spread_events(self, factor: float) -> None:
-        """Locate events `factor` times as far beyond their roots."""
+    def spread_events(self, factor: float, lag: float = 0.0) -> None:
+        """Locate events `factor` times as far beyond their roots, and again `lag` times where a contact is let go."""
         return None
 
     @property

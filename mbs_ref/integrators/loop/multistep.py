@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 LOOK_EVERY = 2_000  # steps between looks at the pace
 BEYOND = 0.2  # of the relative tolerance: what iterations leave of a state, and less than an error of a step
+LAG = 1.0 / BEYOND  # of that: the tolerance, which the first steps after an event may err
 
 
 Interpolant = Callable[[float], np.ndarray]  # state at a time (s)
@@ -44,15 +45,15 @@ def joined(
 def beyond_remainders(advance: leg.Advance) -> leg.Advance:
     """Return the driver of a leg that locates events as far beyond their roots as what its iterations leave.
 
-    Only where constraints hold contacts: those open without speed, and in the short steps that follow remainders would
-    close them again, hundreds of times.
+    Only where constraints hold contacts. Those open without speed, and errors of the steps that follow would close them
+    again, hundreds of times: they may do so by the tolerance, until the gap has once been as wide.
     """
 
     @wraps(advance)
     def beyond(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
         held = any(contact.holds for contact in system.scene.contacts)
         factor = 2.0 ** max(0.0, np.ceil(np.log2(BEYOND * options.rtol / NOISE))) if held else 1.0  # divides exactly
-        system.spread_events(factor)
+        system.spread_events(factor, LAG if held else 0.0)
         try:
             return advance(system, options, run, y, times)
         finally:

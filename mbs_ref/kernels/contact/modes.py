@@ -27,7 +27,7 @@ def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
     mode = modes.mode[k]
     table[law.SPEED, i] = speed / noise
     if mode == law.MODE_OPEN:
-        g[i] = max(gap, beyond) / noise + 1.0
+        g[i] = max(gap, beyond) / noise + 1.0 + modes.lag[k]
         rate[i] = (closing if gap >= beyond else leaving) / noise
         return
     g[i] = (1.0 if mode in (law.MODE_CLOSED, law.MODE_LIFTED) else 0.0) - gap / noise

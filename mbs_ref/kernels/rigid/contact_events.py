@@ -36,6 +36,8 @@ def contact_roots(model, work, t, y, duration, table):
     for place in range(near.count[0]):
         k = near.pair[place]
         touch = contact_geometry(model, work, k)
+        if duration >= 0.0 and touch.gap > modes.lag[k] * modes.noise[0]:
+            modes.lag[k] = 0.0
         i = law.ROOTS_EACH * k
         leaving = leaving_ends(model, work, k) if touch.beyond > -np.inf else 0.0
         closed = modes.mode[k] == law.MODE_CLOSED
@@ -125,6 +127,7 @@ def start_contacts(model, work, t, y, located):
         touch = contact_geometry(model, work, k)
         modes.dashpot[k] = laws.damping[k] + laws.impact_damping[k] * laws.stiffness[k] / laws.slowest[k]
         modes.grip[k] = law.GRIP_STICK
+        modes.lag[k] = 0.0
         core.start_grip(model, k, touch)
         if not located:
             modes.mode[k] = law.MODE_PLAIN

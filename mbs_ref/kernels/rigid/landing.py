@@ -75,8 +75,10 @@ def settle_held(model, work, t, y, g):
     _pivot(model, work, t, y, touching, FORCES)
     _move(model, work, t, y)
     for i in range(touching.shape[0]):
-        if modes.mode[touching[i]] != before[i]:
-            g[ROOTS_EACH * touching[i]] = -1.0
+        k = touching[i]
+        modes.lag[k] = modes.first_lag[0]
+        if modes.mode[k] != before[i]:
+            g[ROOTS_EACH * k] = -1.0
 
 
 @jit
@@ -92,7 +94,7 @@ def _touching(model, work, y):
         holds = modes.mode[k] == MODE_CLOSED
         if modes.mode[k] == MODE_OPEN:
             touch = contact_geometry(model, work, k)
-            holds = touch.beyond <= 0.0 and abs(touch.gap) <= AT_REST * modes.noise[0]
+            holds = touch.beyond <= 0.0 and abs(touch.gap) <= (AT_REST + modes.lag[k]) * modes.noise[0]
             holds = holds and (laws.restitution[k] == 0.0 or touch.closing < 0.0)
         if holds:
             found[count] = k

@@ -74,6 +74,15 @@ def test_a_particle_leaves_a_sphere_where_its_weight_no_longer_bends_its_path(na
     assert np.linalg.norm(run.position[~after, 0], axis=1) == pytest.approx(1.0, abs=tolerance)
 
 
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("method", ["lsodar", "dassl", "radau"])
+def test_it_leaves_once(method, rtol):
+    """It leaves without speed: in the first steps after, its height is less than what they err."""
+    run = simulate(_dome(1.0), Settings(method=method, rtol=rtol, estimate="off", reactions=False))
+    assert run.ok, run.message
+    assert run.events == 1
+
+
 def test_a_fast_particle_leaves_the_sphere_at_once():
     run = simulate(_dome(math.sqrt(1.01 * G)), FINE)
     assert run.ok, run.message
