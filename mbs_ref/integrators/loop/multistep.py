@@ -29,8 +29,8 @@ def joined(
 ) -> Interpolant:
     """Return an interpolant with the value and slope of `begin` (time, state, slope) where its step begins.
 
-    That of a multistep code differs there by an error of the step: backward Euler's has the speed of the step's end from
-    the start on. An event function would jump, and a contact just opened would close at once, thousands of times.
+    That of a multistep code differs there by an error of the step: backward Euler's has the speed of the end from the
+    start on. An event function would jump, and a contact just opened would close at once, thousands of times.
     """
     t0, y0, slope = begin
     step, missed, bend = end - t0, y0 - between(t0), slope - rate(t0)
