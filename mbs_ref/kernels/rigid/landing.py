@@ -131,6 +131,8 @@ def _aim(model, work, t, y, touching, landings):
                 landings[i, 1] = -2.0 * touch.gap / (landings[i, 0] - touch.closing)
             late, slip = landings[i, 1], drawn * landings[i, 1]
             rate = max(laws.restitution[k] * landings[i, 0] - slip, 0.0)
+            if abs(slip) > landings[i, 0]:  # it rebounds by less than its gap, which shows no time of landing
+                late, rate = 0.0, 0.0
             changed |= abs(rate - modes.lead[k, 1]) > slow
             modes.lead[k, 0], modes.lead[k, 1] = max(rate + 0.5 * slip, 0.0) * late, rate
     return changed
