@@ -1,5 +1,6 @@
 """What every test may rely on."""
 
+import gc
 import os
 import shutil
 import signal
@@ -18,6 +19,7 @@ def pytest_configure(config: pytest.Config) -> None:
     leaves SIGINT ignored, by children too.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.set_threshold(20_000, 50, 1000)  # Numba and the tests leave millions of objects that never become garbage
     if "PYTEST_XDIST_WORKER" in os.environ:
         return
     kept = os.environ.pop("MBS_REF_TEST_STORE", "")  # not for tests that this one starts
@@ -27,3 +29,8 @@ def pytest_configure(config: pytest.Config) -> None:
     folder = tempfile.mkdtemp(prefix="mbs-ref-")
     os.environ["MBS_REF_STORE"] = os.path.join(folder, "runs.sqlite")
     config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+
+
+def pytest_collection_finish() -> None:
+    """Spare the collected tests in searches for garbage."""
+    gc.freeze()

@@ -297,6 +297,15 @@ def test_the_first_levels_are_those_of_two_packages_that_lead_there_at_the_least
     assert {one.method.kind for one in asked} == {"adaptive"}
 
 
+def test_a_method_of_order_four_is_expected_to_refine_with_a_quarter_of_the_steps_of_one_of_order_one():
+    """With steps halved each time, (1/2)^(p n) = ENOUGH is reached after n levels at 2^n times the first one's cost."""
+    found = consensus_of(SCENE, lambda request, work, tries: None)
+    of_method = {(one.request.engine, one.request.method.name): one for one in found._waiting}
+    first, fourth = (found._cost(of_method["mujoco", name])[1] for name in ("euler", "rk4"))
+    assert first == pytest.approx(1.0 / ENOUGH)
+    assert fourth**4 == pytest.approx(first)
+
+
 def test_while_runs_are_under_way_the_scene_is_known_to_what_is_hoped(script):
     """That the second is as near to the first shows more than how far it moved."""
     script({ONE: [(0.0, 1e-5)], OTHER: [(2e-5, 1e-2)]})
