@@ -47,9 +47,9 @@ class OwnContact(Dart):
         built.reader.skeleton.setSelfCollisionCheck(True)
         for contact in scene.contacts:
             rebound = rebound_of(contact.law, pair_mass(scene, contact)) ** 0.5
-            for body, place, axes, *shape in _shapes(contact):
-                if (key := repr((body, *place, axes.tolist(), shape))) not in kept:
-                    _add(nodes[body], built.linkage.local(body, place), axes, *shape, rebound, contact.friction)
+            for body, place, axes, shape, size in _shapes(contact):
+                if (key := repr((body, *place, axes.tolist(), shape, size))) not in kept:
+                    _add(nodes[body], built.linkage.local(body, place), axes, shape(size), rebound, contact.friction)
                 kept.add(key)
         filtered = solver.getCollisionOption().collisionFilter
         touching = {frozenset(contact.ends) for contact in scene.contacts}
@@ -72,8 +72,8 @@ def _shapes(contact: Any) -> list[tuple[str, Any, np.ndarray, Any, Any]]:
     return [*balls, box]
 
 
-def _add(node: Any, place: np.ndarray, axes: np.ndarray, shape: Any, size: Any, rebound: float, friction: Any) -> None:
-    one, pose = node.createShapeNode(shape(size)), dartpy.math.Isometry3()
+def _add(node: Any, place: np.ndarray, axes: np.ndarray, shape: Any, rebound: float, friction: Any) -> None:
+    one, pose = node.createShapeNode(shape), dartpy.math.Isometry3()
     pose.set_rotation(axes)
     pose.set_translation(place)
     one.setRelativeTransform(pose)
