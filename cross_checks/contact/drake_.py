@@ -69,7 +69,8 @@ class OwnContact(Drake):
         def add_shapes(plant: MultibodyPlant, bodies: dict[int, Any]) -> None:
             plant.RegisterAsSourceForSceneGraph(graph)
             plant.set_discrete_contact_approximation(APPROXIMATIONS[plan.method.name])
-            pairs = [_add_pair(plant, bodies, linkage, contact, plan) for contact in scene.contacts]
+            known: dict[str, Any] = {}
+            pairs = [_add_pair(plant, bodies, linkage, contact, plan, known) for contact in scene.contacts]
             every = geometry.GeometrySet([shape for pair in pairs for shape in pair])
             declared = geometry.CollisionFilterDeclaration().ExcludeWithin(every)
             for a, b in pairs:
@@ -79,8 +80,13 @@ class OwnContact(Drake):
         return super().build(scene.model_copy(update={"contacts": ()}), plan, (add_shapes, graph))
 
 
-def _add_pair(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, contact: Any, plan: Plan) -> list[Any]:
-    """Add the two shapes of a contact, each with twice the stiffness and half the relaxation time; return their ids."""
+def _add_pair(
+    plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, contact: Any, plan: Plan, known: dict[str, Any]
+) -> list[Any]:
+    """Add the two shapes of a contact, each with twice the stiffness and half the relaxation time; return their ids.
+
+    `known` has those that are there: 15 half-spaces end the process (SIGSEGV, seen in 1.58.0).
+    """
     shapes: list[Any] = [
         (body, center, np.eye(3), geometry.Sphere(radius)) for body, center, radius in spheres_of(contact)
     ]
@@ -102,9 +108,13 @@ def _add_pair(plant: MultibodyPlant, bodies: dict[int, Any], linkage: Linkage, c
     properties.AddProperty("material", "relaxation_time", 0.5 * tau)
     ids = []
     for end, (body, center, axes, shape) in zip("ab", shapes, strict=True):
-        pose = RigidTransform(RotationMatrix(axes), linkage.local(body, center))
-        owner = bodies[linkage.scene.body_index(body)]
-        ids.append(plant.RegisterCollisionGeometry(owner, pose, shape, f"{contact.name}/{end}", properties))
+        key = repr((body, *center, axes.tolist(), shape, stiffness, tau, mu))
+        if key not in known:
+            pose = RigidTransform(RotationMatrix(axes), linkage.local(body, center))
+            owner = bodies[linkage.scene.body_index(body)]
+            name = f"{contact.name}/{end}"
+            known[key] = plant.RegisterCollisionGeometry(owner, pose, shape, name, properties)
+        ids.append(known[key])
     return ids
 
 

@@ -14,16 +14,23 @@ from typing import Any, ClassVar
 import numpy as np
 
 from cross_checks.contact import request as wanted
-from cross_checks.contact.request import ContactModel, Refused, Request, Translation, damped_by_step, own_law, snippet
+from cross_checks.contact.request import ContactModel, Request, Translation, damped_by_step, own_law, snippet
 from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal, fixed
 from cross_checks.isolation.environments import python_of
 from cross_checks.linkage.links import Linkage, lifted, linkage_of
 from cross_checks.linkage.motion import Motion, poses_of
-from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is_half_space, pair_mass, spheres_of
-from cross_checks.truths.of.bouncing import impact
+from cross_checks.linkage.surfaces import (
+    THICK,
+    body_refusals,
+    frame_of,
+    friction_refusals,
+    is_half_space,
+    pair_mass,
+    spheres_of,
+)
 from mbs_ref import Scene, Status
 from mbs_ref.scene import GROUND
-from mbs_ref.scene.contact import PinOnSprocket, RoundPair, SpringDamperLaw, StickSlip
+from mbs_ref.scene.contact import PinOnSprocket, RoundPair, StickSlip
 from mbs_ref.scene.traits import part_types
 
 DRIVERS = Path(__file__).parent / "drivers"
@@ -71,7 +78,7 @@ class Driven(Engine):
             elif self.name == "bullet" and not isinstance(contact, RoundPair) and not is_half_space(contact):
                 reasons.append(f"{where} endless planes on ground alone")
         if self.name == "bullet" and not reasons:
-            reasons += _limits_of_bullet(scene)
+            reasons += [*_limits_of_bullet(scene), *body_refusals("the driver of bullet", scene, scene.body_names)]
         return [Refusal(reason, permanent=False) for reason in dict.fromkeys(reasons)]
 
     def build(self, scene: Scene, plan: Plan) -> Linkage:
@@ -96,15 +103,11 @@ class Driven(Engine):
 
 
 def _limits_of_bullet(scene: Scene) -> Iterator[str]:
-    """Yield what the driver of Bullet cannot give a body: products of inertia, and several laws of contact."""
+    """Yield which bodies have products of inertia, which the driver of Bullet cannot give them."""
     for body, link in zip(scene.bodies, linkage_of(scene).of_body, strict=True):
         where, diagonal = f"body {body.name!r}: the driver of bullet has", np.diag(link.inertia)
         if np.abs(link.inertia - np.diag(diagonal)).max() > PRODUCTS * diagonal.max():
             yield f"{where} principal axes along those of the world at t = 0 alone"
-        own = [contact for contact in scene.contacts if body.name in contact.ends]
-        masses = [0.0 if isinstance(c.law, SpringDamperLaw) else pair_mass(scene, c) for c in own]
-        if len({(repr(c.law), repr(c.friction), mass) for c, mass in zip(own, masses, strict=True)}) > 1:
-            yield f"{where} one law and one friction for all contacts of a body"
 
 
 def _body(model: Linkage, k: int) -> dict[str, Any]:
@@ -121,7 +124,6 @@ def _body(model: Linkage, k: int) -> dict[str, Any]:
 def _contact(model: Linkage, contact: Any, step: float) -> dict[str, Any]:
     scene = model.scene
     mass, spheres = pair_mass(scene, contact), spheres_of(contact)
-    rebound = getattr(contact.law, "restitution", None)
     law = damped_by_step(own_law(contact.law, mass, step, "force"), step)
 
     def local(name: str, point: Any) -> list[float]:
@@ -132,7 +134,7 @@ def _contact(model: Linkage, contact: Any, step: float) -> dict[str, Any]:
         "a": scene.body_index(contact.body_a), "b": scene.body_index(contact.body_b),
         "center": local(*spheres[0][:2]), "radius": spheres[0][2], "stiffness": law.stiffness,
         "damping": law.damping - law.stiffness * step, "friction": getattr(contact.friction, "coefficient", 0.0),
-        "rebound": impact(law, mass, wanted.NOMINAL_SPEED).restitution if rebound is None else rebound,
+        "rebound": wanted.rebound_of(contact.law, mass),
     }  # fmt: skip
     if isinstance(contact, RoundPair):
         return found | {"origin": local(*spheres[1][:2]), "other": spheres[1][2]}
@@ -150,9 +152,7 @@ def translate(name: str, request: Request) -> Translation:
     if name == "bullet":
         parameters = {"lateralFriction": mu**0.5, "contactStiffness": 2.0 * k, "contactDamping": 0.5 * c}
     if name == "siconos":
-        parameters, why = {"e": request.rebound, "mu": mu}, "contacts are rigid: a step ends the impact"
-        soft = (wanted.DURATION, wanted.PENETRATION, *((wanted.SINK,) if mu else ()))
-        refused = {label: Refused(0.0, why) for label in soft}
+        parameters, refused = {"e": request.rebound, "mu": mu}, wanted.refused_of_rigid(request)
     friction = StickSlip(coefficient=mu, stiffness=k) if mu else None
     text = snippet(f"{name}.txt", step=step, **parameters)
     return Translation(request.law if name == "siconos" else law, friction, parameters, text, refused)

@@ -20,11 +20,11 @@ from cross_checks.engines.mujoco_.build import METHODS, add_loads, at_start, spe
 from cross_checks.engines.mujoco_.contact import add_pairs, effective_mass
 from cross_checks.engines.mujoco_.forces import Callback, force_refusals, shared_forces, takes_shared_forces
 from cross_checks.linkage.forces import LOCATED
-from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
+from cross_checks.linkage.links import Linkage, closure_refusals, held_coordinates, linkage_of
 from cross_checks.linkage.surfaces import friction_refusals
 from mbs_ref import Scene
 from mbs_ref.scene.contact import Friction, RegularisedCoulomb, SpringDamperLaw
-from mbs_ref.scene.joints import Drive
+from mbs_ref.scene.joints import CoordinateDrive, Drive
 from mbs_ref.scene.signals import Constant, piece_at
 
 STOCK_SOLREF, STOCK_SOLIMP = (0.02, 1.0), (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's defaults, pinned
@@ -48,13 +48,16 @@ class OwnContact(MuJoCo):
         fixed(name, None, "semi-implicit Euler with MuJoCo's own contacts", requires=frozenset({"contact"}))
         for name in OPTIONS
     )
-    extra: ClassVar[frozenset[str]] = frozenset(part.model_fields["type"].default for part in LOCATED)
+    extra: ClassVar[frozenset[str]] = frozenset(
+        part.model_fields["type"].default for part in (*LOCATED, CoordinateDrive)
+    )
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         bare, _ = _without_contacts(scene)
         reasons = closure_refusals(self.name, scene, self.closes) + force_refusals(bare)
         reasons += [Refusal(why, False) for one in scene.contacts for why in friction_refusals(self.name, one)]
-        if any(isinstance(joint, Drive) for joint in scene.joints):
+        held = held_coordinates(scene)
+        if any(isinstance(joint, Drive) and joint not in held for joint in scene.joints):
             reasons.append(Refusal("MuJoCo prescribes motions of mocap bodies alone, which contacts see at rest", True))
         return reasons
 

@@ -101,6 +101,19 @@ DAMPING_RATIOS = (1e-9, 1e3)  # between which rebounds from 1 - 1e-8 to 2.5e-7 l
 NOMINAL_SPEED = 1.0  # m/s, at which a law that is not linear is translated
 STEPS_OF_IMPACT = 10  # that a rigid impact lasts, the fewest that resolve it
 
+
+def rebound_of(law: ContactLaw, mass: float) -> float:
+    """Return the restitution of a law, or that of a free impact at NOMINAL_SPEED of an effective mass (kg)."""
+    rebound = getattr(law, "restitution", None)
+    return impact(law, mass, NOMINAL_SPEED).restitution if rebound is None else rebound
+
+
+def refused_of_rigid(request: Request) -> dict[str, Refused]:
+    """Return the figures that a rigid contact has not."""
+    soft = (DURATION, PENETRATION, *((SINK,) if request.friction else ()))
+    return {label: Refused(0.0, "contacts are rigid: a step ends the impact") for label in soft}
+
+
 type Release = Literal["gap", "force"]
 
 

@@ -15,7 +15,18 @@ from cross_checks.engine import Refusal
 from mbs_ref import scene as parts
 from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
-from mbs_ref.scene.joints import Cylindrical, Distance, PointOnPlane, Prismatic, Revolute, Spherical, Universal, Weld
+from mbs_ref.scene.joints import (
+    CoordinateDrive,
+    Cylindrical,
+    Distance,
+    PointOnPlane,
+    Prismatic,
+    Revolute,
+    Spherical,
+    Universal,
+    Weld,
+)
+from mbs_ref.scene.signals import Constant
 
 FIXED = -1  # the index of ground
 Holding = Revolute | Prismatic | Weld | Spherical | Universal | Cylindrical | Distance | PointOnPlane
@@ -109,6 +120,7 @@ class Link:
     inertia: np.ndarray  # (3, 3) kg m^2 about the centre of mass, world axes at t = 0
     rates: np.ndarray  # of the coordinates at t = 0; free: velocity, then angular velocity; planar: x, y, turn
     rigid: bool  # has an orientation; a particle that is free only slides
+    held: frozenset[str] = frozenset()  # coordinates of a planar body that drives keep constant, and that are left out
 
     @property
     def freedoms(self) -> list[tuple[str, np.ndarray]]:
@@ -117,8 +129,9 @@ class Link:
         if self.kind == "free":
             return [("free", none)] if self.rigid else [("slide", axis) for axis in np.eye(3)]
         if self.kind == "planar":
-            x, y, z = np.eye(3)
-            return [("slide", x), ("slide", y), *([("turn", z)] if self.rigid else [])]
+            kinds = [("x", "slide"), ("y", "slide"), *([("angle", "turn")] if self.rigid else [])]
+            chain = zip(kinds, np.eye(3), strict=False)
+            return [(kind, axis) for (name, kind), axis in chain if name not in self.held]
         kinds = {"prismatic": ["slide"], "cylindrical": ["slide", "turn"], "ball": ["ball"]}
         axes = [none] if self.kind == "ball" else list(self.axes)
         return list(zip(kinds.get(self.kind, ["turn"] * len(axes)), axes, strict=True))
@@ -271,13 +284,20 @@ def _link(scene: Scene, edge: Edge, spins: dict[int, np.ndarray]) -> Link:
     inertia = _inertia(body)
     if not inertia.any() and kind in ("free", "planar"):
         inertia = body.mass * np.eye(3)  # it never turns, so any inertia will do
+    held = frozenset(drive.coordinate for drive in held_coordinates(scene) if drive.body == body.name)
     link = Link(body.name, edge.body, edge.parent, joint and joint.name, kind, origin, axes, body.mass,
-                centre - origin, inertia, np.zeros(0), True)  # fmt: skip
+                centre - origin, inertia, np.zeros(0), True, held)  # fmt: skip
     sliding, turning = velocity(edge.body) - velocity(edge.parent), spins[edge.body] - spins[edge.parent]
     of_kind = {"slide": lambda a: [a @ sliding], "turn": lambda a: [a @ turning], "ball": lambda _: turning,
                "free": lambda _: [*sliding, *turning]}  # fmt: skip
     rates = [rate for name, axis in link.freedoms for rate in of_kind[name](axis)]
     return Link(**{**vars(link), "rates": np.array(rates, dtype=float), "rigid": not isinstance(body, PointMass)})
+
+
+def held_coordinates(scene: Scene) -> list[CoordinateDrive]:
+    """Return the drives that keep a coordinate of a planar body constant, as a joint that lacks this freedom does."""
+    every = [joint for joint in scene.joints if isinstance(joint, CoordinateDrive) and scene.dimension == 2]
+    return [one for one in every if one.level == "position" and isinstance(one.motion, Constant)]
 
 
 def _kind(scene: Scene, edge: Edge) -> tuple[str, np.ndarray]:

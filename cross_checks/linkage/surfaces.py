@@ -1,7 +1,7 @@
 """The shapes of a contact, for engines with shapes of their own: spheres, half-spaces, boxes and cylinders in space."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy as np
 from cross_checks.linkage.links import Z, lifted
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene.base.part import normals, unit
-from mbs_ref.scene.contact import PinOnSprocket, RollingFriction, RoundPair, SphereOnPlane
+from mbs_ref.scene.contact import PinOnSprocket, RollingFriction, RoundPair, SphereOnPlane, SpringDamperLaw
 
 CORNER = 1e-9  # m, radius of the sphere that stands for a corner
 REACH, THICK = 100.0, 1.0  # m: half length of an endless surface on a body, and depth of a box without a thickness
@@ -84,6 +84,34 @@ def friction_refusals(engine: str, contact) -> list[str]:
         return [f"{where} is given no resistance to rolling here"]
     one = getattr(friction, "static", None) in (None, getattr(friction, "coefficient", None))
     return [] if one else [f"{where} has one coefficient of friction; leave static out"]
+
+
+def body_refusals(engine: str, scene: Scene, bodies: Collection[str]) -> Iterator[str]:
+    """Yield why a scene is refused by an engine where `bodies` have one material each, and all touch by all shapes."""
+    shapes: dict[str, set[str]] = {}
+    if any(isinstance(contact, PinOnSprocket) for contact in scene.contacts):
+        yield f"the gaps between teeth are not convex, and the shapes of {engine} are"
+        return
+    for body in bodies:
+        own = [contact for contact in scene.contacts if body in contact.ends]
+        masses = [0.0 if isinstance(one.law, SpringDamperLaw) else pair_mass(scene, one) for one in own]
+        if len({(repr(c.law), repr(c.friction), mass) for c, mass in zip(own, masses, strict=True)}) > 1:
+            yield f"body {body!r}: {engine} has one law and one friction for all contacts of a body"
+    pairs = {frozenset(_shapes(contact)) for contact in scene.contacts}
+    for body, shape in (one for pair in pairs for one in pair):
+        shapes.setdefault(body, set()).add(shape)
+    for a, b in dict.fromkeys(contact.ends for contact in scene.contacts):
+        if any(frozenset(((a, p), (b, q))) not in pairs for p in shapes[a] for q in shapes[b]):
+            yield f"bodies {a!r} and {b!r}: {engine} has contacts of all their shapes, and not all are declared"
+
+
+def _shapes(contact) -> list[tuple[str, str]]:
+    """Return body and description of both shapes of a contact that is no sprocket's."""
+    balls = [(body, repr((tuple(center), radius))) for body, center, radius in spheres_of(contact)]
+    if isinstance(contact, RoundPair):
+        return balls
+    axes, middle, sides = frame_of(contact)
+    return [*balls, (contact.body_b, repr((axes.tolist(), middle.tolist(), sides, contact.thickness)))]
 
 
 def pair_mass(scene: Scene, contact) -> float:

@@ -10,15 +10,20 @@ def main():
     bullet.setGravity(*problem["gravity"], physicsClientId=world)
     bullet.setTimeStep(problem["step"])
     options = {"numSolverIterations": 1000, "solverResidualThreshold": 0.0, "contactBreakingThreshold": 1e-4}
-    bullet.setPhysicsEngineParameter(**options, enableConeFriction=1, restitutionVelocityThreshold=0.0)
+    options |= {"enableConeFriction": 1, "restitutionVelocityThreshold": 0.0}
+    bullet.setPhysicsEngineParameter(**options, contactSlop=0.0)  # of 10 um, which bodies at rest would sink deeper
     shapes = [[] for _ in problem["bodies"]]
     for one in problem["contacts"]:
         shapes[one["a"]].append((one["radius"], one["center"]))
         if "other" in one and one["b"] >= 0:
             shapes[one["b"]].append((one["other"], one["origin"]))
     bodies = [_body(given, shapes[k]) for k, given in enumerate(problem["bodies"])]
+    fixed = {}  # by body, one for each surface that it touches: several in one place would each press its spheres
     for one in problem["contacts"]:
-        other = bodies[one["b"]] if one["b"] >= 0 else _fixed(one)
+        place = str([one.get(name) for name in ("a", "origin", "axes", "other")])
+        if one["b"] < 0 and place not in fixed:
+            fixed[place] = _fixed(one)
+        other = bodies[one["b"]] if one["b"] >= 0 else fixed[place]
         for body in (bodies[one["a"]], other):
             soft = {"contactStiffness": 2.0 * one["stiffness"], "contactDamping": 0.5 * one["damping"]}
             bullet.changeDynamics(body, -1, lateralFriction=one["friction"] ** 0.5, restitution=0.0, **soft)

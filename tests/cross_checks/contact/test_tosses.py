@@ -1,5 +1,8 @@
 """Measured tosses of a cube: files, fitted flights and laws against SciPy's rotations and integrator."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -124,3 +127,19 @@ def test_a_toss_without_a_free_flight_is_refused():
     toss = tosses.Toss("low", np.zeros((5, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (5, 1)))
     with pytest.raises(ValueError, match="toss low: 0 samples of free flight"):
         tosses.predict([toss], {}, 1e-3)  # before any run
+
+
+def test_a_cube_that_has_come_to_lie_flat_is_not_turned_over():
+    """Toss 139, rigid: a landing as slow as roundoff was aimed at a gap of centimetres."""
+    place, turn, speed, spin = (
+        (-0.25971780772205105, 0.01949275524962467, 0.13247088508848104),
+        (-0.6628739055722792, -0.1094612735183586, -0.7402061757870556, -0.026668937695284785),
+        (1.2186004901432195, -0.3010620845059177, -0.027291638205218904),
+        (0.509131459167883, 3.942711209286701, 0.9405144904546637),
+    )
+    start = Trajectory(np.zeros(1), *(np.array([[x]]) for x in (place, turn, speed, spin)))
+    toss: Any = SimpleNamespace(name="139", position=np.zeros((112, 3)), flight=lambda floor: start)
+    path = tosses._ours(tosses.scene_of(toss, -0.0011523951270738034, laws.RigidLaw(restitution=0.125)), 0)
+    assert isinstance(path, Trajectory), path
+    height = tosses.corners(path.position[60:, 0], path.orientation[60:, 0])[..., 2]
+    assert np.ptp(height, axis=0).max() < 1e-12

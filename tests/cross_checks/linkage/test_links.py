@@ -55,6 +55,17 @@ def test_rates_of_the_links_move_bodies_as_the_scene_says(name):
             assert moments == pytest.approx(np.linalg.eigvalsh(body.inertia_matrix))
 
 
+def test_a_coordinate_that_a_drive_keeps_constant_is_no_freedom():
+    free, held = (scenes.make(name) for name in ("bouncing_ball", "woodpecker"))
+    assert [kind for kind, _ in linkage_of(free).links[0].freedoms] == ["slide", "slide", "turn"]
+    sleeve = linkage_of(held).of_body[held.body_index("sleeve")]
+    assert [(kind, axis.tolist()) for kind, axis in sleeve.freedoms] == [("slide", [0, 1, 0]), ("turn", [0, 0, 1])]
+    assert sleeve.size == len(sleeve.rates) == 2
+    driven = scenes.make("ball_on_driven_seat")  # x and the angle stay, y moves
+    seat = linkage_of(driven).of_body[driven.body_index("seat")]
+    assert [axis.tolist() for _, axis in seat.freedoms] == [[0, 1, 0]]
+
+
 @pytest.mark.parametrize("name", ["slider_crank", "spatial_slider_crank"])
 def test_a_slide_stays_in_the_tree_and_a_shared_point_closes_the_loop(name):
     linkage = linkage_of(scenes.make(name))

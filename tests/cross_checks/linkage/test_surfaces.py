@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.linkage.surfaces import gap_walls
-from mbs_ref.scene import PlanarBody, Scene
+from cross_checks.linkage.surfaces import body_refusals, gap_walls
+from mbs_ref import scenes
+from mbs_ref.scene import GROUND, PlanarBody, Scene
 from mbs_ref.scene.contact import PinOnSprocket, SpringDamperLaw
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -47,3 +48,14 @@ def test_walls_end_at_the_tips_of_the_teeth():
         tip = wall.middle + wall.axes @ (wall.size[0], 0.0, wall.size[2])
         assert np.linalg.norm(tip) == pytest.approx(TIP)
         assert np.linalg.det(wall.axes) == pytest.approx(1.0)
+
+
+def test_shapes_that_would_touch_undeclared_and_two_laws_of_a_body_are_refused():
+    block, stack = scenes.make("sliding_block"), scenes.make("box_stack")
+    assert not list(body_refusals("x", block, (*block.body_names, GROUND)))
+    reasons = list(body_refusals("x", stack, stack.body_names))
+    assert any("'box0' and 'ground'" in why for why in reasons)  # its top and the floor
+    first, *rest = block.contacts
+    soft = first.model_copy(update={"law": SpringDamperLaw(stiffness=1.0)})
+    two = block.model_copy(update={"contacts": (soft, *rest)})
+    assert ["one law" in why for why in body_refusals("x", two, block.body_names)] == [True]
