@@ -128,8 +128,7 @@ def _aim(model, work, t, y, touching, landings):
             drawn = _drawn(model, work, k, touch)
             if not known:
                 landings[i, 0] = np.sqrt(max(touch.closing**2 + 2.0 * drawn * touch.gap, 0.0))
-                if landings[i, 0] > 0.0:  # else no fall from a gap of 0 leads here, and roundoff is what is left of it
-                    landings[i, 1] = -2.0 * touch.gap / (landings[i, 0] - touch.closing)
+                landings[i, 1] = -2.0 * touch.gap / (landings[i, 0] - touch.closing)
             late, slip = landings[i, 1], drawn * landings[i, 1]
             rate = max(laws.restitution[k] * landings[i, 0] - slip, 0.0)
             if abs(slip) > landings[i, 0]:  # it rebounds by less than its gap, which shows no time of landing
