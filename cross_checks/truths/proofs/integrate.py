@@ -18,7 +18,7 @@ from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
-from cross_checks.truths.proofs.taylor import NoConvergence, continued, propose, rescaled
+from cross_checks.truths.proofs.taylor import NoConvergence, continued, propose, rescaled, shifted
 from mbs_ref import Scene
 from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene.scales import scales_of
@@ -26,7 +26,7 @@ from mbs_ref.scene.scales import scales_of
 SAMPLES = 32  # of a step, at which gaps are evaluated
 ITERATIONS = 12  # of Newton's method for the time
 MARGIN = 1.5  # of the time that the box takes to pass, which the window lasts
-DEGREE, DIGITS = 40, 45  # of the polynomials, at least
+DEGREE, DIGITS = 40, 36  # of the polynomials, at least; a step's defect is about SAFETY^-DEGREE
 DIGITS_PROVEN = 20.0  # of a radius, that DEGREE and DIGITS reach in most motions
 SAFETY = 5.5  # radii of convergence in a step
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
@@ -44,7 +44,7 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]], wider: float) 
     Both are hints, which the checker proves.
     """
     n, still = proof.n, np.zeros(proof.n)
-    with precision(proof.bits + 64):
+    with precision(proof.bits + 32):
         p = [[arb((int(c), -proof.bits)) for c in row] for row in rows]
 
         def gap(part: int, s: arb, e: np.ndarray = still) -> list[arb]:
@@ -94,8 +94,9 @@ def prove(
         last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), bound, left, report, ends)
         if ends or last.proof.radius <= aim or "limit" in last.log["reason"]:
             break
-        lost = DIGITS * factor + math.log10(last.proof.radius)  # digits, until the time reached
-        wanted = (lost * times[-1] / last.proof.reached - math.log10(aim)) / DIGITS
+        defect = math.log10(SAFETY) * DEGREE  # digits, times the factor
+        grown = math.log10(last.proof.radius) + defect * factor  # digits, until the time reached
+        wanted = (grown * times[-1] / last.proof.reached - math.log10(aim)) / defect
         factor *= min(MORE_DIGITS[1], max(MORE_DIGITS[0], wanted / factor))
     assert last is not None
     last.log["seconds"] = time.process_time() - began
@@ -140,13 +141,13 @@ def _attempt(
     units = Units(units.length, _power(float(units.time) * radius / SAFETY), units.mass)
     header = _header(scene, times, inputs, bits, units, ends)
     proof = Proof(header)
-    steps, share, unit, p = [], 1.0 / SAFETY, Fraction(1), _constant(proof)
+    steps, share, unit, p, jacobian = [], 1.0 / SAFETY, Fraction(1), _constant(proof), None
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
             reason = "the limit of processor time is reached"
             break
         try:
-            p, radius = propose(proof.formulas, unit, p, degree, bits)
+            p, radius = propose(proof.formulas, unit, p, degree, bits, jacobian)
         except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:
             reason = f"no polynomial: {error}"
             break
@@ -172,7 +173,7 @@ def _attempt(
             break
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
         p = _constant(proof) if window else continued(p, h / unit, [*proof.middle, *proof.z], bits)
-        unit = h
+        unit, jacobian = h, None if window else shifted(proof.jacobian)
         report(float(proof.t * units.time), proof.radius)
         if proof.radius > bound:
             reason = f"the radius exceeds {bound:.1g}"

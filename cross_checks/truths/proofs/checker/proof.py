@@ -35,7 +35,7 @@ class Proof:
 
     def _begin(self, y: list[arb], z: list[arb]) -> None:
         """Begin with balls of y and z."""
-        with precision(self.bits + 64):
+        with precision(self.bits + 32):
             self.middle, self.z = ([x.mid() * 1 for x in values] for values in (y, z))
             self.loose, self.z_box = differences(y, self.middle), differences(z, self.z)
 
@@ -49,7 +49,7 @@ class Proof:
         if not (fits and 0 <= window < 1 and (self.model.contacts or not window)):
             raise Refused("a step has no length, or no polynomial for every coordinate")
         try:
-            with np.errstate(all="ignore"), precision(self.bits + 64):  # what is not finite is refused
+            with np.errstate(all="ignore"), precision(self.bits + 32):  # what is not finite is refused
                 self._step(h, [[arb((int(c), -self.bits)) for c in row] for row in rows], window)
         except (ZeroDivisionError, np.linalg.LinAlgError, FloatingPointError) as error:
             raise Refused(f"a bound is infinite: {error}") from error
@@ -60,6 +60,7 @@ class Proof:
         w = up(self.z_box + differences([row[0] for row in p[n:]], self.z))
         defect, disc = own.defects()
         jacobian, error = own.jacobian(disc)
+        self.jacobian = jacobian
         flow = bounds.variations(jacobian, np.eye(n), np.zeros((ORDER, len(p), n)))
         flow_size, r = size_of(flow), bounds.defects_of(jacobian, error, flow, n)
         inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
@@ -145,5 +146,5 @@ def check(log: dict[str, Any]) -> Proof:
         raise Refused(str(error) or type(error).__name__) from error
     if len(proof.enclosures) < len(proof.times):
         raise Refused(f"the steps end at {proof.reached:g} s, before the last output time")
-    proof.model.compare_energies(proof.enclosures, proof.bits + 64)
+    proof.model.compare_energies(proof.enclosures, proof.bits + 32)
     return proof
