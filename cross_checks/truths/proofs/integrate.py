@@ -1,16 +1,14 @@
 """The prover: it proposes a polynomial for every step and lets the checker's bounds decide; the log has what holds."""
 
-import gzip
-import json
 import math
 import time
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
+from scipy.linalg import pascal
 
 from cross_checks.truths.proofs.checker.bounds import ORDER, Step, variations
 from cross_checks.truths.proofs.checker.formulas import GAMMA, Polynomials, Refused, beside, exact, precision
@@ -18,9 +16,8 @@ from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
-from cross_checks.truths.proofs.taylor import NoConvergence, continued, propose, rescaled, shifted
+from cross_checks.truths.proofs.taylor import NoConvergence, continued, propose, rescaled
 from mbs_ref import Scene
-from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene.scales import scales_of
 
 SAMPLES = 32  # of a step, at which gaps are evaluated
@@ -28,13 +25,14 @@ ITERATIONS = 12  # of Newton's method for the time
 MARGIN = 1.5  # of the time that the box takes to pass, which the window lasts
 DEGREE, DIGITS = 40, 36  # of the polynomials, at least; a step's defect is about SAFETY^-DEGREE
 DIGITS_PROVEN = 20.0  # of a radius, that DEGREE and DIGITS reach in most motions
-SAFETY = 5.5  # radii of convergence in a step
+SAFETY = 5.5  # steps in a radius of convergence
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
 WIDER, WIDENED = 8, 4  # times so much an impact's window in the next attempt; attempts before a shorter step
 HALVINGS = 4  # of a parameter's interval, at most
 ROUGH_BITS = 64  # of the polynomials that state the unit of time
+LATER = pascal(ORDER, "upper")  # times a series of ORDER terms: the series about the end of its unit of time
 FINEST, MORE_DIGITS = 3, (1.1, 2.5)  # attempts at a radius, each with so many times the digits of the last
 
 
@@ -173,7 +171,7 @@ def _attempt(
             break
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
         p = _constant(proof) if window else continued(p, h / unit, [*proof.middle, *proof.z], bits)
-        unit, jacobian = h, None if window else shifted(proof.jacobian)
+        unit, jacobian = h, None if window else np.tensordot(LATER, proof.jacobian, 1)
         report(float(proof.t * units.time), proof.radius)
         if proof.radius > bound:
             reason = f"the radius exceeds {bound:.1g}"
@@ -211,10 +209,3 @@ def _header(
         "scene": scene.model_dump(mode="json"), "inputs": inputs, "bits": bits, "times": list(times),
         "system": derive(whole, READINGS[inputs], units),
     }  # fmt: skip
-
-
-def write_log(log: dict[str, Any], file: Path) -> int:
-    """Write a log as compressed JSON; return its bytes."""
-    data = gzip.compress(json.dumps(log, separators=(",", ":")).encode(), mtime=0)
-    write_atomic(file, data)
-    return len(data)

@@ -1,6 +1,5 @@
 """Taylor polynomials of y' = f(y, z), 0 = g(y, z) by Newton's method: what the prover proposes, unproven."""
 
-import math
 from fractions import Fraction
 from typing import Any
 
@@ -72,12 +71,6 @@ def continued(p: Polynomials, ratio: Fraction, start: list[arb], bits: int) -> P
         later = arb_poly([exact(ratio), exact(ratio)])
         moved = [[c.mid() for c in arb_poly(row)(later).coeffs()] for row in p]
         return [[x, *row[1:], *[arb(0)] * (len(p[0]) - max(1, len(row)))] for x, row in zip(start, moved, strict=True)]
-
-
-def shifted(series: np.ndarray) -> np.ndarray:
-    """Return a series about the end of its unit of time, to as many terms."""
-    count = len(series)
-    return np.tensordot([[math.comb(j, k) for j in range(count)] for k in range(count)], series, 1)
 
 
 def round_to(value: Any, bits: int) -> int:

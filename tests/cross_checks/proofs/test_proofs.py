@@ -25,9 +25,10 @@ from cross_checks.truths.proofs.checker.formulas import Formulas, Refused, preci
 from cross_checks.truths.proofs.checker.impacts import Impacts
 from cross_checks.truths.proofs.checker.mechanics import Mechanics
 from cross_checks.truths.proofs.checker.model import root
-from cross_checks.truths.proofs.checker.proof import Proof, check, read_log
+from cross_checks.truths.proofs.checker.proof import Proof, check
 from cross_checks.truths.proofs.derivation import NotCovered
-from cross_checks.truths.proofs.integrate import prove, prove_family, write_log
+from cross_checks.truths.proofs.integrate import prove, prove_family
+from cross_checks.truths.proofs.log import read_log, write_log
 from cross_checks.truths.proofs.taylor import propose, rescaled
 from cross_checks.truths.truth import Truth
 from mbs_ref import Settings, scenes, simulate

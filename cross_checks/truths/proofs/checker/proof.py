@@ -1,9 +1,6 @@
 """The proof of a log, step by step."""
 
-import gzip
-import json
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,13 +56,12 @@ class Proof:
         basis, x0 = self._new_basis([row[0] for row in p[:n]])
         w = up(self.z_box + differences([row[0] for row in p[n:]], self.z))
         defect, disc = own.defects()
-        jacobian, error = own.jacobian(disc)
-        self.jacobian = jacobian
-        flow = bounds.variations(jacobian, np.eye(n), np.zeros((ORDER, len(p), n)))
-        flow_size, r = size_of(flow), bounds.defects_of(jacobian, error, flow, n)
-        inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
+        self.jacobian, error = own.jacobian(disc)
+        flow = bounds.variations(self.jacobian, np.eye(n), np.zeros((ORDER, len(p), n)))
+        flow_size, r = size_of(flow), bounds.defects_of(self.jacobian, error, flow, n)
+        inverse = inverse_bound(self.jacobian[:, n:, n:], error[n:, n:])
         back = up(inverse_bound(basis[None]) @ inverse_bound(flow[:, :n]))
-        f_z = up(size_of(jacobian[:, :n, n:]) + error[:n, n:])
+        f_z = up(size_of(self.jacobian[:, :n, n:]) + error[:n, n:])
         box = up(x0 * 1.01)
         for _ in range(ITERATIONS):
             turned = up(np.abs(basis) @ box)
@@ -121,17 +117,6 @@ def _moved(s: Fraction, flow: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray
     """Return the basis at a time of the step, and a bound of its rounding."""
     here = np.tensordot(float(s) ** np.arange(ORDER), flow, 1) @ basis
     return here, up(GAMMA * up(size_of(flow) @ np.abs(basis)))
-
-
-def read_log(file: Path) -> dict[str, Any]:
-    """Return the log in a file. Refused where it holds none."""
-    try:
-        log = json.loads(gzip.decompress(file.read_bytes()))
-    except (OSError, EOFError, ValueError) as error:
-        raise Refused(f"{file} holds no log: {error}") from error
-    if not isinstance(log, dict):
-        raise Refused(f"{file} holds no log")
-    return log
 
 
 def check(log: dict[str, Any]) -> Proof:
