@@ -153,7 +153,7 @@ def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     if joint.axis is None or work.parallel:
         return _spherical(work, parent, name, joint)
     base = work.frames[parent]
-    axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
+    axis = work.unit(joint.axis)
     speed = axis @ (work.rate(name)[1] - work.rate(parent)[1])
     own = _turning(base, axis, work.unknowns.motion(work.tape.number(0), speed))
     return _hung(work, parent, name, joint.point, own)
@@ -302,8 +302,7 @@ def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, m
     about = moment - np.cross(work.mark(parent, joint.point), force)
     if getattr(joint, "axis", None) is None:
         return list(about[turning:])
-    axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
-    return [(base.turn @ axis) @ about]
+    return [(base.turn @ work.unit(joint.axis)) @ about]
 
 
 def _leave_rates_to_closures(work: Derivation) -> None:

@@ -33,7 +33,7 @@ from cross_checks.truths.proofs.taylor import propose, rescaled
 from cross_checks.truths.truth import Truth
 from mbs_ref import Settings, scenes, simulate
 from mbs_ref.observables.distance import farthest, relative, unmasked_distances
-from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, SpatialBody, Spherical
+from mbs_ref.scene import GROUND, PlanarBody, Prismatic, Revolute, Scene, SpatialBody, Spherical
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine
 from reports.cli import main
 
@@ -534,7 +534,7 @@ def test_a_family_whose_start_rates_vary_holds_its_members():
 
 
 def _random_tree(dimension: int, seed: int, count: int = 5) -> Any:
-    """Return a tree of bodies that are pinned to random earlier ones; in space by balls or by hinges along axes."""
+    """Return a tree of bodies that are pinned to random earlier ones; in space by balls or by hinges."""
     dice = np.random.default_rng([seed, dimension])
 
     def away() -> np.ndarray:
@@ -553,10 +553,33 @@ def _random_tree(dimension: int, seed: int, count: int = 5) -> Any:
             joints.append(Revolute(**ends))
         else:
             bodies.append(SpatialBody(**place, inertia=(*moments, 0.0, 0.0, 0.0)))
-            hinge = Revolute(**ends, axis=np.eye(3)[dice.integers(3)].tolist())
+            hinge = Revolute(**ends, axis=dice.standard_normal(3).tolist())
             joints.append(hinge if dice.integers(2) else Spherical(**ends))
     gravity = (0.0, -9.81) if dimension == 2 else (0.0, 0.0, -9.81)
     return Scene(name="tree", bodies=tuple(bodies), joints=tuple(joints), gravity=gravity, duration=1.0)
+
+
+@pytest.mark.parametrize("ends", [(GROUND, "a"), ("a", GROUND)])
+def test_a_turning_slide_on_a_slanted_hinge_is_proven(ends):
+    """The hinge's axis has length 1 to rounding alone; the start rates are the scene's rates along both axes."""
+    axis, spin, slide = np.array([0.6, 0.0, 0.8]), 2.0, 0.7  # rad/s, m/s
+    along, at = np.array([0.48, 0.6, -0.64]), np.array([0.3, 0.5, -0.2])
+    turning = {"inertia": (0.1, 0.2, 0.15, 0.0, 0.0, 0.0), "angular_velocity": tuple((spin * axis).tolist())}
+    a, b = (
+        SpatialBody(name=name, mass=1.0, position=tuple(place.tolist()), velocity=tuple(speed.tolist()), **turning)
+        for name, place, speed in (
+            ("a", at, np.cross(spin * axis, at)),
+            ("b", at + along, np.cross(spin * axis, at + along) + slide * along),
+        )
+    )
+    hinge = Revolute(name="hinge", body_a=ends[0], body_b=ends[1], point=(0.0, 0.0, 0.0), axis=tuple(axis.tolist()))
+    slider = Prismatic(name="slider", body_a="a", body_b="b", point=a.position, axis=tuple(along.tolist()))
+    scene = Scene(name="slide", bodies=(a, b), joints=(hinge, slider), gravity=(0.0, 0.0, -9.81), duration=0.2)
+    checked = check(json.loads(json.dumps(prove(scene, TIMES).log)))
+    proof = as_truth(scene, checked.enclosures)
+    run = simulate(scene, Settings(method="dop853", rtol=1e-12), np.array(TIMES))
+    assert checked.radius < 1e-15
+    assert max(farthest(scene, proof, run)[:2]) < 1e-10
 
 
 @pytest.mark.slow
