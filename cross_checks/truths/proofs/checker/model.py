@@ -121,7 +121,7 @@ class Model:
         return y
 
     def _along_axes(self) -> Iterator[tuple[Number, Number]]:
-        """Yield the scene's rates along each joint's axis: of a turn (rad/s), and of a slide divided by the axis's length."""
+        """Yield the scene's rates along each joint's axis: of a turn (rad/s), and of a slide in axes a second."""
         own, bodies = self.mechanics, self.scene.bodies
         rates = [[own.ball(x) for x in _rates(body)] for body in bodies]
         still = rotation([arb(1), arb(0), arb(0), arb(0)]), arb(0)
