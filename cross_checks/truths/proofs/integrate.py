@@ -16,7 +16,7 @@ from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
-from cross_checks.truths.proofs.taylor import NoConvergence, continued, propose, rescaled
+from cross_checks.truths.proofs.taylor import continued, propose, rescaled
 from mbs_ref import Scene
 from mbs_ref.scene.scales import scales_of
 
@@ -132,10 +132,7 @@ def _attempt(
     units = _units(scene)
     header = _header(scene, times, inputs, bits, units, ends)
     proof, reason = Proof(header, compares=False), ""  # for the unit of time alone; the next one compares
-    try:
-        p, radius = propose(proof.formulas, Fraction(1), _constant(proof), ORDER, ROUGH_BITS)
-    except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:
-        raise Refused(f"the accelerations at the start are not determined: {error}") from error
+    _, radius = propose(proof.formulas, Fraction(1), _constant(proof), ORDER, ROUGH_BITS)
     units = Units(units.length, _power(float(units.time) * radius / SAFETY), units.mass)
     header = _header(scene, times, inputs, bits, units, ends)
     proof = Proof(header)
@@ -146,7 +143,7 @@ def _attempt(
             break
         try:
             p, radius = propose(proof.formulas, unit, p, degree, bits, jacobian)
-        except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:
+        except (Refused, ArithmeticError, np.linalg.LinAlgError) as error:
             reason = f"no polynomial: {error}"
             break
         h = _dyadic(min(Fraction(radius * share) * unit, proof.times[-1] - proof.t))

@@ -7,7 +7,7 @@ import numpy as np
 from flint import arb, arb_poly, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.bounds import ORDER, Step, variations
-from cross_checks.truths.proofs.checker.formulas import Formulas, Polynomials, exact, precision, terms
+from cross_checks.truths.proofs.checker.formulas import Formulas, Polynomials, Refused, exact, precision, terms
 
 LAST = 6  # coefficients that state the radius of convergence: series may have gaps
 SLOWEST = 2.0**-4  # 1 / radius of convergence at most, in units of time of the polynomials
@@ -16,17 +16,14 @@ ROUGH = 2.0**-10  # of a correction, above which the Jacobian is computed again
 BEST = 2.0**-40  # of a correction, the least next one that is expected: the Jacobian is in floats
 
 
-class NoConvergence(ArithmeticError):
-    """Newton's method finds no polynomial."""
-
-
 def propose(
     formulas: Formulas, h: Fraction, p: Polynomials, degree: int, bits: int, jacobian: np.ndarray | None = None
 ) -> tuple[Polynomials, float]:  # fmt: skip
     """Return polynomials of y and z in units of time h, from p near them, and their radius of convergence in h.
 
     The start of y is that of p. Each iteration doubles the terms, at most. The radius is the least by the last
-    coefficients of the polynomials and of the Jacobian, whose series near p's is computed unless given.
+    coefficients of the polynomials and of the Jacobian, whose series near p's is computed unless given. Refused where
+    Newton's method does not converge.
     """
     n, last = formulas.n, ROUGH
     jacobian = np.zeros((0, len(p), len(p))) if jacobian is None else jacobian
@@ -48,7 +45,7 @@ def propose(
         last = np.max(np.abs(change) / np.maximum(np.abs(size), 1.0))
         if count > degree and last * max(BEST, min(1.0, last / before)) < 2.0**-bits:
             return p, 1.0 / max(SLOWEST, _growth(jacobian), _growth(size.T))
-    raise NoConvergence("Newton's method finds no polynomial")
+    raise Refused("Newton's method finds no polynomial")
 
 
 def _growth(series: np.ndarray) -> float:

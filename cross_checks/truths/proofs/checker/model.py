@@ -121,15 +121,15 @@ class Model:
         return y
 
     def _along_axes(self) -> Iterator[tuple[Number, Number]]:
-        """Yield the scene's rates along each joint's axis: of a turn (rad/s), and of a slide in axes a second."""
+        """Yield the scene's rates along each joint's axis: of a turn (rad/s) and of a slide (m/s)."""
         own, bodies = self.mechanics, self.scene.bodies
         rates = [[own.ball(x) for x in _rates(body)] for body in bodies]
         still = rotation([arb(1), arb(0), arb(0), arb(0)]), arb(0)
         jets = own.jets([(own.vector(body.position), *still) for body in bodies], rates)
         for joint in (joint for joint in self.scene.joints if getattr(joint, "axis", None)):
             axis, (a, b) = own.vector(joint.axis), ([*rates, STILL][own.index[name]] for name in joint.ends)
-            gap, square = [terms(x, 2)[1] for x in own.gap(jets, joint)], dot(axis, axis)
-            yield dot(axis, minus(b[3:], a[3:])) / square.sqrt(), dot(axis, gap) / square
+            gap, size = [terms(x, 2)[1] for x in own.gap(jets, joint)], dot(axis, axis).sqrt()
+            yield dot(axis, minus(b[3:], a[3:])) / size, dot(axis, gap) / size
 
     def _solved_start(self) -> list[arb]:
         """Return the start of y at the parameter of now; closures decide what is not given."""
