@@ -86,9 +86,8 @@ def prove(
     where the start or the formulas are not the scene's. With `ends`, the whole `family` is enclosed.
     """
     began, last, factor = time.process_time(), None, max(1.0, -math.log10(aim) / DIGITS_PROVEN)
-    for attempt in range(FINEST):
-        left = limit - (time.process_time() - began)
-        bound = aim if attempt < FINEST - 1 else math.inf
+    for attempt in reversed(range(FINEST)):
+        left, bound = limit - (time.process_time() - began), aim if attempt else math.inf
         last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), bound, left, report, ends)
         if ends or last.proof.radius <= aim or "limit" in last.log["reason"]:
             break

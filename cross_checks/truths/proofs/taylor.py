@@ -1,7 +1,6 @@
 """Taylor polynomials of y' = f(y, z), 0 = g(y, z) by Newton's method: what the prover proposes, unproven."""
 
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from flint import arb, arb_poly, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
@@ -58,8 +57,9 @@ def _growth(series: np.ndarray) -> float:
 def rescaled(p: Polynomials, ratio: Fraction, bits: int) -> list[list[int]]:
     """Return the coefficients over 2^bits in another unit of time, `ratio` of the first."""
     with precision(bits + 32):
-        factors = [exact(ratio**k) for k in range(len(p[0]))]
-        return [[round_to(c * factor, bits) for c, factor in zip(row, factors, strict=True)] for row in p]
+        factors = [exact(ratio**k * 2**bits) for k in range(len(p[0]))]
+        pairs = [zip(row, factors, strict=True) for row in p]
+        return [[int((c * factor).mid().floor().unique_fmpz()) for c, factor in own] for own in pairs]
 
 
 def continued(p: Polynomials, ratio: Fraction, start: list[arb], bits: int) -> Polynomials:
@@ -68,8 +68,3 @@ def continued(p: Polynomials, ratio: Fraction, start: list[arb], bits: int) -> P
         later = arb_poly([exact(ratio), exact(ratio)])
         moved = [[c.mid() for c in arb_poly(row)(later).coeffs()] for row in p]
         return [[x, *row[1:], *[arb(0)] * (len(p[0]) - max(1, len(row)))] for x, row in zip(start, moved, strict=True)]
-
-
-def round_to(value: Any, bits: int) -> int:
-    """Return a ball's middle as an integer over 2^bits."""
-    return int((value * arb((1, bits))).mid().floor().unique_fmpz())
