@@ -1,6 +1,7 @@
 """Taylor polynomials of y' = f(y, z), 0 = g(y, z) by Newton's method: what the prover proposes, unproven."""
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from flint import arb, arb_poly, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
@@ -57,9 +58,9 @@ def _growth(series: np.ndarray) -> float:
 def rescaled(p: Polynomials, ratio: Fraction, bits: int) -> list[list[int]]:
     """Return the coefficients over 2^bits in another unit of time, `ratio` of the first."""
     with precision(bits + 32):
-        factors = [exact(ratio**k * 2**bits) for k in range(len(p[0]))]
+        factors: list[Any] = [exact(ratio**k * 2**bits) for k in range(len(p[0]))]
         pairs = [zip(row, factors, strict=True) for row in p]
-        return [[int((c * factor).mid().floor().unique_fmpz()) for c, factor in own] for own in pairs]
+        return [[int((factor * c).mid().floor().unique_fmpz()) for c, factor in own] for own in pairs]
 
 
 def continued(p: Polynomials, ratio: Fraction, start: list[arb], bits: int) -> Polynomials:

@@ -7,6 +7,7 @@ import pytest
 
 from cross_checks.judge.ladder import SAMPLES
 from cross_checks.truths import truth_for
+from cross_checks.truths.of import sky
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene import Scene
@@ -76,6 +77,14 @@ def test_the_car_axis_ends_at_the_published_place_and_keeps_its_constraints():
     assert (truth.kind, truth.uncertainty < 1e-15) == ("proven", True)
     gaps = np.abs(truth.position[-1, 1:].ravel() - CAR_AXIS)
     assert (gaps.argmax(), gaps.max()) == (1, pytest.approx(1.63e-13, rel=0.01))
+
+
+def test_the_published_pleiades_are_at_the_proven_places():
+    scene = scenes.make("pleiades")
+    truth = truth_for(scene, np.linspace(0.0, scene.duration, SAMPLES))
+    assert truth is not None
+    assert truth.kind == "proven"
+    np.testing.assert_allclose(truth.position[-1], np.column_stack((sky.X, sky.Y, np.zeros(7))), rtol=0.0, atol=2e-15)
 
 
 # NASA's atmospheric check cases 4 (an Earth at rest) and 5 (a turning one): altitude at 30 s, ft, of simulations 4, 5,
