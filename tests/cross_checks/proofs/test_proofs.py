@@ -209,6 +209,7 @@ PENDULUM: Any = scenes.make("double_pendulum", angle_1=2.0, angle_2=1.5)
 LOWER = PENDULUM.bodies[1]
 WRONG_SOLVERS = {
     "a mass": _changed(PENDULUM, "bodies", 1, mass=LOWER.mass * (1 + 1e-12)),
+    "a mass rounded down": _changed(PENDULUM, "bodies", 1, mass=math.nextafter(LOWER.mass, 0.0)),
     "an inertia": _changed(PENDULUM, "bodies", 1, inertia=LOWER.inertia * (1 + 1e-12)),
     "no inertia": _changed(PENDULUM, "bodies", 0, inertia=1e-6),
     "a centre": _changed(PENDULUM, "bodies", 1, position=(LOWER.position[0], LOWER.position[1] * (1 + 1e-12))),
