@@ -81,9 +81,8 @@ def torque_free_top(scene: Scene, times: np.ndarray) -> Truth:
     """Body rates by Landau and Lifshitz, sec. 37; the precession of one axis about the momentum by quadrature."""
     body: Any = scene.bodies[0]
     moments = np.array(body.inertia[:3], dtype=np.longdouble)
-    start = rotation_matrices(body.orientation)
-    omega = start.T @ np.array(body.angular_velocity)
-    omega = omega.astype(np.longdouble)
+    start = rotation_matrices(np.array(body.orientation, dtype=np.longdouble))
+    omega = start.T @ np.array(body.angular_velocity, dtype=np.longdouble)
     theta, error = _orientations(moments, omega, start, times)
     error += 2.0 * closed_forms.rounding_error(
         lambda near, few: _orientations(moments, near, start, few)[0], omega, times

@@ -12,9 +12,10 @@ import numpy as np
 
 from cross_checks.truths import EPS, seek_truth, stored_poses
 from cross_checks.truths.proofs.checker.formulas import Refused
-from cross_checks.truths.proofs.checker.proof import check, read_log
+from cross_checks.truths.proofs.checker.proof import check
 from cross_checks.truths.proofs.derivation import NotCovered
-from cross_checks.truths.proofs.integrate import prove, write_log
+from cross_checks.truths.proofs.integrate import prove
+from cross_checks.truths.proofs.log import read_log, write_log
 from cross_checks.truths.truth import NoTruth, Truth, unturned
 from mbs_ref import Scene, scenes
 from mbs_ref.observables.distance import farthest

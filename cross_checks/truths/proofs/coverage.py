@@ -36,8 +36,6 @@ def _reasons(part: Any, places: dict[str, Any]) -> Iterator[tuple[str, bool]]:
     if rod:
         length = part.length or math.dist(part.point_a, part.point_b)
         yield "is not closed at t = 0", abs(length / math.dist(part.point_a, part.point_b) - 1.0) > ROD_GAP
-    if part.type == "revolute" and axis is not None:
-        yield "has an axis that is no coordinate axis, which is not covered", sum(x != 0.0 for x in axis) != 1
     if part.type in (*ENERGETIC, *CONSTANT):
         yield "pulls alone, which is not covered", getattr(part, "tension_only", False)
         yield "is along a body's axes, which is not covered", getattr(part, "frame", "world") == "body"

@@ -1,5 +1,6 @@
 """A scene on its way to formulas: its numbers as rationals, in units of the proof, and what its bodies still need."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -70,13 +71,20 @@ class Derivation:
             return s * (s * c + self.tape.number(b)) + self.tape.number(a)
         return self.tape.number(self.exact(value) / unit)
 
+    def unit(self, direction: Any) -> Vector:
+        """Return a direction of length 1."""
+        axis = self.vector(direction)
+        return axis * self.root(self.tape.number(1) / (axis @ axis))
+
     def root(self, square: Formula) -> Formula:
         """Return the square root of a constant."""
         if square.constant is None:
             raise NotCovered(
                 "the length of a direction or of a spring changes with the parameter, which is not covered"
             )
-        return self.tape.line("root", *square.constant.as_integer_ratio())
+        exact = Fraction(*map(math.isqrt, square.constant.as_integer_ratio()))
+        is_square = exact * exact == square.constant
+        return self.tape.number(exact) if is_square else self.tape.line("root", *square.constant.as_integer_ratio())
 
     def signal(self, signal: Any) -> Formula:
         """Return the value of a signal."""

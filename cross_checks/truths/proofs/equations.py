@@ -153,17 +153,17 @@ def _revolute(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
     if joint.axis is None or work.parallel:
         return _spherical(work, parent, name, joint)
     base = work.frames[parent]
-    axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
+    axis = work.unit(joint.axis)
     speed = axis @ (work.rate(name)[1] - work.rate(parent)[1])
     own = _turning(base, axis, work.unknowns.motion(work.tape.number(0), speed))
     return _hung(work, parent, name, joint.point, own)
 
 
 def _prismatic(work: Derivation, parent: str, name: str, joint: Any) -> Frame:
-    start, axis = work.bodies[name].position, work.vector(joint.axis)
+    start, axis = work.bodies[name].position, work.unit(joint.axis)
     (va, wa), (vb, _) = work.rate(parent), work.rate(name)
     along = axis @ (vb - va - np.cross(wa, work.offset(parent, start)))
-    slide = work.unknowns.motion(work.tape.number(0), along / (axis @ axis))
+    slide = work.unknowns.motion(work.tape.number(0), along)
     base = work.frames[parent]
     return replace(base, place=work.mark(parent, start) + base.along(axis) * slide)
 
@@ -244,16 +244,15 @@ def _drive(work: Derivation, joint: Any) -> None:
     unit, push, still = work.units.length, work.unknowns.dependent(), work.frames[GROUND].place
     if joint.type == "coordinate_drive" and joint.coordinate == "angle":
         work.apply(joint.body, still, still, np.array([zero, zero, push]))
-        speed, size, unit = frame.spin[2], work.tape.number(1), 1
+        speed, unit = frame.spin[2], 1
     else:
         chosen = joint.type == "coordinate_drive"
-        axis = work.vector([float(c == joint.coordinate) for c in "xyz"] if chosen else joint.direction)
+        axis = work.unit([float(c == joint.coordinate) for c in "xyz"] if chosen else joint.direction)
         place = work.mark(joint.body, work.bodies[joint.body].position if chosen else joint.point)
         work.apply(joint.body, place, axis * push)
-        size = work.root(axis @ axis)
         speed = axis @ rate(place)
     level = LEVELS.index(joint.level)
-    wanted = size * work.signal(joint.motion) * (work.units.time**level / unit)
+    wanted = work.signal(joint.motion) * (work.units.time**level / unit)
     own, first = ((wanted.rate, wanted.rate.rate), (wanted, wanted.rate), (zero, wanted))[level]
     work.closing.append(speed - own)
     work.residuals.append(speed.rate - first)
@@ -298,12 +297,11 @@ def _rows(work: Derivation, parent: str, name: str, joint: Any, force: Vector, m
     if joint.type == "weld":
         return []
     if joint.type == "prismatic":
-        return [(base.turn @ work.vector(joint.axis)) @ force]
+        return [(base.turn @ work.unit(joint.axis)) @ force]
     about = moment - np.cross(work.mark(parent, joint.point), force)
     if getattr(joint, "axis", None) is None:
         return list(about[turning:])
-    axis = work.vector([float(x > 0) - float(x < 0) for x in joint.axis])
-    return [(base.turn @ axis) @ about]
+    return [(base.turn @ work.unit(joint.axis)) @ about]
 
 
 def _leave_rates_to_closures(work: Derivation) -> None:

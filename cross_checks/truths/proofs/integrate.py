@@ -1,16 +1,14 @@
 """The prover: it proposes a polynomial for every step and lets the checker's bounds decide; the log has what holds."""
 
-import gzip
-import json
 import math
 import time
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb  # pyright: ignore[reportMissingImports]  # an optional extra
+from scipy.linalg import pascal
 
 from cross_checks.truths.proofs.checker.bounds import ORDER, Step, variations
 from cross_checks.truths.proofs.checker.formulas import GAMMA, Polynomials, Refused, beside, exact, precision
@@ -18,23 +16,23 @@ from cross_checks.truths.proofs.checker.proof import Proof
 from cross_checks.truths.proofs.derivation import READINGS, Units
 from cross_checks.truths.proofs.equations import derive
 from cross_checks.truths.proofs.family import family
-from cross_checks.truths.proofs.taylor import NoConvergence, continued, propose, rescaled
+from cross_checks.truths.proofs.taylor import continued, propose, rescaled
 from mbs_ref import Scene
-from mbs_ref.atomic_file import write_atomic
 from mbs_ref.scene.scales import scales_of
 
 SAMPLES = 32  # of a step, at which gaps are evaluated
 ITERATIONS = 12  # of Newton's method for the time
 MARGIN = 1.5  # of the time that the box takes to pass, which the window lasts
-DEGREE, DIGITS = 40, 45  # of the polynomials, at least
+DEGREE, DIGITS = 40, 36  # of the polynomials, at least; a step's defect is about SAFETY^-DEGREE
 DIGITS_PROVEN = 20.0  # of a radius, that DEGREE and DIGITS reach in most motions
-SAFETY = 5.5  # radii of convergence in a step
+SAFETY = 5.5  # steps in a radius of convergence
 SHORTER, ATTEMPTS = Fraction(5, 7), 12  # a step that is not proven is tried again so much shorter, so often
 SHORTEST = Fraction(1, 1 << 16)  # of the duration: a step below which no shorter one is tried
 LONGER = 1.05  # how much longer a step may be than the last proven one, of the radius of convergence
 WIDER, WIDENED = 8, 4  # times so much an impact's window in the next attempt; attempts before a shorter step
 HALVINGS = 4  # of a parameter's interval, at most
 ROUGH_BITS = 64  # of the polynomials that state the unit of time
+LATER = pascal(ORDER, "upper")  # times a series of ORDER terms: the series about the end of its unit of time
 FINEST, MORE_DIGITS = 3, (1.1, 2.5)  # attempts at a radius, each with so many times the digits of the last
 
 
@@ -44,7 +42,7 @@ def first_touch(proof: Proof, h: Fraction, rows: list[list[int]], wider: float) 
     Both are hints, which the checker proves.
     """
     n, still = proof.n, np.zeros(proof.n)
-    with precision(proof.bits + 64):
+    with precision(proof.bits + 32):
         p = [[arb((int(c), -proof.bits)) for c in row] for row in rows]
 
         def gap(part: int, s: arb, e: np.ndarray = still) -> list[arb]:
@@ -88,14 +86,14 @@ def prove(
     where the start or the formulas are not the scene's. With `ends`, the whole `family` is enclosed.
     """
     began, last, factor = time.process_time(), None, max(1.0, -math.log10(aim) / DIGITS_PROVEN)
-    for attempt in range(FINEST):
-        left = limit - (time.process_time() - began)
-        bound = aim if attempt < FINEST - 1 else math.inf
+    for attempt in reversed(range(FINEST)):
+        left, bound = limit - (time.process_time() - began), aim if attempt else math.inf
         last = _attempt(scene, times, inputs, int(DEGREE * factor), int(DIGITS * factor), bound, left, report, ends)
         if ends or last.proof.radius <= aim or "limit" in last.log["reason"]:
             break
-        lost = DIGITS * factor + math.log10(last.proof.radius)  # digits, until the time reached
-        wanted = (lost * times[-1] / last.proof.reached - math.log10(aim)) / DIGITS
+        defect = math.log10(SAFETY) * DEGREE  # digits, times the factor
+        grown = math.log10(last.proof.radius) + defect * factor  # digits, until the time reached
+        wanted = (grown * times[-1] / last.proof.reached - math.log10(aim)) / defect
         factor *= min(MORE_DIGITS[1], max(MORE_DIGITS[0], wanted / factor))
     assert last is not None
     last.log["seconds"] = time.process_time() - began
@@ -133,21 +131,18 @@ def _attempt(
     units = _units(scene)
     header = _header(scene, times, inputs, bits, units, ends)
     proof, reason = Proof(header, compares=False), ""  # for the unit of time alone; the next one compares
-    try:
-        p, radius = propose(proof.formulas, Fraction(1), _constant(proof), ORDER, ROUGH_BITS)
-    except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:
-        raise Refused(f"the accelerations at the start are not determined: {error}") from error
+    _, radius = propose(proof.formulas, Fraction(1), _constant(proof), ORDER, ROUGH_BITS)
     units = Units(units.length, _power(float(units.time) * radius / SAFETY), units.mass)
     header = _header(scene, times, inputs, bits, units, ends)
     proof = Proof(header)
-    steps, share, unit, p = [], 1.0 / SAFETY, Fraction(1), _constant(proof)
+    steps, share, unit, p, jacobian = [], 1.0 / SAFETY, Fraction(1), _constant(proof), None
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
             reason = "the limit of processor time is reached"
             break
         try:
-            p, radius = propose(proof.formulas, unit, p, degree, bits)
-        except (NoConvergence, ZeroDivisionError, np.linalg.LinAlgError) as error:
+            p, radius = propose(proof.formulas, unit, p, degree, bits, jacobian)
+        except (Refused, ArithmeticError, np.linalg.LinAlgError) as error:
             reason = f"no polynomial: {error}"
             break
         h = _dyadic(min(Fraction(radius * share) * unit, proof.times[-1] - proof.t))
@@ -172,7 +167,7 @@ def _attempt(
             break
         steps.append([*h.as_integer_ratio(), own, *(window.as_integer_ratio() if window else ())])
         p = _constant(proof) if window else continued(p, h / unit, [*proof.middle, *proof.z], bits)
-        unit = h
+        unit, jacobian = h, None if window else np.tensordot(LATER, proof.jacobian, 1)
         report(float(proof.t * units.time), proof.radius)
         if proof.radius > bound:
             reason = f"the radius exceeds {bound:.1g}"
@@ -210,10 +205,3 @@ def _header(
         "scene": scene.model_dump(mode="json"), "inputs": inputs, "bits": bits, "times": list(times),
         "system": derive(whole, READINGS[inputs], units),
     }  # fmt: skip
-
-
-def write_log(log: dict[str, Any], file: Path) -> int:
-    """Write a log as compressed JSON; return its bytes."""
-    data = gzip.compress(json.dumps(log, separators=(",", ":")).encode(), mtime=0)
-    write_atomic(file, data)
-    return len(data)

@@ -55,7 +55,8 @@ def command(
     assert scene is not None
     from cross_checks.truths.proofs.checker.formulas import Refused
     from cross_checks.truths.proofs.derivation import NotCovered
-    from cross_checks.truths.proofs.integrate import prove, prove_family, write_log
+    from cross_checks.truths.proofs.integrate import prove, prove_family
+    from cross_checks.truths.proofs.log import write_log
 
     made = inputs.scene(scene, parameters)
     end = made.duration if t_end is None else t_end
@@ -122,7 +123,8 @@ def need_flint() -> None:
 
 def _check(file: Path, as_json: bool) -> None:
     from cross_checks.truths.proofs.checker.formulas import Refused
-    from cross_checks.truths.proofs.checker.proof import check, read_log
+    from cross_checks.truths.proofs.checker.proof import check
+    from cross_checks.truths.proofs.log import read_log
 
     began = time.process_time()
     try:

@@ -1,7 +1,7 @@
 """A log's formulas beside the scene: start values, and equality with the absolute coordinates."""
 
 import random
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import chain
 from typing import Any
@@ -10,7 +10,7 @@ import numpy as np
 from flint import arb, arb_mat, arb_series  # pyright: ignore[reportMissingImports]  # an optional extra
 
 from cross_checks.truths.proofs.checker.formulas import Formulas, Number, Refused, above, exact, precision, terms
-from cross_checks.truths.proofs.checker.mechanics import EQUAL, Mechanics, rotation
+from cross_checks.truths.proofs.checker.mechanics import EQUAL, STILL, Mechanics, dot, minus, rotation
 from cross_checks.truths.proofs.coverage import DRIVES, PAIRS
 from cross_checks.truths.proofs.family import family
 from mbs_ref import Scene
@@ -109,6 +109,8 @@ class Model:
         rates = [*{(x, getattr(x, "ends", ())): ball(x) for body in bodies for x in _rates(body)}.values(), arb(0)]
         allowed = [(a - b) * unit for a in rates for b in rates for unit in (time, time / length)]
         allowed += [ball(x) / length for body in bodies for x in body.position] + [arb(1)]
+        along = [(turn * time, slide * time / length) for turn, slide in self._along_axes()]
+        allowed += [sign * x for both in along for x in both for sign in (1, -1)]
         y = self._solved_start()
         for k, place in enumerate(self.starts):
             if place is not None and k != self.free and min(above(y[k] - right) for right in allowed) > EQUAL:
@@ -117,6 +119,17 @@ class Model:
         if any(above(row) > EQUAL for row in self._closures(y)):
             raise Refused("the start rates do not fulfil the closures")
         return y
+
+    def _along_axes(self) -> Iterator[tuple[Number, Number]]:
+        """Yield the scene's rates along each joint's axis: of a turn (rad/s) and of a slide (m/s)."""
+        own, bodies = self.mechanics, self.scene.bodies
+        rates = [[own.ball(x) for x in _rates(body)] for body in bodies]
+        still = rotation([arb(1), arb(0), arb(0), arb(0)]), arb(0)
+        jets = own.jets([(own.vector(body.position), *still) for body in bodies], rates)
+        for joint in (joint for joint in self.scene.joints if getattr(joint, "axis", None)):
+            axis, (a, b) = own.vector(joint.axis), ([*rates, STILL][own.index[name]] for name in joint.ends)
+            gap, size = [terms(x, 2)[1] for x in own.gap(jets, joint)], dot(axis, axis).sqrt()
+            yield dot(axis, minus(b[3:], a[3:])) / size, dot(axis, gap) / size
 
     def _solved_start(self) -> list[arb]:
         """Return the start of y at the parameter of now; closures decide what is not given."""

@@ -1,9 +1,6 @@
 """The proof of a log, step by step."""
 
-import gzip
-import json
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,7 +32,7 @@ class Proof:
 
     def _begin(self, y: list[arb], z: list[arb]) -> None:
         """Begin with balls of y and z."""
-        with precision(self.bits + 64):
+        with precision(self.bits + 32):
             self.middle, self.z = ([x.mid() * 1 for x in values] for values in (y, z))
             self.loose, self.z_box = differences(y, self.middle), differences(z, self.z)
 
@@ -49,7 +46,7 @@ class Proof:
         if not (fits and 0 <= window < 1 and (self.model.contacts or not window)):
             raise Refused("a step has no length, or no polynomial for every coordinate")
         try:
-            with np.errstate(all="ignore"), precision(self.bits + 64):  # what is not finite is refused
+            with np.errstate(all="ignore"), precision(self.bits + 32):  # what is not finite is refused
                 self._step(h, [[arb((int(c), -self.bits)) for c in row] for row in rows], window)
         except (ZeroDivisionError, np.linalg.LinAlgError, FloatingPointError) as error:
             raise Refused(f"a bound is infinite: {error}") from error
@@ -59,12 +56,12 @@ class Proof:
         basis, x0 = self._new_basis([row[0] for row in p[:n]])
         w = up(self.z_box + differences([row[0] for row in p[n:]], self.z))
         defect, disc = own.defects()
-        jacobian, error = own.jacobian(disc)
-        flow = bounds.variations(jacobian, np.eye(n), np.zeros((ORDER, len(p), n)))
-        flow_size, r = size_of(flow), bounds.defects_of(jacobian, error, flow, n)
-        inverse = inverse_bound(jacobian[:, n:, n:], error[n:, n:])
+        self.jacobian, error = own.jacobian(disc)
+        flow = bounds.variations(self.jacobian, np.eye(n), np.zeros((ORDER, len(p), n)))
+        flow_size, r = size_of(flow), bounds.defects_of(self.jacobian, error, flow, n)
+        inverse = inverse_bound(self.jacobian[:, n:, n:], error[n:, n:])
         back = up(inverse_bound(basis[None]) @ inverse_bound(flow[:, :n]))
-        f_z = up(size_of(jacobian[:, :n, n:]) + error[:n, n:])
+        f_z = up(size_of(self.jacobian[:, :n, n:]) + error[:n, n:])
         box = up(x0 * 1.01)
         for _ in range(ITERATIONS):
             turned = up(np.abs(basis) @ box)
@@ -122,17 +119,6 @@ def _moved(s: Fraction, flow: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray
     return here, up(GAMMA * up(size_of(flow) @ np.abs(basis)))
 
 
-def read_log(file: Path) -> dict[str, Any]:
-    """Return the log in a file. Refused where it holds none."""
-    try:
-        log = json.loads(gzip.decompress(file.read_bytes()))
-    except (OSError, EOFError, ValueError) as error:
-        raise Refused(f"{file} holds no log: {error}") from error
-    if not isinstance(log, dict):
-        raise Refused(f"{file} holds no log")
-    return log
-
-
 def check(log: dict[str, Any]) -> Proof:
     """Return the proof that a log holds. Refused where it is not a proof of what it states."""
     try:
@@ -145,5 +131,5 @@ def check(log: dict[str, Any]) -> Proof:
         raise Refused(str(error) or type(error).__name__) from error
     if len(proof.enclosures) < len(proof.times):
         raise Refused(f"the steps end at {proof.reached:g} s, before the last output time")
-    proof.model.compare_energies(proof.enclosures, proof.bits + 64)
+    proof.model.compare_energies(proof.enclosures, proof.bits + 32)
     return proof
