@@ -7,8 +7,9 @@ order to 1, and 10 if errors are proportional to the tolerance (ibid., sec. II.4
 added to d, since no refinement removes it. Two runs cannot confirm asymptotic convergence, so the estimate is
 multiplied by SAFETY. An error can pass through zero by chance, so the estimate is the running maximum over time.
 Of fixed steps a third run, with twice the step, shows k, and a fourth with a quarter of it where k is much smaller than
-the order means. Where differences do not decrease, the estimate is the size of the motion. So it is for all methods
-beyond the time until which digits hold, unless the further runs confirm the order.
+the order means, or far larger: between two events that are closer than a step, halved steps may be the same. Where
+differences do not decrease, the estimate is the size of the motion. So it is for all methods beyond the time until
+which digits hold, unless the further runs confirm the order.
 
 Proportionality to the tolerance requires a constant order. For methods of variable order the companion's tolerance is
 two decades tighter, and the estimate is at least that tolerance. For methods that accept steps with an error beyond the
@@ -249,12 +250,14 @@ def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Com
         return half._replace(status=double.status)
     shown = _shrinkage(double.other.gaps, gaps, floor)
     is_coarser = double.has_ended and double.other.run.counts.steps < MIN_COARSENING * run.counts.steps
-    if not is_coarser or np.min(shown) < math.sqrt(nominal):
+    fastest = np.max(shown[double.other.gaps[: len(shown)] > floor], initial=0.0)
+    if not is_coarser or np.min(shown) < math.sqrt(nominal) or fastest > 4.0**plan.integrator.order:
         quarter = _rerun(system, plan, run.states[0], run.times, 4)
         if quarter.status is Status.INTERRUPTED:
             return half._replace(status=quarter.status)
         later, _ = _distance(system, finer.times, system.poses(finer.states), quarter.states)
         shown = _shrinkage(gaps, later, floor)
+        gaps = np.fmax(gaps[: len(later)], later[: len(gaps)])
     shown = np.minimum(shown, nominal)
     factor = _richardson(np.fmax(shown, 1.0 + EPS))
     bounds, count = half.bounds.copy(), len(shown)

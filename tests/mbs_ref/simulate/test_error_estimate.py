@@ -255,6 +255,14 @@ def test_a_pulse_of_a_users_force_between_the_steps_is_noted(width, notes):
     assert len([note for note in path.notes if "'push'" in note and "which no step resolves" in note]) == notes
 
 
+@pytest.mark.parametrize("step", [0.012, 0.016, 0.02, 0.02415, 0.03])
+def test_steps_longer_than_a_contact_have_no_smaller_estimate_than_error(step):
+    """A contact of 10 ms is one step, of any step's half, too: two runs are alike and wrong."""
+    scene = scenes.make("disc_between_walls")
+    run = simulate(scene, Settings(method="radau", step=step, t_end=1.16, samples=21))
+    assert error(scene, run) <= of(run).value
+
+
 @pytest.mark.parametrize(("method", "step"), [("rk4", 1e-2), ("rk4", 3e-3), ("euler", 1e-3)])
 @pytest.mark.parametrize("sideways", [0.2, 0.1])
 def test_fixed_steps_past_a_close_encounter_have_no_smaller_estimate_than_error(method, step, sideways):
