@@ -190,7 +190,7 @@ class System(ABC):
         return None
 
     def spread_events(self, factor: float, lag: float = 0.0) -> None:
-        """Locate events `factor` times as far beyond their roots, and again `lag` times where a contact is let go."""
+        """Locate events `factor` times as far beyond their roots, and again `lag` times where a held contact opens."""
         return None
 
     @property

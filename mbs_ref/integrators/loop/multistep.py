@@ -46,7 +46,7 @@ def beyond_remainders(advance: leg.Advance) -> leg.Advance:
     """Return the driver of a leg that locates events as far beyond their roots as what its iterations leave.
 
     Only where constraints hold contacts. Those open without speed, and errors of the steps that follow would close them
-    again, hundreds of times: they may do so by the tolerance, until the gap has once been as wide.
+    again, hundreds of times. They therefore close only beyond the tolerance, until the gap has once been as wide.
     """
 
     @wraps(advance)

@@ -65,7 +65,7 @@ class ContactModes(NamedTuple):
     burst: Annotated[Ints, "k"]  # events since then without a pause
     # m, m/s: the gap and its rate that the row of a closed constraint contact imposes; 0 outside of impacts
     lead: Annotated[Floats, "k", 2]
-    # `noise`s beyond its root that the gap of a contact no longer held must be, until it has once been as wide
+    # in `noise`: how far beyond its root the gap of a contact that was held must be, until it has once been as wide
     lag: Annotated[Floats, "k"]
     first_lag: Annotated[Floats, 1]  # its value where a contact opens; 0 of one-step methods
     roots: Annotated[Ints, 1]  # event functions watched; 0 without contacts and in the plain mode
