@@ -147,6 +147,7 @@ class _Ida:
             self._call("IDASetNonlinConvCoef", NEWTON_OF_EVENTS)
         self._call("IDASetMaxNumSteps", options.max_steps)
         self._call("IDASetMaxStep", leg.longest)
+        self._call("IDASetInitStep", self._first_step(leg))
         self._call("IDASetLinearSolver", objects.solver, objects.matrix)
         self._call("IDASetDeltaCjLSetup", CJ_CHANGE)
 
@@ -174,6 +175,17 @@ class _Ida:
         force = largest_balance(self.system.model, self.system.work, t0, y, self.dae.lam, self.dae.balance)
         heaviest = _heaviest(self.system) * float(options.units[self.system.n_positions]) / options.time  # m L / T^2
         return MULTIPLIER_SHARE * max(heaviest, force)
+
+    def _first_step(self, leg: MultistepLeg) -> float:
+        """Return LSODE's first step (s), about rtol^(1/2) over the largest relative rate.
+
+        IDA's own of rtol/2 over that rate moves the state by no more than what Newton leaves of it.
+
+        Source: A. C. Hindmarsh, ODEPACK, in Scientific Computing (1983) 55-64, subroutine DLSODE, block C.
+        """
+        n, rtol = self.n_state, leg.options.rtol
+        rate = np.sqrt(np.mean((self.rate[:n] / (rtol * abs(self.x[:n]) + self.atol[:n])) ** 2))
+        return 1.0 / float(np.sqrt(1.0 / (rtol * (leg.times[-1] - self.t) ** 2) + rtol * rate**2))
 
     def _call(self, name: str, *given: Any) -> None:
         flag = getattr(self.library, name)(self.memory, *given)
