@@ -1,4 +1,4 @@
-"""Chromium without a window: it draws a page as a picture, or prints it."""
+"""Chromium without a window: it draws a page as a picture, prints it, or returns it with its plots drawn."""
 
 import shutil
 import subprocess
@@ -20,12 +20,18 @@ def drawn(address: str, option: str, *options: str) -> bytes:
 
     FileNotFoundError where no browser is installed.
     """
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "drawn.png"  # a screenshot has to end so, a print may
+        loaded(address, *options, f"{option}={target}")
+        return target.read_bytes()
+
+
+def loaded(address: str, *options: str) -> bytes:
+    """Return what a browser prints once it has drawn a page; FileNotFoundError where no browser is installed."""
     program = browser()
     if program is None:
         raise FileNotFoundError(f"no browser is installed; this needs one of {', '.join(BROWSERS)}")
     with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "drawn.png"  # a screenshot has to end so, a print may
         fixed = ("--headless", "--no-sandbox", "--hide-scrollbars", f"--user-data-dir={folder}/profile")
-        shown = (f"--virtual-time-budget={LOADING_MS}", *options, f"{option}={target}")
-        subprocess.run([program, *fixed, *shown, address], check=True, capture_output=True, timeout=PATIENCE)
-        return target.read_bytes()
+        shown = (*fixed, f"--virtual-time-budget={LOADING_MS}", *options, address)
+        return subprocess.run([program, *shown], check=True, capture_output=True, timeout=PATIENCE).stdout

@@ -1,6 +1,8 @@
 """Build the report: query the store, compute what is missing, render and write the files; each whole or not at all."""
 
-from collections.abc import Callable, Generator, Sequence
+import re
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -9,12 +11,14 @@ from time import monotonic
 from cross_checks.records.lines import adapter
 from mbs_ref.atomic_file import write_atomic
 from reports.facts.report_data import ReportData
-from reports.page.browser import drawn
+from reports.page.browser import drawn, loaded
 from reports.page.files import document, jsonl, record_columns
 from reports.page.render import ALL, INDEX, render, single
 from reports.poses_file import csv_table
 
 HTML = "html"
+SCRIPTED = re.compile(rb"<(script|template|noscript)\b.*?</\1>", re.DOTALL)
+LINK = re.compile(rb'href="([^"/:#]+\.html)(?:#[^"]*)?"')  # to another page, which is in the same file
 PATIENCE = 10.0  # s between two pages at least
 LEAST_APART = 20.0  # times the time that writing a page took: writing takes 5 % of the time at most
 
@@ -63,20 +67,34 @@ def publish(data: ReportData, out_dir: Path, form: str = HTML) -> Path:
     return out_dir / (INDEX if form == HTML else next(iter(contents)))
 
 
-def _pdf(data: ReportData) -> bytes:
-    """Return every page in print."""
+@contextmanager
+def _address(data: ReportData) -> Iterator[str]:
+    """Yield the address of one file that shows every page."""
     with TemporaryDirectory() as folder:
         page = Path(folder) / "page.html"
         page.write_bytes(single(data))
-        return drawn(f"{page.as_uri()}#{ALL}", "--print-to-pdf", "--no-pdf-header-footer")
+        yield f"{page.as_uri()}#{ALL}"
+
+
+def _pdf(data: ReportData) -> bytes:
+    """Return every page in print."""
+    with _address(data) as address:
+        return drawn(address, "--print-to-pdf", "--no-pdf-header-footer")
+
+
+def _static(data: ReportData) -> bytes:
+    """Return every page as it is drawn, without scripts and, as in print, without what needs them."""
+    with _address(data) as address:
+        page = SCRIPTED.sub(b"", loaded(address, "--dump-dom", "--window-size=1400,1000"))
+    return LINK.sub(rb'href="#\1"', page.replace(b"@media print", b"@media all"))
 
 
 MARKDOWN = {"report.md": partial(document, template="report.md")}
 TABLE = {"records.csv": lambda data: csv_table(record_columns(data.records)).encode()}
 FORMS: dict[str, dict[str, Callable[[ReportData], bytes]]] = {  # each with the files beside the pages, or alone
     HTML: {"records.jsonl": lambda data: jsonl(data.records), **TABLE, **MARKDOWN},
-    "single": {"report.html": single}, "pdf": {"report.pdf": _pdf}, "md": MARKDOWN, "csv": TABLE,
-    "latex": {"report.tex": partial(document, template="report.tex.j2")},
+    "single": {"report.html": single}, "static": {"static.html": _static}, "pdf": {"report.pdf": _pdf},
+    "md": MARKDOWN, "csv": TABLE, "latex": {"report.tex": partial(document, template="report.tex.j2")},
 }  # fmt: skip
 
 

@@ -15,8 +15,9 @@ from reports.query import SCHEDULER, cluster
 from reports.terminal.console import Incomplete, progress
 
 EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` wrote, whole or in parts
-FORMS = ("html", "single", "md", "latex", "pdf", "csv")
-FORM_HELP = "html: pages; single: one HTML file to mail; the others are one file, too."
+FORMS = ("html", "single", "static", "md", "latex", "pdf", "csv")
+DRAWN = ("static", "pdf")  # by a browser
+FORM_HELP = "html: pages; the others are one file. single: interactive, to mail; static: the same without scripts."
 TARGET = click.Choice([short(target) for target in TARGETS])
 
 
@@ -47,8 +48,8 @@ def command(
     from reports.page.build import publish, write_report
 
     errors = [float(target) for target in targets]
-    if form == "pdf" and browser() is None:
-        raise click.UsageError(f"--format pdf prints by a browser; install one of {', '.join(BROWSERS)}")
+    if form in DRAWN and browser() is None:
+        raise click.UsageError(f"--format {form} is drawn by a browser; install one of {', '.join(BROWSERS)}")
     if render_only:
         data = last_report(folder)
         labels = [label for scene in scenes for label in chosen(data, scene)]

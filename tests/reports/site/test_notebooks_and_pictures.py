@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import re
+import subprocess
 from html import unescape
 from pathlib import Path
 from types import SimpleNamespace
@@ -129,10 +130,11 @@ def test_a_browser_draws_a_page_into_a_file_of_its_own(monkeypatch, tmp_path):
     """A print of a report is of its single file, with every page shown."""
     asked: list[list[str]] = []
 
-    def run(words: list[str], **more: Any) -> None:
+    def run(words: list[str], **more: Any) -> subprocess.CompletedProcess:
         asked.append(words)
         target = next(word for word in words if word.startswith(("--screenshot=", "--print-to-pdf=")))
         Path(target.partition("=")[2]).write_bytes(b"drawn")
+        return subprocess.CompletedProcess(words, 0, b"printed")
 
     monkeypatch.setattr(browser.shutil, "which", {"google-chrome": "/bin/google-chrome"}.get)
     monkeypatch.setattr(browser.subprocess, "run", run)
@@ -151,7 +153,14 @@ def test_a_browser_draws_a_page_into_a_file_of_its_own(monkeypatch, tmp_path):
     monkeypatch.setattr(build, "drawn", printed)
     file = build.publish(report_data(), tmp_path, "pdf")
     assert (file.name, file.read_bytes()) == ("report.pdf", b"%PDF")
-    assert seen == [(b"whole", ALL, ("--print-to-pdf", "--no-pdf-header-footer"))]
+    assert seen.pop() == (b"whole", ALL, ("--print-to-pdf", "--no-pdf-header-footer"))
+    static = b"""<style>@media print {}</style><svg></svg><a href="scene-a-b=1.html#x"></a><a href="https://a.b/c.html"></a>"""
+    needless = b"<script>1\n</script>", b'<script type="application/json">{}</script>', b"<noscript>no</noscript>"
+    monkeypatch.setattr(build, "loaded", lambda *words: printed(*words)[:0] + static + b"".join(needless))
+    file = build.publish(report_data(), tmp_path, "static")
+    expected = static.replace(b"media print", b"media all").replace(b"scene-a-b=1.html#x", b"#scene-a-b=1.html")
+    assert (file.name, file.read_bytes()) == ("static.html", expected)
+    assert seen == [(b"whole", ALL, ("--dump-dom", "--window-size=1400,1000"))]
     monkeypatch.setattr(browser.shutil, "which", lambda name: None)
     with pytest.raises(FileNotFoundError, match="this needs one of chromium, "):
         browser.drawn("a", "b")
