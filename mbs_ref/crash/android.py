@@ -28,7 +28,7 @@ SOURCE = "Fox 1999 (the mechanism, forces and pulse); parameters and their origi
 _BELTS = read_data("believable")["belts"]
 # what model = "paper" has instead of the defaults, which are those of "believable"
 PAPER: dict[str, Any] = {
-    "slack": 0.0, "belt_limit": 0.0, "stops": False, "body_contacts": False, "toe_board": False,
+    "slack": 0.0, "retractor": 0.0, "belt_limit": 0.0, "stops": False, "body_contacts": False, "toe_board": False,
     "head_restraint": "integral",
 }  # fmt: skip
 Restraint = Literal["integral", "separate", "none"]
@@ -53,6 +53,7 @@ class Crash:
     pulse: Literal["half_sine", "table"] = "half_sine"
     lift: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0  # m
     slack: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = _BELTS["slack"]  # m
+    retractor: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = 0.0  # m
     belt_limit: Annotated[NonNegative, BELIEVABLE_ONLY] = _BELTS["limit"]  # N
     stops: Annotated[bool, BELIEVABLE_ONLY] = True
     body_contacts: Annotated[bool, BELIEVABLE_ONLY] = True
@@ -77,8 +78,9 @@ class Crash:
 PARAMETERS = """peak_force (N) and speed_change_km_h fix a half sine (or its breakpoint table) with impulse m dv; front
 or rear impact; mass (kg) scales masses and inertias; belts, and their stiffness and damping times
 belt_stiffness; contact law, or a constraint in its place; seat fixed with mass-proportional forces, or driven; lift
-(m) off the seat. What the papers' bare model, model = "paper", does not have: slack (m) of both belts; belt_limit (N)
-of the shoulder belt's load limiter, which caps what its strands pull by together (0: none); stops of the joints at a
+(m) off the seat. What the papers' bare model, model = "paper", does not have: slack (m) of both belts;
+retractor (m), the webbing that the shoulder belt's reel pays out until it locks (UNECE R16, 6.2.5.3, permits 0.05);
+belt_limit (N) of its load limiter, which caps what its strands pull by together (0: none); stops of the joints at a
 person's ranges of motion; body_contacts of head, chin, chest, arms and shanks with thighs, chest and seat, by a force
 whatever the law; a toe_board ahead of the feet; and a head_restraint that is separate at a gap behind the head, part of
 the seat back (integral, the papers'), or none."""
@@ -211,26 +213,27 @@ class _Model:
                 point_a=self.places.point(b["anchor_body"], b["anchor_point"]),
                 point_b=self.places.point(b["body"], b["point"]),
                 stiffness=factor * b["k"], damping=factor * b["c"],
-                rest_length=b["rest_length"] + b["slack"] + self.crash.slack, tension_only=True, limit=limit,
+                rest_length=b["rest_length"] + b["slack"] + loose, tension_only=True, limit=limit,
             )
-            for b, factor, limit in strands
+            for b, factor, limit, loose in strands
         ]  # fmt: skip
 
-    def _strand(self, belt: dict[str, Any]) -> tuple[float, float | None]:
-        """Return what a belt's stiffness and damping are times the data's, and its limit (N).
+    def _strand(self, belt: dict[str, Any]) -> tuple[float, float | None, float]:
+        """Return what a belt's stiffness and damping are times the data's, its limit (N) and what is loose of it (m).
 
         The strands of the shoulder belt share its stiffness and its limit: as the data have it, or in the believable
         model with a fixed share for the clavicle, where there is one.
         """
         shoulder = [b for b in self.data["belts"] if b["name"].startswith("thorax")]
         if belt not in shoulder:
-            return self.crash.belt_stiffness, None
+            return self.crash.belt_stiffness, None, self.crash.slack
         total = sum(b["k"] for b in shoulder)
         share = belt["k"] / total
         if self.crash.model == "believable" and len(shoulder) > 1:
             clavicle = self.more["belts"]["clavicle_share"]
             share = clavicle if belt["body"] == "clavicle" else (1.0 - clavicle) / (len(shoulder) - 1)
-        return self.crash.belt_stiffness * share * total / belt["k"], share * self.crash.belt_limit or None
+        loose = self.crash.slack + self.crash.retractor
+        return self.crash.belt_stiffness * share * total / belt["k"], share * self.crash.belt_limit or None, loose
 
     def crash_forces(self) -> list[parts.Load]:
         """m_i a(t) on every part of the android, in the frame of a fixed seat (d'Alembert)."""

@@ -37,6 +37,7 @@ def android_spatial(
     belts: bool = True,
     law: Literal["progressive", "spring_damper"] = "progressive",
     slack: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = Crash.slack,
+    retractor: Annotated[float, Field(ge=0.0, le=0.2), BELIEVABLE_ONLY] = Crash.retractor,
     belt_limit: Annotated[NonNegative, BELIEVABLE_ONLY] = Crash.belt_limit,
     stops: Annotated[bool, BELIEVABLE_ONLY] = Crash.stops,
     body_contacts: Annotated[bool, BELIEVABLE_ONLY] = Crash.body_contacts,
@@ -46,18 +47,18 @@ def android_spatial(
     """Crash the simplified android in space, with ball joints, the pulse coming from straight ahead or obliquely.
 
     oblique (deg, of the pulse, towards the right); peak_force (N) and speed_change_km_h fix a half sine with impulse
-    m dv; front or rear impact; mass (kg) scales masses and inertias; belts; contact law; model, slack, belt_limit,
-    stops, body_contacts, toe_board and head_restraint as in the plane, stops about the plane's axis alone. At
-    oblique = 0 it moves as the planar android does. Left and right limbs are one body each; inertias about x and y and
-    the breadth of limbs and cushions are estimates. From the rear with stops alone: without them the arms turn by more
-    than the 3 rad that a spring in space can measure.
+    m dv; front or rear impact; mass (kg) scales masses and inertias; belts; contact law; model, slack, retractor,
+    belt_limit, stops, body_contacts, toe_board and head_restraint as in the plane, stops about the plane's axis alone.
+    At oblique = 0 it moves as the planar android does. Left and right limbs are one body each; inertias about x and y
+    and the breadth of limbs and cushions are estimates. From the rear with stops alone: without them the arms turn by
+    more than the 3 rad that a spring in space can measure.
     """
     if impact == "rear" and (model == "paper" or not stops):
         raise ValueError("impact = 'rear' needs stops = true: without them the arms turn by more than 3 rad")
     planar = android_simplified(
         model=model, peak_force=peak_force, speed_change_km_h=speed_change_km_h, impact=impact, mass=mass, belts=belts,
-        law=law, slack=slack, belt_limit=belt_limit, stops=stops, body_contacts=body_contacts, toe_board=toe_board,
-        head_restraint=head_restraint,
+        law=law, slack=slack, retractor=retractor, belt_limit=belt_limit, stops=stops, body_contacts=body_contacts,
+        toe_board=toe_board, head_restraint=head_restraint,
     )  # fmt: skip
     ahead = "straight ahead" if impact == "front" else "straight from behind"
     described = f"13 bodies with ball joints, the pulse {oblique:g} degrees off {ahead}. It has no friction."

@@ -75,6 +75,15 @@ def test_the_papers_model_is_the_believable_one_with_less():
         assert scenes.make(name, **bare.parameters) == bare
 
 
+@pytest.mark.parametrize("name", [*NAMES, "android_spatial"])
+def test_a_reel_pays_out_webbing_of_the_shoulder_belt_alone(name):
+    plain, reeled = ({x.name: x for x in scenes.make(name, **given).loads} for given in ({}, {"retractor": 0.05}))
+    for key, belt in plain.items():
+        if key.startswith("belt."):
+            longer = 0.05 if key.startswith("belt.thorax") else 0.0
+            assert reeled[key] == belt.model_copy(update={"rest_length": belt.rest_length + longer})
+
+
 @pytest.mark.parametrize("torque", [60.0, -60.0])
 def test_a_stop_holds_a_known_torque_at_its_limit(torque):
     """A forearm turned by a steady torque comes to rest where the stop's stiffness, and its joint's, say."""
