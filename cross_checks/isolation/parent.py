@@ -174,7 +174,7 @@ class Isolated:
 
     def _launch(self) -> None:
         ours, theirs = socket.socketpair()
-        with theirs:
+        with ours, theirs:
             command = [self.python, "-m", "cross_checks.isolation.child", str(theirs.fileno()), str(self.memory)]
             paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
             threads = dict.fromkeys(THREADS, str(self.threads))
@@ -183,7 +183,7 @@ class Isolated:
                 command, env=os.environ | threads | around, pass_fds=(theirs.fileno(),),
                 stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             )  # fmt: skip
-        self._pipe = Connection(ours.detach())
+            self._pipe = Connection(ours.detach())
 
     def _answer(self, apart: bool, timeout: float, relay: Relay) -> tuple[bool, Any]:
         assert self._child is not None
