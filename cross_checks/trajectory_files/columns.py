@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +39,11 @@ def columns_of(arrays: Mapping[str, np.ndarray], clock: str = "t", only: Only | 
     return _kept(path, [part_of(path, arrays)], clock, only, None)
 
 
+def read_beginning(path: Path, delimiter: str = "", clock: str = "t") -> Columns:
+    """Return the columns of the first part of a file; raises FileError as `read_columns` does."""
+    return _kept(path, islice(parts(path, delimiter), 1), clock, None, None)
+
+
 def read_header(path: Path) -> list[str]:
     """Return the names of a file's columns. Raises FileError."""
     first = next(parts(path), None)
@@ -60,7 +66,7 @@ def _kept(path: Path, every: Iterable[Columns], clock: str, only: Only | None, r
             (part.at(own), places[own], marked[own]) for own, (part, places, marked) in zip(keep, kept, strict=True)
         ]
         if report is not None:
-            report(int(100.0 * part.share), 100, f"% ({total} rows)")
+            report(total, round(total / part.share), "")
     if total == 0:
         raise FileError(f"{path}: {NO_ROWS}")
     first, stride = kept[0][0], 1 if stride == NONE else stride

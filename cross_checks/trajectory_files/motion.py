@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.column_map import AngularVelocity, Body, ColumnMap, Orientation, own_map, read_map
-from cross_checks.trajectory_files.columns import Only, Report, columns_of, read_columns
+from cross_checks.trajectory_files.columns import Only, Report, columns_of, read_beginning, read_columns
 from cross_checks.trajectory_files.formats import Columns, FileError
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.messages import suggest
@@ -216,15 +216,19 @@ def read_motion(
 ) -> Read:  # fmt: skip
     """Read a trajectory of a scene from a file or arrays; only columns named as by `mbs-ref simulate -o` need no map.
 
-    With `at` (s), the rows at those times alone. Raises FileError.
+    With `at` (s), the rows at those times alone. Raises FileError, for columns and map before most rows are read.
     """
     stated = None if map_path is None else read_map(map_path)
     clock, unit = ("t", 1.0) if stated is None else (stated.time.column, units.factor("time", stated.time.unit))
     only: Only | None = None if at is None else (at / unit, SAME_TIME * scene.duration / unit)
-    if isinstance(source, Path):
-        columns = read_columns(source, "" if stated is None else stated.delimiter, clock, only, report)
-    else:
-        columns = columns_of(source, clock, only)
+    if not isinstance(source, Path):
+        return _described(scene, columns_of(source, clock, only), stated)
+    delimiter = "" if stated is None else stated.delimiter
+    _described(scene, read_beginning(source, delimiter, clock), stated)
+    return _described(scene, read_columns(source, delimiter, clock, only, report), stated)
+
+
+def _described(scene: Scene, columns: Columns, stated: ColumnMap | None) -> Read:
     stated = stated or own_map(list(columns.values), list(scene.body_names))
     if stated is None:
         raise FileError(

@@ -58,7 +58,7 @@ def command(
     try:
         if write_map is not None:
             return _begin_map(Path(file), chosen, write_map)
-        with open_runs([chosen], store) as runs, console.progress(f"reading {file}") as report:
+        with open_runs([chosen], store) as runs, console.progress(f"reading rows of {file}") as report:
             if against is None:
                 read = read_motion(Path(file), chosen, map_file, report=report)
                 with console.awaited(f"computing the truth of {chosen.name} at the times of {file}, once"):

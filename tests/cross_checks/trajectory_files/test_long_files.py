@@ -9,7 +9,7 @@ from cross_checks.trajectory_files import columns, formats
 from cross_checks.trajectory_files.columns import read_columns
 from cross_checks.trajectory_files.formats import FileError
 from cross_checks.trajectory_files.judgement import as_truth
-from cross_checks.trajectory_files.motion import in_common
+from cross_checks.trajectory_files.motion import in_common, read_motion
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -75,3 +75,15 @@ def test_two_long_files_are_compared_at_the_times_of_the_shorter(tmp_path):
         ours, truth = as_truth(scene, *in_common(scene, both, lambda done, total, what: None), "other")
         assert 50 >= len(ours.path.times) > 20
         assert np.max(np.abs(ours.path.position - truth.position)) < 1e-7
+
+
+@pytest.mark.parametrize("name", ["tool.csv", "tool.npz"])
+def test_what_the_header_decides_is_stated_before_the_rows_are_read(name, tmp_path):
+    table = spiked()
+    table[-1, 1] = np.nan
+    file = written(tmp_path / name, table)
+    with pytest.raises(FileError, match="its columns are not those that mbs-ref writes of pendulum"):
+        read_motion(file, scenes.make("pendulum"))
+    (tmp_path / "map.toml").write_text('[time]\ncolumn = "t"\nunit = "s"\n[bodies.rob]\n')
+    with pytest.raises(FileError, match="the scene has no such body; did you mean 'bob'"):
+        read_motion(file, scenes.make("pendulum"), tmp_path / "map.toml")
