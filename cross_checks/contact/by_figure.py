@@ -17,7 +17,7 @@ from cross_checks.contact.request import GRAVITY, ContactModel, Request, Transla
 from cross_checks.engine import Engine
 from cross_checks.judge.one_run import checked_run
 from cross_checks.judge.vocabulary import OURS
-from cross_checks.metrics.contact_figures import contact_figures
+from cross_checks.metrics.contact_figures import MANY, contact_figures
 from mbs_ref import Settings, Trajectory, scenes
 from mbs_ref.scene import GROUND, Force, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, StickSlip
@@ -164,15 +164,25 @@ def compare(models: dict[str, ContactModel], cases: dict[str, Scene], step: floa
         for engine, model in models.items():
             for method in [method.name for method in model.engine.methods()] if every else model.compared:
                 key: dict[str, Any] = {"scene": name, "engine": engine, "method": method, "step": step}
-                path = run(model, method, scene, step)
+                times = _times(scene, step)
+                path = run(model, method, scene, step, times)
                 if isinstance(path, str):
                     yield Obtained(**key, reason=path)
                     continue
                 reference = reference or _reference(scene, step)
-                yield from _rows(key, reference, scene, path, run(model, method, scene, 0.5 * step))
+                yield from _rows(
+                    key, reference, scene, path, run(model, method, scene, 0.5 * step, _times(scene, 0.5 * step))
+                )
 
 
 type Reference = dict[str, tuple[float, float | None]]  # by figure: value and uncertainty
+
+
+def _times(scene: Scene, step: float) -> np.ndarray:
+    """Return output times (s): every step, or start and end alone where each figure is one of the end."""
+    ends = all(row[0] in ("last", "slope") for row in _table().get(scene.name, {}).values())
+    counts = np.arange(round(scene.duration / step) + 1)
+    return step * (counts[[0, -1]] if ends and len(scene.contacts) > MANY else counts)
 
 
 def _rows(
@@ -204,7 +214,7 @@ def _reference(scene: Scene, step: float) -> Reference:
     """
     if scene.name == HEAP:
         return _heaps(step)
-    solver, times = engines.get(OURS), step * np.arange(round(scene.duration / step) + 1)
+    solver, times = engines.get(OURS), _times(scene, step)
     common: dict[str, Any] = {"method": "dop853", "reactions": False, "estimate": "off"}
     runs = Settings(rtol=RTOL, atol=RTOL, **common), Settings(rtol=LOOSER, atol=LOOSER, outputs="dense", **common)
     best, other = (figures_of(scene, solver.run(scene, one, times)) for one in runs)
