@@ -66,7 +66,11 @@ def granular_column(
     radii = (GRAIN_RADIUS * (1.0 - spread * random.random(grains))).tolist()
     bodies, walls = _grains(centers, mass, dimension, shape), _walls(across * SPACING + CLEARANCE, dimension)
     touch: dict[str, Any] = {"law": law, "friction": rubbing}
-    size = {"radius": (ROUNDING,), "half": (CORES[shape],)} if shape != "round" else {"radius": tuple(radii)}
+    size = (
+        {"radius": (ROUNDING,), "half": (CORES[shape],)}
+        if shape != "round"
+        else {"radius": tuple(radii[: grains if spread else 1])}
+    )
     group = contact.Granules(name="grains", **size, walls=walls, **touch)
     grown = list(zip(centers, radii, strict=True))
     held = _on_ledge(grown, ledge, walls[1], touch) if ledge else _on_walls(grown, walls, touch)
