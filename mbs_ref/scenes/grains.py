@@ -49,6 +49,8 @@ def granular_column(
     but a floor and two walls; else discs without the search), what shifts their start at random (0: nothing), by
     which share radii are smaller at random at most (of what is round), gravity (m/s^2).
     """
+    if spread and shape != "round":
+        raise ValueError(f"spread = {spread} needs shape = 'round'")
     if ledge and (search or space):
         raise ValueError(f"ledge = {ledge} needs search = false and space = false")
     if grains > MOST_PAIRED and not search:
@@ -66,11 +68,9 @@ def granular_column(
     radii = (GRAIN_RADIUS * (1.0 - spread * random.random(grains))).tolist()
     bodies, walls = _grains(centers, mass, dimension, shape), _walls(across * SPACING + CLEARANCE, dimension)
     touch: dict[str, Any] = {"law": law, "friction": rubbing}
-    size = (
-        {"radius": (ROUNDING,), "half": (CORES[shape],)}
-        if shape != "round"
-        else {"radius": tuple(radii[: grains if spread else 1])}
-    )
+    size: dict[str, Any] = {"radius": (ROUNDING,), "half": (CORES[shape],)}
+    if shape == "round":
+        size = {"radius": tuple(radii[: grains if spread else 1])}
     group = contact.Granules(name="grains", **size, walls=walls, **touch)
     grown = list(zip(centers, radii, strict=True))
     held = _on_ledge(grown, ledge, walls[1], touch) if ledge else _on_walls(grown, walls, touch)
