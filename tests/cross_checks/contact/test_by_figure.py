@@ -116,7 +116,7 @@ def test_a_column_on_a_ledge_touches_its_fixed_grains_and_one_wall():
     assert 0.1 < min(apart) < 0.11  # m: no two touch, and some are nearer than without a seed
     with pytest.raises(ValueError, match="ledge = 2 needs search = false and space = false"):
         scenes.make("granular_column", ledge=2, space=True)
-    with pytest.raises(ValueError, match="spread = 0.1 needs shape = 'round'"):
+    with pytest.raises(ValueError, match=r"spread = 0\.1 needs shape = 'round'"):
         scenes.make("granular_column", spread=0.1, shape="box", space=True, search=True)
 
 
