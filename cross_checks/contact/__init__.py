@@ -15,7 +15,7 @@ from cross_checks.isolation.environments import home_of
 from cross_checks.judge.vocabulary import OURS
 
 DRIVEN = ("bullet", "ode", "siconos")  # by a driver, under a Python of their own
-ENGINES = ("mujoco", "exudyn", "drake", "dart", "newton", *DRIVEN)  # that have a contact model of their own
+ENGINES = ("mujoco", "mjx", "exudyn", "drake", "dart", "newton", *DRIVEN)  # that have a contact model of their own
 
 
 def model_of(engine: str) -> ContactModel | str:
@@ -27,8 +27,6 @@ def model_of(engine: str) -> ContactModel | str:
     found = next(engines.installed([engine]), None)
     if found is None:
         return "not installed"
-    if not Path(__file__).with_name(f"{engine}_.py").exists():
-        return "its contact parameters are not translated yet"
     return _model_there(engine, found.home) if isinstance(found, Elsewhere) else _model_here(engine)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
 from cross_checks import engines
 from cross_checks.contact import request as wanted
@@ -16,7 +17,7 @@ from cross_checks.contact.request import GRAVITY, ContactModel, Request, Transla
 from cross_checks.engine import Engine
 from cross_checks.judge.one_run import checked_run
 from cross_checks.judge.vocabulary import OURS
-from cross_checks.metrics.contact_figures import contact_figures
+from cross_checks.metrics.contact_figures import MANY, contact_figures
 from mbs_ref import Settings, Trajectory, scenes
 from mbs_ref.scene import GROUND, Force, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, StickSlip
@@ -143,6 +144,9 @@ def _declared(scene: Scene, path: Trajectory, what: str, body: str, quantity: st
     values = getattr(path, quantity)
     values = values[..., None] if values.ndim == 2 else values  # (n_t, n_bodies, components)
     values = values if body == "*" else values[:, [scene.body_index(body)]]
+    if what == "slope":  # of a triangle in a corner at the origin, with the same centre: what lies lower fell off
+        along, up = np.mean(values[-1][values[-1][:, 1] > 0.0], axis=0)
+        return float(np.arctan2(up, along))
     if component is None and values.shape[2] > 1:
         values, component = np.linalg.norm(values, axis=-1, keepdims=True), 0
     scalar = values[..., component or 0]
@@ -160,39 +164,84 @@ def compare(models: dict[str, ContactModel], cases: dict[str, Scene], step: floa
         for engine, model in models.items():
             for method in [method.name for method in model.engine.methods()] if every else model.compared:
                 key: dict[str, Any] = {"scene": name, "engine": engine, "method": method, "step": step}
-                path = run(model, method, scene, step)
+                times = _times(scene, step)
+                path = run(model, method, scene, step, times)
                 if isinstance(path, str):
                     yield Obtained(**key, reason=path)
                     continue
                 reference = reference or _reference(scene, step)
-                yield from _rows(key, reference, scene, path, run(model, method, scene, 0.5 * step))
+                yield from _rows(
+                    key, reference, scene, path, run(model, method, scene, 0.5 * step, _times(scene, 0.5 * step))
+                )
 
 
-def _rows(key: dict[str, Any], reference, scene: Scene, path: Trajectory, fine: Trajectory | str) -> Iterator[Obtained]:
+type Reference = dict[str, tuple[float, float | None]]  # by figure: value and uncertainty
+
+
+def _times(scene: Scene, step: float) -> np.ndarray:
+    """Return output times (s): every step, or start and end alone where each figure is one of the end."""
+    ends = all(row[0] in ("last", "slope") for row in _table().get(scene.name, {}).values())
+    counts = np.arange(round(scene.duration / step) + 1)
+    return step * (counts[[0, -1]] if ends and len(scene.contacts) > MANY else counts)
+
+
+def _rows(
+    key: dict[str, Any], reference: Reference, scene: Scene, path: Trajectory, fine: Trajectory | str
+) -> Iterator[Obtained]:
     here = figures_of(scene, path)
     finer = {} if isinstance(fine, str) else figures_of(scene, fine)
-    best, other = reference
-    for label, value in best.items():
-        apart = max(abs(value - other[label]), np.spacing(abs(value))) if label in other else None
+    for label, (value, apart) in reference.items():
         change = finer[label] - here[label] if label in here and label in finer else None
         reason = "" if label in here else "the run does not show it"
         yield Obtained(**key, figure=label, requested=value, uncertainty=apart, obtained=here.get(label),
                        change=change, reason=reason)  # fmt: skip
 
 
-def _reference(scene: Scene, step: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the figures by the reference solver, and at a looser tolerance by steps that output times do not limit."""
-    solver, times = engines.get(OURS), step * np.arange(round(scene.duration / step) + 1)
+def _heaps(step: float) -> Reference:
+    """Return the means over STARTS heaps, and 95 % of the spread of one more: impacts magnify every difference."""
+    settings = Settings(method="rk4", step=0.5 * step, events="none", reactions=False, estimate="off")
+    cases = [heap(seed) for seed in range(STARTS)]
+    found = [figures_of(case, engines.get(OURS).run(case, settings)) for case in cases]
+    spread = float(scipy.stats.t.ppf(0.975, STARTS - 1)) * math.sqrt(1.0 + 1.0 / STARTS)
+    table = {label: [one[label] for one in found] for label in _table()[HEAP]}
+    return {label: (float(np.mean(row)), spread * float(np.std(row, ddof=1))) for label, row in table.items()}
+
+
+def _reference(scene: Scene, step: float) -> Reference:
+    """Return figures by the reference solver, and their change at a looser tolerance, by steps that no output ends.
+
+    None is the change of a figure that the looser run does not show.
+    """
+    if scene.name == HEAP:
+        return _heaps(step)
+    solver, times = engines.get(OURS), _times(scene, step)
     common: dict[str, Any] = {"method": "dop853", "reactions": False, "estimate": "off"}
     runs = Settings(rtol=RTOL, atol=RTOL, **common), Settings(rtol=LOOSER, atol=LOOSER, outputs="dense", **common)
     best, other = (figures_of(scene, solver.run(scene, one, times)) for one in runs)
-    return best, other
+    return {
+        label: (value, max(abs(value - other[label]), np.spacing(abs(value))) if label in other else None)
+        for label, value in best.items()
+    }
 
 
 def with_contact() -> dict[str, Scene]:
-    """Return the library's scenes in which bodies touch."""
-    every = {name: scenes.make(name) for name in scenes.names()}
+    """Return the library's scenes in which bodies touch, and a column that becomes a heap."""
+    every = {name: scenes.make(name) for name in scenes.names()} | {HEAP: heap(0)}
     return {name: scene for name, scene in every.items() if scene.contacts}
+
+
+HEAP, STARTS = "granular_heap", 8
+
+
+def heap(seed: int) -> Scene:
+    """Return discs that fall on a ledge of fixed ones beside a wall, from a start that a seed shifts.
+
+    Those of one size are a crystal, whose slope hardly depends on friction.
+    """
+    column = scenes.make(
+        "granular_column", grains=60, across=6, ledge=9, friction=0.5, slip=1e-3, seed=seed, spread=0.4
+    )
+    return column.model_copy(update={"name": HEAP})
 
 
 FRICTION, SHARES, LOADS = 0.7, (0.1, math.tan(0.2) / 0.7, 0.5, 0.9), (1.0, 100.0)  # -, of the cone, of the block's mass

@@ -15,10 +15,10 @@ from cross_checks.engine import Method, Plan, Refusal, fixed
 from cross_checks.engines.dart_ import Built, Dart
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import closure_refusals
-from cross_checks.linkage.surfaces import THICK, body_refusals, frame_of, friction_refusals, pair_mass, spheres_of
+from cross_checks.linkage.surfaces import Shape, body_refusals, friction_refusals, pair_mass, shapes_of
 from mbs_ref import Scene
 from mbs_ref.scene import GROUND
-from mbs_ref.scene.contact import RoundPair, StickSlip
+from mbs_ref.scene.contact import StickSlip
 
 REBOUND = 0.1  # m/s, DART_BOUNCING_VELOCITY_THRESHOLD
 LCP = fixed("boxed_lcp", 1, "symplectic Euler with DART's own contacts", requires=frozenset({"contact"}))
@@ -47,10 +47,11 @@ class OwnContact(Dart):
         built.reader.skeleton.setSelfCollisionCheck(True)
         for contact in scene.contacts:
             rebound = rebound_of(contact.law, pair_mass(scene, contact)) ** 0.5
-            for body, place, axes, shape, size in _shapes(contact):
-                if (key := repr((body, *place, axes.tolist(), shape, size))) not in kept:
-                    _add(nodes[body], built.linkage.local(body, place), axes, shape(size), rebound, contact.friction)
-                kept.add(key)
+            for shape in shapes_of(contact, boxes=True):
+                place = built.linkage.local(shape.body, shape.middle)
+                if shape.key not in kept:
+                    _add(nodes[shape.body], place, shape, rebound, contact.friction)
+                kept.add(shape.key)
         filtered = solver.getCollisionOption().collisionFilter
         touching = {frozenset(contact.ends) for contact in scene.contacts}
         for k, a in enumerate(nodes):
@@ -60,21 +61,11 @@ class OwnContact(Dart):
         return built
 
 
-def _shapes(contact: Any) -> list[tuple[str, Any, np.ndarray, Any, Any]]:
-    """Return body, centre (world, t = 0, m), axes (3, 3), shape and size (m) of both ends of a contact."""
-    ball = dartpy.dynamics.SphereShape
-    balls = [(body, place, np.eye(3), ball, radius) for body, place, radius in spheres_of(contact)]
-    if isinstance(contact, RoundPair):
-        return balls
-    axes, middle, sides = frame_of(contact)
-    depth = contact.thickness or THICK
-    box = (contact.body_b, middle - 0.5 * depth * axes[:, 2], axes, dartpy.dynamics.BoxShape, (*sides, depth))
-    return [*balls, box]
-
-
-def _add(node: Any, place: np.ndarray, axes: np.ndarray, shape: Any, rebound: float, friction: Any) -> None:
-    one, pose = node.createShapeNode(shape), dartpy.math.Isometry3()
-    pose.set_rotation(axes)
+def _add(node: Any, place: np.ndarray, shape: Shape, rebound: float, friction: Any) -> None:
+    kinds, ball = dartpy.dynamics, shape.kind == "sphere"
+    own = kinds.SphereShape(*shape.size) if ball else kinds.BoxShape([2.0 * half for half in shape.size])
+    one, pose = node.createShapeNode(own), dartpy.math.Isometry3()
+    pose.set_rotation(shape.axes)
     pose.set_translation(place)
     one.setRelativeTransform(pose)
     one.createCollisionAspect()

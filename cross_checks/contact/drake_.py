@@ -9,7 +9,6 @@ unconstrained convex formulation of compliant contact", section V).
 import math
 from typing import Any, ClassVar
 
-import numpy as np
 from pydrake import geometry
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import CoulombFriction, DiscreteContactApproximation, MultibodyPlant
@@ -31,12 +30,16 @@ from cross_checks.engines.drake_.build import Shapes
 from cross_checks.engines.drake_.run import SAP
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
-from cross_checks.linkage.surfaces import THICK, frame_of, friction_refusals, is_half_space, pair_mass, spheres_of
+from cross_checks.linkage.surfaces import friction_refusals, pair_mass, shapes_of
 from mbs_ref import Scene
-from mbs_ref.scene.contact import PinOnSprocket, RoundPair, StickSlip
+from mbs_ref.scene.contact import PinOnSprocket, StickSlip
 
 SIGMA = 1e-3  # -, of SAP's friction, fixed in Drake
 MOBILITY = math.sqrt(2.0) / 3.0  # w m = m ||W||_F/3 with W = diag(1, 0, 1)/m of a planar body that does not turn
+SHAPES: dict[str, Any] = {
+    "sphere": geometry.Sphere, "half_space": geometry.HalfSpace,
+    "box": lambda *half: geometry.Box(*(2.0 * side for side in half)),
+}  # fmt: skip
 STOCK = geometry.DefaultProximityProperties()
 APPROXIMATIONS = {  # by method: what solves the contact problem; stock is as shipped
     SAP: DiscreteContactApproximation.kSap, "similar": DiscreteContactApproximation.kSimilar,
@@ -87,16 +90,6 @@ def _add_pair(
 
     `known` has those that are there: 15 half-spaces end the process (SIGSEGV, seen in 1.58.0).
     """
-    shapes: list[Any] = [
-        (body, center, np.eye(3), geometry.Sphere(radius)) for body, center, radius in spheres_of(contact)
-    ]
-    if not isinstance(contact, RoundPair):
-        axes, middle, sides = frame_of(contact)
-        depth = contact.thickness or THICK
-        if is_half_space(contact):
-            shapes.append((contact.body_b, middle, axes, geometry.HalfSpace()))
-        else:
-            shapes.append((contact.body_b, middle - 0.5 * depth * axes[:, 2], axes, geometry.Box(*sides, depth)))
     properties = geometry.ProximityProperties()
     mu = getattr(contact.friction, "coefficient", 0.0)
     stiffness, tau = 0.5 * STOCK.point_stiffness, 2.0 * STOCK.relaxation_time  # of two shapes as shipped
@@ -107,13 +100,12 @@ def _add_pair(
     geometry.AddContactMaterial(properties=properties, friction=CoulombFriction(mu, mu), **material)
     properties.AddProperty("material", "relaxation_time", 0.5 * tau)
     ids = []
-    for end, (body, center, axes, shape) in zip("ab", shapes, strict=True):
-        key = repr((body, *center, axes.tolist(), shape, stiffness, tau, mu))
+    for end, shape in zip("ab", shapes_of(contact), strict=True):
+        key = repr((shape.key, stiffness, tau, mu))
         if key not in known:
-            pose = RigidTransform(RotationMatrix(axes), linkage.local(body, center))
-            owner = bodies[linkage.scene.body_index(body)]
-            name = f"{contact.name}/{end}"
-            known[key] = plant.RegisterCollisionGeometry(owner, pose, shape, name, properties)
+            pose = RigidTransform(RotationMatrix(shape.axes), linkage.local(shape.body, shape.middle))
+            owner, own = bodies[linkage.scene.body_index(shape.body)], SHAPES[shape.kind](*shape.size)
+            known[key] = plant.RegisterCollisionGeometry(owner, pose, own, f"{contact.name}/{end}", properties)
         ids.append(known[key])
     return ids
 

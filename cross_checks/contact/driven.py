@@ -21,12 +21,12 @@ from cross_checks.linkage.links import Linkage, lifted, linkage_of
 from cross_checks.linkage.motion import Motion, poses_of
 from cross_checks.linkage.surfaces import (
     THICK,
+    Shape,
     body_refusals,
-    frame_of,
     friction_refusals,
     is_half_space,
     pair_mass,
-    spheres_of,
+    shapes_of,
 )
 from mbs_ref import Scene, Status
 from mbs_ref.scene import GROUND
@@ -39,6 +39,7 @@ METHODS = {  # engine -> its one method
     "ode": fixed("step", 1, "symplectic Euler, Dantzig's LCP", requires=frozenset({"contact"})),
     "siconos": fixed("moreau", 1, "Moreau and Jean's time stepping", requires=frozenset({"contact"})),
 }
+ENDLESS = (1e9, 1e9)  # m
 LONG = 600.0  # s, of a run
 PRODUCTS = 1e-9  # of the largest moment of inertia: smaller products are roundoff
 
@@ -123,24 +124,24 @@ def _body(model: Linkage, k: int) -> dict[str, Any]:
 
 def _contact(model: Linkage, contact: Any, step: float) -> dict[str, Any]:
     scene = model.scene
-    mass, spheres = pair_mass(scene, contact), spheres_of(contact)
+    mass, (ball, other) = pair_mass(scene, contact), shapes_of(contact)
     law = damped_by_step(own_law(contact.law, mass, step, "force"), step)
 
-    def local(name: str, point: Any) -> list[float]:
-        origin = 0.0 if name == GROUND else lifted(scene.bodies[scene.body_index(name)].position)
-        return (lifted(point) - origin).tolist()
+    def local(shape: Shape, out: float = 0.0) -> list[float]:
+        origin = 0.0 if shape.body == GROUND else lifted(scene.bodies[scene.body_index(shape.body)].position)
+        return (shape.middle + out * shape.axes[:, 2] - origin).tolist()
 
     found = {
         "a": scene.body_index(contact.body_a), "b": scene.body_index(contact.body_b),
-        "center": local(*spheres[0][:2]), "radius": spheres[0][2], "stiffness": law.stiffness,
+        "center": local(ball), "radius": ball.size[0], "stiffness": law.stiffness,
         "damping": law.damping - law.stiffness * step, "friction": getattr(contact.friction, "coefficient", 0.0),
         "rebound": wanted.rebound_of(contact.law, mass),
     }  # fmt: skip
-    if isinstance(contact, RoundPair):
-        return found | {"origin": local(*spheres[1][:2]), "other": spheres[1][2]}
-    axes, middle, sides = frame_of(contact)
-    size = {"sides": [1e9, 1e9] if is_half_space(contact) else list(sides), "thickness": contact.thickness or THICK}
-    return found | size | {"origin": local(contact.body_b, middle), "axes": axes.T.tolist()}
+    if other.kind == "sphere":
+        return found | {"origin": local(other), "other": other.size[0]}
+    *sides, thickness = (2.0 * half for half in other.size or (*ENDLESS, 0.5 * THICK))
+    size = {"sides": sides, "thickness": thickness, "axes": other.axes.T.tolist()}
+    return found | size | {"origin": local(other, 0.5 * thickness if other.size else 0.0)}
 
 
 def translate(name: str, request: Request) -> Translation:

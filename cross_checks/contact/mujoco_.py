@@ -62,29 +62,49 @@ class OwnContact(MuJoCo):
         return reasons
 
     def build(self, scene: Scene, plan: Plan) -> Built:
-        linkage, (bare, signals) = linkage_of(scene), _without_contacts(scene)
-        spec, frames = specify_links(linkage, replace(plan, method=EULER))
-        shared = takes_shared_forces(bare)
-        add_loads(spec, frames, bare, shared)
-        for option, value in OPTIONS[plan.method.name].items():
-            setattr(spec.option, option, value)
-        stock = plan.method.name.startswith("stock")
-        pairs = [(pair, one) for one in scene.contacts for pair in add_pairs(spec, frames, linkage, one)]
-        names = [(pair.name, pair.geomname2, pair.geomname1, contact.law) for pair, contact in pairs]
-        for pair, contact in pairs:
-            pair.solref, pair.solimp = STOCK_SOLREF, STOCK_SOLIMP
-            if not stock:  # solref follows when the effective mass is known
-                pair.solimp = (IMPEDANCE, IMPEDANCE, *STOCK_SOLIMP[2:])
-                pair.solreffriction = friction_solref(contact.friction, math.hypot(*scene.gravity), plan.step)
-        model = spec.compile()
-        data = at_start(model, linkage)
-        mujoco.mj_forward(model, data)
-        for name, pin, other, scene_law in () if stock else names:
-            mass = effective_mass(model, data, pin, other)
-            law = _resolved(own_law(scene_law, mass, plan.step, "force"), mass, plan.step)
-            model.pair_solref[model.pair(name).id] = (-law.stiffness / mass, -law.damping / mass)
-        act = shared_forces(model, bare) if shared else _varying(signals)
-        return Built(linkage, model, at_start(model, linkage), act)
+        return built(scene, plan, OPTIONS[plan.method.name])
+
+
+def built(scene: Scene, plan: Plan, options: dict[str, Any]) -> Built:
+    """Return MuJoCo's model of a scene with its own contacts, under options of MuJoCo beside those pinned."""
+    linkage, (bare, signals) = linkage_of(scene), _without_contacts(scene)
+    spec, frames = specify_links(linkage, replace(plan, method=EULER))
+    shared = takes_shared_forces(bare)
+    add_loads(spec, frames, bare, shared)
+    for option, value in options.items():
+        setattr(spec.option, option, value)
+    stock = plan.method.name.startswith("stock")
+    pairs = [(pair, one) for one in scene.contacts for pair in add_pairs(spec, frames, linkage, one)]
+    names = [(pair.name, pair.geomname2, pair.geomname1, contact.law) for pair, contact in pairs]
+    for pair, contact in pairs:
+        pair.solref, pair.solimp = STOCK_SOLREF, STOCK_SOLIMP
+        if not stock:  # solref follows when the effective mass is known
+            pair.solimp = (IMPEDANCE, IMPEDANCE, *STOCK_SOLIMP[2:])
+            pair.solreffriction = friction_solref(contact.friction, math.hypot(*scene.gravity), plan.step)
+    model = spec.compile()
+    data = at_start(model, linkage)
+    mujoco.mj_forward(model, data)
+    for name, pin, other, scene_law in () if stock else names:
+        mass = effective_mass(model, data, pin, other)
+        law = _resolved(own_law(scene_law, mass, plan.step, "force"), mass, plan.step)
+        k, impedance = model.pair(name).id, impedance_of(model, mass, pin, other)
+        scale = impedance / IMPEDANCE
+        model.pair_solimp[k, :2], model.pair_solreffriction[k, 0] = impedance, model.pair_solreffriction[k, 0] / scale
+        model.pair_solref[k] = (-law.stiffness * scale / mass, -law.damping * scale / mass)
+    act = shared_forces(model, bare) if shared else _varying(signals)
+    return Built(linkage, model, at_start(model, linkage), act)
+
+
+def impedance_of(model: mujoco.MjModel, mass: float, *geoms: str) -> float:
+    """Return the impedance with which a pair of an effective mass (kg) is as soft as with IMPEDANCE and exact masses.
+
+    F (1/m + R) = a_ref - a with R = (1 - d)/(d m'); m' = m if mjENBL_DIAGEXACT is set, else 1/m' is the sum of both
+    bodies' invweight0.
+    """
+    if model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_DIAGEXACT:
+        return IMPEDANCE
+    mobility = sum(float(model.body_invweight0[model.geom(name).bodyid[0], 0]) for name in geoms)
+    return 1.0 / (1.0 + (1.0 / IMPEDANCE - 1.0) / (mass * mobility))
 
 
 def _without_contacts(scene: Scene) -> tuple[Linkage, dict[str, Any]]:
@@ -99,6 +119,12 @@ def _without_contacts(scene: Scene) -> tuple[Linkage, dict[str, Any]]:
     loads = tuple(load.model_copy(update={"factor": Constant()}) if load in varying else load for load in scene.loads)
     signals = {load.name: load.factor.segments() for load in varying}  # type: ignore[union-attr]
     return linkage_of(scene.model_copy(update={"contacts": (), "loads": loads})), signals
+
+
+def calls_python(scene: Scene) -> bool:
+    """Whether the loads of a scene are those of the shared force code, or vary in time."""
+    bare, varying = _without_contacts(scene)
+    return takes_shared_forces(bare) or bool(varying)
 
 
 def _varying(signals: dict[str, Any]) -> Callback | None:

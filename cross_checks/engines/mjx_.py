@@ -22,7 +22,7 @@ from cross_checks.engines.mujoco_ import Built, MuJoCo
 from cross_checks.engines.mujoco_.build import METHODS as OF_MUJOCO
 from cross_checks.engines.mujoco_.build import at_start, compile_links
 from cross_checks.engines.mujoco_.forces import own_refusals
-from cross_checks.linkage.links import closure_refusals, linkage_of
+from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from mbs_ref import Scene
 
 jax.config.update("jax_enable_x64", True)  # else everything is in single precision, without a word
@@ -35,14 +35,18 @@ GUESSED = "mjx guesses the effective mass of a contact, rightly for bodies that 
 
 
 @jax.jit
-def _steps(model: Any, data: Any, count: int) -> Any:
-    """Take `count` steps in one call, compiled once for a model."""
+def _steps(model: Any, data: Any, counts: Any) -> Any:
+    """Return positions and rates (n, n_q + n_v) after each of n counts of steps, compiled once for a model and n."""
 
     def step(_: int, state: Any) -> Any:
         # in double precision some of its integers grow to 64 bits, which a loop does not bear
         return jax.tree.map(lambda old, new: new.astype(old.dtype), state, mjx.step(model, state))
 
-    return jax.lax.fori_loop(0, count, step, data)
+    def interval(state: Any, count: Any) -> Any:
+        after = jax.lax.fori_loop(0, count, step, state)
+        return after, jax.numpy.concatenate((after.qpos, after.qvel))
+
+    return jax.lax.scan(interval, data, counts)[1]
 
 
 @dataclass(frozen=True)
@@ -54,7 +58,7 @@ class Copied(Built):
 
 
 class Mjx(MuJoCo):
-    """MJX in double precision, each interval between output times one compiled call."""
+    """MJX in double precision, each run one compiled call."""
 
     name: ClassVar[str] = "mjx"
     package: ClassVar[str] = "mujoco.mjx"
@@ -74,25 +78,15 @@ class Mjx(MuJoCo):
 
     def build(self, scene: Scene, plan: Plan) -> Copied:
         linkage = linkage_of(scene)
-        model = compile_links(linkage, plan, shared=False)
-        model.opt.enableflags = 0  # the exact effective mass, which MJX lacks
-        if all(contact.friction is None for contact in scene.contacts):
-            model.opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL  # elliptic ones without any friction are a TypeError in it
-        start = at_start(model, linkage)
-        return Copied(linkage, model, start, None, mjx.put_model(model), mjx.put_data(model, start))
+        return copied(linkage, compile_links(linkage, plan, shared=False))
 
     def first_call(self, model: Copied, plan: Plan) -> None:
         """Compile, which takes seconds."""
-        jax.block_until_ready(_steps(model.copy, model.start, 1))
+        jax.block_until_ready(_steps(model.copy, model.start, np.zeros(len(plan.counts), int)))
 
     def advance(self, model: Copied, plan: Plan) -> Any:
-        data, nq = model.start, model.model.nq
-        states = np.empty((len(plan.times), nq + model.model.nv))
-        states[0, :nq], states[0, nq:] = data.qpos, data.qvel
-        for k, count in enumerate(plan.counts, start=1):
-            data = _steps(model.copy, data, count)
-            states[k, :nq], states[k, nq:] = data.qpos, data.qvel
-        steps = sum(plan.counts)
+        start, steps = np.concatenate((model.start.qpos, model.start.qvel)), sum(plan.counts)
+        states = np.vstack((start, _steps(model.copy, model.start, np.array(plan.counts, int))))
         stages = 4 if model.model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
         return Loop(states, End(len(states)), steps, steps * stages)
 
@@ -104,3 +98,12 @@ class Mjx(MuJoCo):
 
 
 ENGINE = Mjx
+
+
+def copied(linkage: Linkage, model: mujoco.MjModel) -> Copied:
+    """Return a model in JAX, which lacks exact effective masses, and elliptic cones of contacts without friction."""
+    model.opt.enableflags = 0
+    if (model.pair_dim == 1).all():
+        model.opt.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL  # elliptic ones without any friction are a TypeError in it
+    start = at_start(model, linkage)
+    return Copied(linkage, model, start, None, mjx.put_model(model), mjx.put_data(model, start))

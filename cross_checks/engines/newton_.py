@@ -10,6 +10,7 @@ which makes velocities of differences of positions over a step, so that rounding
 # The extra has no type information here.
 # pyright: reportMissingImports=false
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Any, ClassVar
@@ -42,10 +43,14 @@ DEVICE = "cpu"
 X, Y, Z = np.eye(3)
 
 
-def model_of(linkage: Linkage) -> Any:
-    """Return the model; each tree is an articulation, whose joints have to be numbered in one piece.
+type AddShapes = Callable[[Any, dict[int, int]], list[tuple[int, int]]]  # to a builder and its bodies, by the scene's
 
-    The check of inertias is left out: it adds 1e-6 kg m^2 to bodies that have none, as point masses do.
+
+def model_of(linkage: Linkage, add_shapes: AddShapes | None = None) -> tuple[Any, list[tuple[int, int]]]:
+    """Return the model and the pairs of its shapes that may touch; each tree is an articulation.
+
+    The joints of an articulation have to be numbered in one piece. The check of inertias is left out: it adds
+    1e-6 kg m^2 to bodies that have none, as point masses do.
     """
     builder = newton.ModelBuilder(up_axis=newton.Axis.Z, gravity=tuple(linkage.gravity))
     bodies = {FIXED: -1}
@@ -62,7 +67,8 @@ def model_of(linkage: Linkage) -> Any:
             builder.joint_qd[start : start + len(link.rates)] = link.rates.tolist()
             joints.append(joint)
         builder.add_articulation(joints)
-    return builder.finalize(device=DEVICE, skip_validation_inertia=True)
+    pairs = add_shapes(builder, bodies) if add_shapes else []
+    return builder.finalize(device=DEVICE, skip_validation_inertia=True), pairs
 
 
 def trees_of(linkage: Linkage) -> list[list[Link]]:
@@ -109,7 +115,7 @@ class Reader:
 
     def __init__(self, linkage: Linkage, model: Any) -> None:
         links = [link for tree in trees_of(linkage) for link in tree]
-        self.split = np.cumsum([model.joint_coord_count, model.joint_dof_count, 7 * len(links)])
+        self.split = np.cumsum([model.joint_coord_count, model.joint_dof_count, 7 * model.body_count])
         self.order = np.argsort([link.body for link in links])  # of Newton's bodies, in the scene
         self.centres = np.array([links[k].centre for k in self.order])
         numbers = {link.body: k for k, link in enumerate(links)}
@@ -147,11 +153,13 @@ class Built:
     solver: Any
     states: tuple[Any, Any]
     reader: Reader
+    pipeline: Any  # of collisions, and the contacts that it finds; None without
+    contacts: Any
     steps: tuple[Any, ...] = ()
 
 
 class Newton(LinkageEngine):
-    """Newton's solvers of articulated bodies, without contact."""
+    """Newton's solvers of articulated bodies."""
 
     name: ClassVar[str] = "newton"
     package: ClassVar[str] = "newton"
@@ -159,12 +167,21 @@ class Newton(LinkageEngine):
     takes_loads: ClassVar[bool] = False
 
     def build(self, scene: Scene, plan: Plan) -> Built:
-        linkage = linkage_of(scene)
+        return self.built(linkage_of(scene), plan)
+
+    def built(self, linkage: Linkage, plan: Plan, add_shapes: AddShapes | None = None) -> Built:
+        """Return what steps a linkage, and finds the contacts of pairs of shapes where there are any."""
         kind, options = SOLVERS[plan.method.name]
         with trigger_event("numba:compile"):  # who waits for a run sees that it compiles
-            model = model_of(linkage)
+            model, pairs = model_of(linkage, add_shapes)
             solver = getattr(newton.solvers, kind)(model, **options)
-            built = Built(linkage, model, solver, (model.state(), model.state()), Reader(linkage, model))
+            pipeline = contacts = None
+            if pairs:
+                listed = warp.array(pairs, dtype=warp.vec2i, device=DEVICE)
+                pipeline = newton.CollisionPipeline(model, broad_phase="explicit", shape_pairs_filtered=listed)
+                contacts = pipeline.contacts()
+            states = model.state(), model.state()
+            built = Built(linkage, model, solver, states, Reader(linkage, model), pipeline, contacts)
             _to_start(built)
         return built
 
@@ -172,12 +189,18 @@ class Newton(LinkageEngine):
         """Compile, and record a step from each state to the other; recording makes none."""
         here, there = model.states
         control = model.model.control()
+
+        def step(before: Any, after: Any) -> None:
+            if model.pipeline is not None:
+                model.pipeline.collide(before, model.contacts)
+            model.solver.step(before, after, control, model.contacts, plan.step)
+
         with trigger_event("numba:compile"):
-            model.solver.step(here, there, control, None, plan.step)
+            step(here, there)
         recorded = []
         for before, after in ((here, there), (there, here)):
             with warp.ScopedCapture(device=DEVICE) as capture:
-                model.solver.step(before, after, control, None, plan.step)
+                step(before, after)
             recorded.append(capture.graph)
         model.steps = tuple(recorded)
         _to_start(model)

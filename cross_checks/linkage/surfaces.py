@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -44,24 +45,43 @@ def is_half_space(contact) -> bool:
 
 
 @dataclass(frozen=True)
-class Wall:
-    """A convex shape on which a pin presses."""
+class Shape:
+    """A convex shape of a body, where it is in the world at t = 0."""
 
-    name: str
-    shape: str  # box, whose last axis is its outer normal, or cylinder about its last axis
-    middle: np.ndarray  # (3,) m, world, t = 0
-    axes: np.ndarray  # (3, 3), world, t = 0, as columns
-    size: tuple[float, float, float]  # m: half sides, or radius and half length
+    body: str
+    kind: Literal["sphere", "half_space", "box", "cylinder"]
+    middle: np.ndarray  # (3,) m; of a half-space a point of its surface
+    axes: np.ndarray  # (3, 3), as columns: the last one is the outer normal, or the cylinder's axis
+    size: tuple[float, ...]  # m: radius, nothing, half sides, or radius and half length
+
+    @property
+    def key(self) -> str:
+        """The same of shapes that are the same."""
+        return repr((self.body, self.kind, self.middle.tolist(), self.axes.tolist(), self.size))
 
 
-def gap_walls(contact: PinOnSprocket) -> Iterator[Wall]:
+def shapes_of(contact, *, boxes: bool = False) -> list[Shape]:
+    """Return both shapes of a contact that is no sprocket's, on body a first; with `boxes` no half-space is one."""
+    balls = spheres_of(contact)
+    found = [Shape(body, "sphere", lifted(center), np.eye(3), (radius,)) for body, center, radius in balls]
+    if isinstance(contact, RoundPair):
+        return found
+    axes, middle, sides = frame_of(contact)
+    if is_half_space(contact) and not boxes:
+        return [*found, Shape(contact.body_b, "half_space", middle, axes, ())]
+    depth = contact.thickness or THICK
+    size = (0.5 * sides[0], 0.5 * sides[1], 0.5 * depth)
+    return [*found, Shape(contact.body_b, "box", middle - 0.5 * depth * axes[:, 2], axes, size)]
+
+
+def gap_walls(contact: PinOnSprocket) -> Iterator[Shape]:
     """Yield the root of a sprocket and both flanks of each gap: each touches the arc that the gap has for its seat."""
     axis = Z if contact.axis is None else unit(contact.axis)
     first = np.array([1.0, 0.0, 0.0]) if contact.seat is None else unit(contact.seat)
     radius, clearance, axle = contact.pitch_radius, contact.clearance, lifted(contact.axle)
     thick, wide = 0.1 * radius, contact.addendum_radius
-    root = (radius - clearance, wide, 0.0)
-    yield Wall("root", "cylinder", axle, np.column_stack((*normals(axis), axis)), root)
+    body, root = contact.body_b, (radius - clearance, wide)
+    yield Shape(body, "cylinder", axle, np.column_stack((*normals(axis), axis)), root)
     sine, cosine = math.sin(contact.flank_angle), math.cos(contact.flank_angle)
     for gap in range(contact.teeth):
         angle = contact.first_seat + 2.0 * math.pi * gap / contact.teeth
@@ -74,7 +94,7 @@ def gap_walls(contact: PinOnSprocket) -> Iterator[Wall]:
             length = math.sqrt(inward**2 - float(start @ start) + contact.addendum_radius**2) - inward
             middle = axle + start + 0.5 * (length - thick) * along - 0.5 * thick * normal
             axes = np.column_stack((along, np.cross(normal, along), normal))
-            yield Wall(f"gap{gap}{side:+.0f}", "box", middle, axes, (0.5 * (length + thick), wide, 0.5 * thick))
+            yield Shape(body, "box", middle, axes, (0.5 * (length + thick), wide, 0.5 * thick))
 
 
 def friction_refusals(engine: str, contact) -> list[str]:
@@ -97,21 +117,15 @@ def body_refusals(engine: str, scene: Scene, bodies: Collection[str]) -> Iterato
         masses = [0.0 if isinstance(one.law, SpringDamperLaw) else pair_mass(scene, one) for one in own]
         if len({(repr(c.law), repr(c.friction), mass) for c, mass in zip(own, masses, strict=True)}) > 1:
             yield f"body {body!r}: {engine} has one law and one friction for all contacts of a body"
-    pairs = {frozenset(_shapes(contact)) for contact in scene.contacts}
-    for body, shape in (one for pair in pairs for one in pair):
-        shapes.setdefault(body, set()).add(shape)
+    pairs = set()
+    for contact in scene.contacts:
+        ends = shapes_of(contact)
+        pairs.add(frozenset(end.key for end in ends))
+        for end in ends:
+            shapes.setdefault(end.body, set()).add(end.key)
     for a, b in dict.fromkeys(contact.ends for contact in scene.contacts):
-        if any(frozenset(((a, p), (b, q))) not in pairs for p in shapes[a] for q in shapes[b]):
+        if any(frozenset((p, q)) not in pairs for p in shapes[a] for q in shapes[b]):
             yield f"bodies {a!r} and {b!r}: {engine} has contacts of all their shapes, and not all are declared"
-
-
-def _shapes(contact) -> list[tuple[str, str]]:
-    """Return body and description of both shapes of a contact that is no sprocket's."""
-    balls = [(body, repr((tuple(center), radius))) for body, center, radius in spheres_of(contact)]
-    if isinstance(contact, RoundPair):
-        return balls
-    axes, middle, sides = frame_of(contact)
-    return [*balls, (contact.body_b, repr((axes.tolist(), middle.tolist(), sides, contact.thickness)))]
 
 
 def pair_mass(scene: Scene, contact) -> float:

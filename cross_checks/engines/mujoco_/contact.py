@@ -10,36 +10,35 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from cross_checks.linkage.links import Linkage
+from cross_checks.linkage.links import Linkage, lifted
 from cross_checks.linkage.surfaces import (
     CORNER,
-    THICK,
-    frame_of,
+    Shape,
     friction_refusals,
     gap_walls,
     is_half_space,
     pair_mass,
-    spheres_of,
+    shapes_of,
 )
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene import contact as laws
 from mbs_ref.scene.base.part import unit
-from mbs_ref.scene.contact import PinOnSprocket, RoundPair
+from mbs_ref.scene.contact import PinOnSprocket
 from mbs_ref.scene.euler_parameters import from_matrix
 
-SPHERE = mujoco.mjtGeom.mjGEOM_SPHERE
-SHAPES = {"box": mujoco.mjtGeom.mjGEOM_BOX, "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER}
+SHAPES = {  # and the size of one without
+    "sphere": mujoco.mjtGeom.mjGEOM_SPHERE, "half_space": mujoco.mjtGeom.mjGEOM_PLANE,
+    "box": mujoco.mjtGeom.mjGEOM_BOX, "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+}  # fmt: skip
+ENDLESS = (0.0, 0.0, 1.0)  # the size of a plane: only drawn
 
 
 def add_pairs(spec, frames, linkage: Linkage, contact) -> list:
     """Add the geoms of a contact and return their pairs, apart from which none touches anything."""
     if isinstance(contact, PinOnSprocket):
         return _in_gaps(spec, frames, linkage, contact)
-    for end, (body, center, radius) in zip("ab", spheres_of(contact), strict=False):
-        size = (radius, 0.0, 0.0)
-        _add_geom(frames, linkage, f"{contact.name}/{end}", body, center, SPHERE, size=size)
-    if not isinstance(contact, RoundPair):
-        _add_surface(frames, linkage, contact)
+    for end, shape in zip("ab", shapes_of(contact), strict=True):
+        _add_geom(frames, linkage, f"{contact.name}/{end}", shape)
     return [_pair(spec, contact, contact.name, f"{contact.name}/b")]
 
 
@@ -53,32 +52,21 @@ def _pair(spec, contact, name: str, other: str):
 
 def _in_gaps(spec, frames, linkage: Linkage, contact: PinOnSprocket) -> list:
     """Add a pin, and for the first one the walls of the sprocket's gaps: convex, where the gaps are not."""
-    size, walls = (CORNER, 0.0, 0.0), []
-    _add_geom(frames, linkage, f"{contact.name}/a", contact.body_a, contact.center, SPHERE, size=size)
-    for wall in gap_walls(contact):
-        walls.append(f"{contact.body_b}/{wall.name}")
+    pin = Shape(contact.body_a, "sphere", lifted(contact.center), np.eye(3), (CORNER,))
+    _add_geom(frames, linkage, f"{contact.name}/a", pin)
+    walls = []
+    for k, wall in enumerate(gap_walls(contact)):
+        walls.append(f"{contact.body_b}/wall{k}")
         if spec.geom(walls[-1]) is None:
-            more = {"size": wall.size, "quat": from_matrix(wall.axes)}
-            _add_geom(frames, linkage, walls[-1], contact.body_b, wall.middle, SHAPES[wall.shape], **more)
+            _add_geom(frames, linkage, walls[-1], wall)
     return [_pair(spec, contact, f"{contact.name}/{k}", wall) for k, wall in enumerate(walls)]
 
 
-def _add_geom(frames, linkage: Linkage, name: str, body: str, point, kind, **more) -> None:
-    frame, place = frames[linkage.scene.body_index(body)], linkage.local(body, point)
-    frame.add_geom(name=name, type=kind, pos=place, mass=0.0, contype=0, conaffinity=0, **more)
-
-
-def _add_surface(frames, linkage: Linkage, contact) -> None:
-    """Add a plane to the world, or below a bounded or moving surface a box."""
-    axes, middle, sides = frame_of(contact)
-    place = (frames, linkage, f"{contact.name}/b", contact.body_b)
-    if is_half_space(contact):
-        kind, size = mujoco.mjtGeom.mjGEOM_PLANE, (0.0, 0.0, 1.0)
-    else:
-        depth = contact.thickness or THICK
-        kind, size = mujoco.mjtGeom.mjGEOM_BOX, (0.5 * sides[0], 0.5 * sides[1], 0.5 * depth)
-        middle = middle - 0.5 * depth * axes[:, 2]
-    _add_geom(*place, middle, kind, size=size, quat=from_matrix(axes))
+def _add_geom(frames, linkage: Linkage, name: str, shape: Shape) -> None:
+    size = (*(shape.size or ENDLESS), 0.0, 0.0)[:3]
+    place = {"pos": linkage.local(shape.body, shape.middle), "quat": from_matrix(shape.axes)}
+    frame = frames[linkage.scene.body_index(shape.body)]
+    frame.add_geom(name=name, type=SHAPES[shape.kind], size=size, mass=0.0, contype=0, conaffinity=0, **place)
 
 
 def effective_mass(model: mujoco.MjModel, data: mujoco.MjData, geom: str, other: str) -> float:

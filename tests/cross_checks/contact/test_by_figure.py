@@ -1,16 +1,19 @@
 """Scenes by an engine's own contacts: figures against closed forms and MuJoCo models of the test's own."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 from cross_checks import contact
-from cross_checks.contact import model_of, own_engine
+from cross_checks.contact import by_figure, model_of, own_engine
 from cross_checks.contact.by_figure import compare, figures_of, holding, run, with_contact
 from cross_checks.engine import Engine
 from mbs_ref import scenes
 from mbs_ref.scene.contact import RollingFriction, StickSlip
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.trajectory import Trajectory
 
 ANGLE = 0.2  # rad
 REFUSED = {"ball_on_driven_seat"}
@@ -88,6 +91,42 @@ def test_mujoco_runs_each_scene_with_contact_or_says_why_not():
     refused = {name for name, reason in reasons.items() if reason}
     assert refused == REFUSED
     assert all("mocap" in reasons[name] for name in REFUSED)
+
+
+@pytest.mark.parametrize("angle", [0.2, 0.6])
+def test_the_angle_of_a_heap_is_that_of_a_triangle_of_grains(angle):
+    """Grains below the ledge are none of it."""
+    along, up = np.meshgrid(*[(np.arange(100) + 0.5) / 100] * 2)
+    above = np.column_stack((along[along + up < 1.0], np.tan(angle) * up[along + up < 1.0]))
+    grains = np.concatenate((above, [(3.0, -1.0)] * 1000))
+    scene = by_figure.heap(0)
+    path = Trajectory(np.zeros(1), grains[None], *np.zeros((3, 1, len(grains), 2)))
+    assert figures_of(scene, path)["angle of the heap, rad"] == pytest.approx(angle, rel=1e-6)
+
+
+def test_a_column_on_a_ledge_touches_its_fixed_grains_and_one_wall():
+    scene = by_figure.heap(3)
+    places = {body.name: body.position for body in scene.bodies}
+    fixed = {c.center_b for c in scene.contacts if c.name.startswith("ledge")}
+    np.testing.assert_allclose(sorted(fixed), [(0.05 + 0.1 * k, -0.05) for k in range(9)], atol=1e-12)
+    walls = [c for c in scene.contacts if c.type == "circle_on_line"]
+    assert {(c.point_1, c.point_2) for c in walls} == {((0.0, 0.0), (0.0, -1.0))}
+    assert all(np.array_equal(c.center_a, places[c.body_a]) for c in scene.contacts if c.name.startswith("ledge"))
+    apart = [np.linalg.norm(np.subtract(a, b)) for a, b in itertools.combinations(places.values(), 2)]
+    assert 0.1 < min(apart) < 0.11  # m: no two touch, and some are nearer than without a seed
+    with pytest.raises(ValueError, match="ledge = 2 needs search = false and space = false"):
+        scenes.make("granular_column", ledge=2, space=True)
+    with pytest.raises(ValueError, match=r"spread = 0\.1 needs shape = 'round'"):
+        scenes.make("granular_column", spread=0.1, shape="box", space=True, search=True)
+
+
+@pytest.mark.slow
+def test_heaps_of_other_starts_have_other_angles_within_their_spread():
+    figures = by_figure._reference(by_figure.heap(0), 1e-4)
+    angle, spread = figures["angle of the heap, rad"]
+    settings = Settings(method="rk4", step=2.5e-5, events="none", estimate="off")
+    other = by_figure.heap(100)
+    assert abs(figures_of(other, simulate(other, settings))["angle of the heap, rad"] - angle) < spread < 0.5 * angle
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn", "drake"])

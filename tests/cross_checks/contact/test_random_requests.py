@@ -33,8 +33,8 @@ def _requests() -> list[dict[str, float]]:
     return found
 
 
-def _mujoco(request: dict[str, float], snippet: str) -> np.ndarray:
-    """Return the gaps (n,), m, at every step of a sphere against a fixed one, with the printed option and pair."""
+def _mjcf(request: dict[str, float], snippet: str) -> Any:
+    """Return MuJoCo's model of a sphere above a fixed one, with the printed option and pair."""
     import mujoco
 
     option = re.search(r"<option.*</option>", snippet)
@@ -46,13 +46,68 @@ def _mujoco(request: dict[str, float], snippet: str) -> np.ndarray:
     text = f"""<mujoco>{option[0].replace("<option", '<option gravity="0 0 0"')}<worldbody><geom name="A" {sphere}/>
       <body pos="0 0 {height:.17g}"><joint type="slide" axis="0 0 1"/><geom name="B" {sphere} mass="{request["mass"]}"/>
       </body></worldbody><contact>{pair[0]}</contact></mujoco>"""
-    model: Any = mujoco.MjModel.from_xml_string(text)
+    return mujoco.MjModel.from_xml_string(text)
+
+
+def _mujoco(request: dict[str, float], snippet: str) -> np.ndarray:
+    """Return the gaps (n,), m, at every step of a sphere against a fixed one."""
+    import mujoco
+
+    model = _mjcf(request, snippet)
     data: Any = mujoco.MjData(model)
     data.qvel[0] = -request["speed"]
-    gaps = [height - 2.0 * RADIUS]
+    gaps = [FLIGHT * request["step"] * request["speed"]]
     for _ in range(900):
         mujoco.mj_step(model, data)
-        gaps.append(height - 2.0 * RADIUS + data.qpos[0])
+        gaps.append(gaps[0] + data.qpos[0])
+    return np.array(gaps)
+
+
+def _mjx(request: dict[str, float], snippet: str) -> np.ndarray:
+    """Return the same by MJX."""
+    import jax
+    import mujoco
+    from mujoco import mjx
+
+    jax.config.update("jax_enable_x64", True)
+    model = _mjcf(request, snippet)
+    data: Any = mujoco.MjData(model)
+    data.qvel[0] = -request["speed"]
+    there, state = mjx.put_model(model), mjx.put_data(model, data)
+    step = jax.jit(mjx.step)
+    gaps = [FLIGHT * request["step"] * request["speed"]]
+    for _ in range(900):
+        state = step(there, state)
+        gaps.append(gaps[0] + float(state.qpos[0]))
+    return np.array(gaps)
+
+
+def _newton(request: dict[str, float], snippet: str) -> np.ndarray:
+    """Return the same of two spheres of Newton, the lower one on a body fixed to the world, by the printed line."""
+    import newton
+    import warp
+
+    known: dict[str, Any] = {"newton": newton}
+    exec(snippet, known)
+    known["material"].density = 0.0
+    builder = newton.ModelBuilder(up_axis=newton.Axis.Z, gravity=(0.0, 0.0, 0.0))
+    place, unit = warp.transform((0.0, 0.0, 2.0 * RADIUS), warp.quat_identity()), warp.mat33(np.eye(3))
+    lower, upper = (builder.add_link(mass=request["mass"], inertia=unit, lock_inertia=True) for _ in range(2))
+    builder.add_articulation([builder.add_joint_fixed(-1, lower)])
+    builder.add_articulation([builder.add_joint_prismatic(-1, upper, parent_xform=place, axis=newton.Axis.Z)])
+    for body in (lower, upper):
+        builder.add_shape_sphere(body, radius=RADIUS, cfg=known["material"])
+    builder.joint_q, builder.joint_qd = [FLIGHT * request["step"] * request["speed"]], [-request["speed"]]
+    model = builder.finalize(device="cpu")
+    solver, pipeline = newton.solvers.SolverFeatherstone(model), newton.CollisionPipeline(model)
+    here, there, contacts, control = model.state(), model.state(), pipeline.contacts(), model.control()
+    newton.eval_fk(model, model.joint_q, model.joint_qd, here)
+    gaps = [float(here.joint_q.numpy()[0])]
+    for _ in range(900):
+        pipeline.collide(here, contacts)
+        solver.step(here, there, control, contacts, request["step"])
+        here, there = there, here
+        gaps.append(float(here.joint_q.numpy()[0]))
     return np.array(gaps)
 
 
@@ -137,7 +192,7 @@ def _figures(gaps: np.ndarray, step: float, speed: float) -> dict[str, float]:
     }
 
 
-RUNS = {"mujoco": _mujoco, "exudyn": _exudyn, "drake": _drake}
+RUNS = {"mujoco": _mujoco, "mjx": _mjx, "exudyn": _exudyn, "drake": _drake, "newton": _newton}
 
 
 def measured(request: dict[str, float], engine: str) -> tuple[dict[str, tuple[float, float]], list[str]]:
@@ -155,7 +210,7 @@ def measured(request: dict[str, float], engine: str) -> tuple[dict[str, tuple[fl
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", RUNS)
 def test_an_engine_obtains_what_was_requested(engine):
-    pytest.importorskip({"drake": "pydrake"}.get(engine, engine))
+    pytest.importorskip({"drake": "pydrake", "mjx": "mujoco.mjx"}.get(engine, engine))
     for request in _requests():
         figures, refused = measured(request, engine)
         for name, (requested, obtained) in figures.items():

@@ -78,6 +78,18 @@ def test_an_engine_obtains_what_it_does_not_refuse(engine, seed):
     assert {name: obtained[name] for name in stated} == pytest.approx(stated, rel=SAME)
 
 
+def test_where_effective_masses_are_approximated_a_contact_is_as_soft(monkeypatch):
+    """MJX has no others: in the plane MuJoCo's guess is 2/3 of the mobility, and creep and sink would be that of it."""
+    pytest.importorskip("mujoco")
+    from cross_checks.contact import mujoco_
+
+    request, model = Request(0.5, 0.7, 1e4, 2.0), model_of("mujoco")
+    exact = measured(model, request, model.translate(request))
+    monkeypatch.setitem(mujoco_.OPTIONS, mujoco_.DEFAULT, mujoco_.OPTIONS[mujoco_.DEFAULT] | {"enableflags": 0})
+    guessed = measured(model, request, model.translate(request))
+    assert [one.obtained for one in guessed] == pytest.approx([one.obtained for one in exact], rel=1e-4)
+
+
 def test_what_loses_nothing_loses_nothing_in_mujoco():
     pytest.importorskip("mujoco")
     request, model = Request(1.0, 0.0, 1e4, 1.0, step=1e-4), model_of("mujoco")

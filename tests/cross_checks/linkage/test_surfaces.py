@@ -29,7 +29,7 @@ def test_walls_of_a_gap_are_as_far_as_the_pins_contact_says(turn, out, aside):
         law=SpringDamperLaw(stiffness=1e3),
     )  # fmt: skip
     path = simulate(Scene(name="tooth", bodies=bodies, contacts=(pin,)), Settings(t_end=1e-9, estimate="off"))
-    boxes = [wall for wall in gap_walls(pin) if wall.shape == "box"]
+    boxes = [wall for wall in gap_walls(pin) if wall.kind == "box"]
     assert len(boxes) == 14
     local = np.array([wall.axes.T @ ((*place, 0.0) - wall.middle) for wall in boxes])
     size = np.array([wall.size for wall in boxes])
