@@ -159,6 +159,7 @@ def covered(session: pytest.Session, sources: set[str]) -> tuple[dict[str, set[t
 def functions() -> dict[str, list[types.FunctionType]]:
     """Return every function in memory by the file that it is written in."""
     by_file: dict[str, list[types.FunctionType]] = defaultdict(list)
+    gc.unfreeze()  # frozen objects are not listed
     for each in gc.get_objects():
         if isinstance(each, types.FunctionType):
             by_file[each.__code__.co_filename].append(each)
