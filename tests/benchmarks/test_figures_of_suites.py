@@ -61,7 +61,9 @@ def test_a_right_hand_side_takes_the_processor_time_that_passes(monkeypatch):
 
 
 def test_verdicts_of_a_tree_are_counted_and_each_is_printed_with_its_sentence(capsys):
-    found = [regression.Finding(f"c{k}", word, f"because {k}", None) for k, word in enumerate(("same", "slower", "same"))]
+    found = [
+        regression.Finding(f"c{k}", word, f"because {k}", None) for k, word in enumerate(("same", "slower", "same"))
+    ]
     benchmark = SimpleNamespace(extra_info={})
     assert bench_timing.counts_of(benchmark, found, share=0.1) == {"same": 2, "slower": 1}
     assert benchmark.extra_info == {"verdicts": {"same": 2, "slower": 1}, "share": 0.1}

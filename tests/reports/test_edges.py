@@ -1,9 +1,9 @@
-"""What pages and commands show at their edges: nothing, one item, an absent word, an interruption, the first and last."""
+"""What pages and commands show at their edges: none, one item, an absent word, an interruption, the first and last."""
 
 from __future__ import annotations
 
 import json
-
+import signal
 from contextlib import nullcontext
 from dataclasses import replace
 from types import SimpleNamespace
@@ -16,22 +16,28 @@ from click.testing import CliRunner
 from benchmarks import calibration
 from benchmarks.trees import slowed
 from benchmarks.trees.regression import CASES, Finding
+from cross_checks.contact import tosses
 from cross_checks.judge.answers import Answer
 from cross_checks.judge.vocabulary import SILENT, WRONG, Verdict
+from cross_checks.records.numbers import count
 from cross_checks.records.record import Error, Record
+from cross_checks.records.store import Store
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene.contact import SphereOnPlane
 from mbs_ref.settings import Settings
+from reports import query
 from reports.cli import main
+from reports.commands.choose import contact as contact_command
 from reports.commands.choose import pick
-from reports.commands.judge import check, prove
+from reports.commands.judge import check, proofs, prove
 from reports.commands.maintenance import compare
 from reports.facts import compiling
+from reports.facts.cheapest import MIDDLE, entries, least_time
 from reports.film import drawing, files
 from reports.page import browser, findings
-from reports.page.sections import matrix, plots
+from reports.page.sections import matrix, overview, plots
 from reports.studies import contact
 from reports.studies.models.choice import Ladder, Rung
 from reports.terminal import console
@@ -136,9 +142,7 @@ def test_the_verdicts_so_far_say_what_provisional_ones_are_judged_by(settled):
     said = check._best([Answer(None, c, (), truth, settled) for c in cells]).split("\n  ")  # type: ignore[arg-type]
     mark, (cell, *_) = "" if settled else " (provisional)", cells
     assert said[0] == f"{cell.scene}: {cell.verdict}{mark}: {', '.join(f'{c.engine} {c.method}' for c in cells)}"
-    assert said[1:] == (
-        [] if settled else [f"{cell.scene}: provisional while its truth is refined, by two engines"]
-    )
+    assert said[1:] == ([] if settled else [f"{cell.scene}: provisional while its truth is refined, by two engines"])
     unknown = Answer(None, cell, (), NoTruth("none"), False)  # type: ignore[arg-type]
     assert "refined" not in check._best([unknown])
     assert check._best([unknown._replace(truth=None)]) == ""
@@ -198,3 +202,73 @@ def test_a_browser_that_fails_is_an_error(monkeypatch):
     monkeypatch.setattr(browser, "browser", lambda: "false")
     with pytest.raises(Exception, match="non-zero exit status 1"):
         browser.drawn("page.html", "--screenshot")
+
+
+def test_an_error_of_a_store_in_memory_says_so():
+    kept = Store()
+    kept.close()
+    with pytest.raises(OSError, match=r"^the store in memory: .*name another store by --store"):
+        len(kept)
+
+
+def test_a_signal_interrupts_what_is_stoppable_and_its_handler_returns():
+    before = [signal.getsignal(one) for one in query.STOPS]
+    with pytest.raises(KeyboardInterrupt), query.stoppable():
+        signal.raise_signal(signal.SIGTERM)
+    assert [signal.getsignal(one) for one in query.STOPS] == before
+
+
+def test_a_timed_duel_settles_a_close_choice(monkeypatch):
+    choice: Any = SimpleNamespace(runner_up="b", margin=1.01, sentence="a.")
+    seen: list[Any] = []
+    monkeypatch.setattr(pick, "isolated", lambda *given: nullcontext("call"))
+    monkeypatch.setattr(pick.pick, "duel", lambda scene, made, call: ("duel", scene, made, call))
+    monkeypatch.setattr(pick.pick, "settled", lambda *given: seen.extend(given) or "settled")
+    duel = ("duel", "scene", choice, "call")
+    assert pick._confirmed("scene", choice, None) == ("settled", duel)  # type: ignore[arg-type]
+    assert seen == [choice, duel]
+    assert pick._confirmed("scene", choice, False) == (choice, None)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("each", [True, False])
+def test_tosses_are_those_of_the_folder_by_the_models_given(monkeypatch, each):
+    seen: list[Any] = []
+    monkeypatch.setattr(tosses, "stored", lambda folder: f"tosses of {folder}")
+    monkeypatch.setattr(tosses, "predict", lambda *given: seen.extend(given[:4]) or ["one", "two"])
+    monkeypatch.setattr(tosses, "summaries", lambda predicted, random: (predicted, random))
+    found = tuple(contact_command._predictions({"m": None}, "f", 0.1, 3, each=each))  # type: ignore[arg-type, dict-item]
+    assert seen == ["tosses of f", {"m": None}, 0.1, 3]
+    assert found == (("one", "two") if each else (["one", "two"], True))
+
+
+def test_the_first_scene_that_is_unknown_is_named(monkeypatch):
+    monkeypatch.setattr("cross_checks.contact.models", lambda names: ({"m": None}, []))
+    monkeypatch.setattr("cross_checks.contact.by_figure.with_contact", lambda: {"known": None})
+    words = [word for name in ("known", "first", "second") for word in ("--scene", name)]
+    done = CliRunner().invoke(main, ["contact", "--figures", *words, "--stiffness", "1e5", "--mass", "1"])
+    assert "no scene here is named 'first'; allowed: known" in done.stderr
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_frontier_of_an_engine_counts_the_scenes_it_is_the_median_of(seed):
+    data = irregular(seed)
+    figure: Any = overview.frontier_plot(data)
+    assert figure["layout"]["yaxis"]["title"]["text"] == "error over the scene's scales"
+    for line in figure["data"]:
+        engine = line["meta"]["engine"]
+        costs = [label for label in data.modelled(engine) if least_time(entries(data, label, MIDDLE)) is not None]
+        assert line["name"] == f"median of {count(len(costs), 'scene')}"
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_proven_truth_is_kept_with_a_certificate_over_the_whole_grid(monkeypatch, whole):
+    scene, kept, truth = scenes.make("pendulum"), [], object()
+    times = proofs.ladder.grid(scene)[: None if whole else -1]
+    row = {"scene": scene.name, "truth": "inside", "reason": ""}
+    monkeypatch.setattr(proofs, "need_flint", lambda: None)
+    monkeypatch.setattr("cross_checks.truths.proofs.certified.kept", lambda folder: [(scene, times, 1e-9)])
+    monkeypatch.setattr("cross_checks.truths.proofs.certified.examine", lambda *given: (row, truth))
+    monkeypatch.setattr(proofs.certificate, "stored", lambda made: True)
+    monkeypatch.setattr(proofs.stored_poses, "save", lambda *given: kept.append(given))
+    assert CliRunner().invoke(main, ["proofs", "--again", "--write", "--json"]).exit_code == 0
+    assert kept == ([(scene, times, truth)] if whole else [])
