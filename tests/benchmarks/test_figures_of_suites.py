@@ -54,6 +54,17 @@ def test_ours_is_held_against_the_fastest_peer(monkeypatch):
     assert benchmark.extra_info["of_call"] == pytest.approx(6.0 / 11.0)
 
 
+@pytest.mark.parametrize("kind", ["adaptive", "fixed"])
+def test_peers_are_tried_at_eight_settings_a_decade(kind):
+    method: Any = SimpleNamespace(name="m", kind=kind)
+    made = [chosen.rtol if kind == "adaptive" else chosen.step for chosen in bench_peers.settings(method)]
+    assert made == sorted(made, reverse=True)
+    if kind == "adaptive":
+        assert (made[0], made[8]) == pytest.approx((3e-4, 3e-6))
+    else:
+        assert (made[0], made[8], made[-1]) == pytest.approx((0.02, 2e-3, 2e-7))
+
+
 def test_a_right_hand_side_takes_the_processor_time_that_passes(monkeypatch):
     clock = iter((7.5, 9.75))
     monkeypatch.setattr(bench_rhs, "process_time", lambda: next(clock))

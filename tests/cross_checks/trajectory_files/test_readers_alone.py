@@ -192,3 +192,12 @@ def test_every_complaint_about_a_file_begins_with_its_name(tmp_path, text, said)
 def test_of_three_rows_the_one_that_bends_remains():
     rows = {"t": np.arange(3.0), "x": np.array([0.0, 5.0, 0.0])}
     assert _marked(columns_of(rows), "t", None).tolist() == [False, True, True]
+
+
+def test_a_file_that_cannot_be_read_is_named_with_the_reason(tmp_path):
+    (tmp_path / "folder.csv").mkdir()
+    for name, said in (("poses.xyz", "suffix '.xyz' is unknown; allowed: "), ("gone.csv", "there is no such file"),
+                       ("folder.csv", "not a file")):  # fmt: skip
+        with pytest.raises(FileError) as complaint:
+            read_columns(tmp_path / name)
+        assert str(complaint.value).startswith(f"{tmp_path / name}: {said}")
