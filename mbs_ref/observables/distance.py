@@ -102,7 +102,7 @@ def motion_size(scene: Scene, scales: Scales, run: tuple[np.ndarray, ...], times
 
     The run is its positions, orientations, velocities and angular velocities. All sizes are over the scene's scales.
     Samples once a period show bodies near their start alone: positions go at least as far as the speeds allow, up to
-    the extent of all positions.
+    the extent of all positions, and bodies turn at least as far as the integral of their rates, up to half a turn.
     """
     position = run[0]
     here = (slice(None),) * (position.ndim - 3) + (slice(1),)
@@ -111,7 +111,11 @@ def motion_size(scene: Scene, scales: Scales, run: tuple[np.ndarray, ...], times
     with np.errstate(all="ignore"):
         way = np.nansum(np.diff(times) * sizes[..., 2].max(axis=-1)[..., 1:], axis=-1)
         size = np.max(sizes, axis=(-3, -2), where=np.isfinite(sizes), initial=0.0)
+        rates = np.moveaxis(np.nan_to_num(run[3]), -3 if scene.dimension == 3 else -2, -1)
+        turned = np.moveaxis(np.cumsum(0.5 * (rates[..., 1:] + rates[..., :-1]) * np.diff(times), axis=-1), -1, 0)
+        turn = np.max(_size(turned, scene.dimension == 3), axis=(0, -1), initial=0.0)
     size[..., 0] = np.maximum(size[..., 0], np.minimum(way, _extent(position)))
+    size[..., 1] = np.maximum(size[..., 1], np.minimum(turn, np.pi))
     return size / units_of(scales)
 
 

@@ -51,7 +51,8 @@ def android_spatial(
     belt_limit, stops, body_contacts, toe_board and head_restraint as in the plane, stops about the plane's axis alone.
     At oblique = 0 it moves as the planar android does. Left and right limbs are one body each; inertias about x and y
     and the breadth of limbs and cushions are estimates. From the rear with stops alone: without them the arms turn by
-    more than the 3 rad that a spring in space can measure.
+    more than the 3 rad that a spring in space can measure. A frontal crash that turns a joint so far, such as one of
+    100 kN and 200 km/h, stops there.
     """
     if impact == "rear" and (model == "paper" or not stops):
         raise ValueError("impact = 'rear' needs stops = true: without them the arms turn by more than 3 rad")

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.suites import bench_batch, bench_growth, bench_peers
+from benchmarks.suites import bench_batch, bench_growth, bench_peers, bench_rhs, bench_timing
 from benchmarks.trees import regression, slowed, worker
 from cross_checks import engines
 from cross_checks.judge import ladder, one_run
@@ -52,6 +52,33 @@ def test_ours_is_held_against_the_fastest_peer(monkeypatch):
     bench_peers.test_over_the_best_peer(benchmark, "chain 3")
     assert benchmark.extra_info["of_loop"] == pytest.approx(2.0 / 7.0)
     assert benchmark.extra_info["of_call"] == pytest.approx(6.0 / 11.0)
+
+
+@pytest.mark.parametrize("kind", ["adaptive", "fixed"])
+def test_peers_are_tried_at_eight_settings_a_decade(kind):
+    method: Any = SimpleNamespace(name="m", kind=kind)
+    made = [chosen.rtol if kind == "adaptive" else chosen.step for chosen in bench_peers.settings(method)]
+    assert made == sorted(made, reverse=True)
+    if kind == "adaptive":
+        assert (made[0], made[8]) == pytest.approx((3e-4, 3e-6))
+    else:
+        assert (made[0], made[8], made[-1]) == pytest.approx((0.02, 2e-3, 2e-7))
+
+
+def test_a_right_hand_side_takes_the_processor_time_that_passes(monkeypatch):
+    clock = iter((7.5, 9.75))
+    monkeypatch.setattr(bench_rhs, "process_time", lambda: next(clock))
+    assert bench_rhs._processor_time(lambda: None) == 2.25
+
+
+def test_verdicts_of_a_tree_are_counted_and_each_is_printed_with_its_sentence(capsys):
+    found = [
+        regression.Finding(f"c{k}", word, f"because {k}", None) for k, word in enumerate(("same", "slower", "same"))
+    ]
+    benchmark = SimpleNamespace(extra_info={})
+    assert bench_timing.counts_of(benchmark, found, share=0.1) == {"same": 2, "slower": 1}
+    assert benchmark.extra_info == {"verdicts": {"same": 2, "slower": 1}, "share": 0.1}
+    assert capsys.readouterr().out.splitlines() == ["same: because 0", "slower: because 1", "same: because 2"]
 
 
 def test_the_coarsest_tolerance_that_reaches_the_error(monkeypatch):

@@ -43,6 +43,13 @@ def test_a_run(new, move):
     assert change.ratio == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(("before", "after", "ratio"), [({}, {"loop_s": 2.0}, None), ({"loop_s": 2.0}, {}, None),
+                                                        ({"loop_s": 4.0}, {"loop_s": 2.0}, 0.5)])  # fmt: skip
+def test_times_have_a_ratio_where_both_are_known(before, after, ratio):
+    (change,) = changes([replace(RECORD, times=before)], [replace(RECORD, times=after)])
+    assert change.ratio == ratio
+
+
 def test_a_failure_that_became_a_success_is_better_and_two_failures_are_the_same():
     failed = replace(RECORD, status="diverged", message="at 1 s")
     assert changes([failed], [RECORD])[0].move is Move.BETTER

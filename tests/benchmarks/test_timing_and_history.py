@@ -81,7 +81,8 @@ def test_series_follow_the_lines_and_skip_what_is_corrupt(tmp_path):
     assert [e.value for e in series(entries)["ratio chain"]] == [1.0, 2.0]
     assert len(problems) == 1
     assert "history.jsonl:2" in problems[0]
-    assert series(entries, "nothing") == {}
+    assert series(entries, "nothing") == series(entries, "2026") == {}
+    assert series(entries, "chain") == series(entries)
 
 
 def test_benchmarks_become_entries():

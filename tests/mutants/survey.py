@@ -1,6 +1,6 @@
 """Which defects of given sources do given tests overlook? Defects live in memory, thousands in minutes.
 
-    python -m tests.mutants.survey SOURCE... --tests FOLDER... [--each N] [--seed S] [--defects FILE] [--out FILE]
+    python -m tests.mutants.survey SOURCE... --tests FOLDER... [--each N | --statements N] [--seed S] [--out FILE]
 
 Tests are collected once, and run once to learn which of them execute which line. Each defect is then compiled into
 a child process, which runs the tests that execute its line, the quickest first, until one fails. Defects outside
@@ -10,6 +10,7 @@ functions and in what tests start by command are out of reach: `tests.mutants.ru
 from __future__ import annotations
 
 import argparse
+import ast
 import gc
 import importlib
 import json
@@ -159,6 +160,7 @@ def covered(session: pytest.Session, sources: set[str]) -> tuple[dict[str, set[t
 def functions() -> dict[str, list[types.FunctionType]]:
     """Return every function in memory by the file that it is written in."""
     by_file: dict[str, list[types.FunctionType]] = defaultdict(list)
+    gc.unfreeze()  # frozen objects are not listed
     for each in gc.get_objects():
         if isinstance(each, types.FunctionType):
             by_file[each.__code__.co_filename].append(each)
@@ -205,6 +207,30 @@ def drawn(files: list[Path], each: int, seed: int) -> list[Defect]:
                 (list(kinds.values()) + own)[:each] if len(kinds) < each else chance.sample(list(kinds.values()), each)
             )
     return list({d.name: d for d in found}.values())
+
+
+def at_statements(files: list[Path], count: int, seed: int) -> list[Defect]:
+    """Return one defect at each of so many statements, drawn from all that can have one: each is as likely."""
+    chance, pool = random.Random(seed), defaultdict(list)
+    for file in files:
+        source = file.read_text()
+        spans = [
+            (node.lineno, node.end_lineno or node.lineno)
+            for node in ast.walk(ast.parse(source))
+            if isinstance(node, ast.stmt) and not isinstance(node, ast.FunctionDef | ast.ClassDef)
+        ]
+        for defect in {d.name: d for d in defects_of(file)}.values():
+            line = min(lines_of(defect, source))
+            within = [span for span in spans if span[0] <= line <= span[1]]
+            first, _ = min(within, key=lambda span: (span[1] - span[0], -span[0]), default=(line, line))
+            pool[defect.file, first].append(defect)
+    found = []
+    for place in chance.sample(sorted(pool), count):
+        kinds: dict[str, list[Defect]] = defaultdict(list)
+        for defect in sorted(pool[place], key=lambda d: d.name):
+            kinds[defect.breaks.split(": ", 1)[1]].append(defect)
+        found.append(chance.choice(kinds[chance.choice(sorted(kinds))]))
+    return found
 
 
 def survey(session: pytest.Session, defects: list[Defect], known: tuple[Any, Any], out: Path | None) -> None:
@@ -265,6 +291,7 @@ def main() -> None:
     parser.add_argument("sources", nargs="+")
     parser.add_argument("--tests", nargs="+", required=True)
     parser.add_argument("--each", type=int, default=2, help="defects of each function")
+    parser.add_argument("--statements", type=int, default=0, help="defects at so many random statements instead")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--defects", type=Path, help="judge the defects of a file in place of drawn ones")
     parser.add_argument("--out", type=Path)
@@ -283,7 +310,12 @@ def main() -> None:
         known = covered(session, {str(file) for file in files})
         if asked.lines:
             asked.lines.write_bytes(pickle.dumps(known))
-    defects = read(asked.defects) if asked.defects else drawn(files, asked.each, asked.seed)
+    if asked.defects:
+        defects = read(asked.defects)
+    elif asked.statements:
+        defects = at_statements(files, asked.statements, asked.seed)
+    else:
+        defects = drawn(files, asked.each, asked.seed)
     survey(session, defects, known, asked.out)
 
 

@@ -13,10 +13,11 @@ from cross_checks.conformance import examine, ladder, plugin
 from cross_checks.conformance import symmetry as violation
 from cross_checks.conformance.broken_engines import _dead_on_welds, _late, mistakes
 from cross_checks.conformance.cases import Case
-from cross_checks.conformance.probes import bounces, probes
+from cross_checks.conformance.probes import NORMALS, RADIUS, _on_floor, bounces, probes
 from cross_checks.engine.plan import initial_sample
 from mbs_ref import scenes
 from mbs_ref.scene import Weld
+from mbs_ref.scene.contact import RigidLaw
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Status, Trajectory
@@ -222,3 +223,10 @@ def test_a_test_fails_unless_a_motion_agrees(monkeypatch, verdict):
         return
     with pytest.raises(pytest.fail.Exception):
         agrees("a")
+
+
+def test_the_floor_of_a_plane_probe_is_a_line_across_its_normal():
+    floor: Any = _on_floor(RigidLaw(restitution=0.5), 2).contacts[0]
+    along, normal = np.subtract(floor.point_2, floor.point_1), np.array(NORMALS[2])
+    assert along @ normal == pytest.approx(0.0, abs=1e-15)
+    assert along[0] * normal[1] - along[1] * normal[0] == pytest.approx(RADIUS)  # the free side is on the left

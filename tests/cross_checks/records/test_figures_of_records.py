@@ -93,6 +93,9 @@ def test_whatever_tells_runs_apart_is_in_their_key(name):
     run = made(random.Random(1))
     assert key_of(replace(run, **{name: OTHER[name]})) != key_of(run)
     assert key_of(replace(run, status="timeout", times={"loop_s": 9.0}, notes=("busy",))) == key_of(run)
+    pairs = {"b": 2.0, "a": 1.0}
+    one, other = (replace(run, parameters=own, settings=own) for own in (pairs, dict(sorted(pairs.items()))))
+    assert key_of(one) == key_of(other)
 
 
 def test_timings_of_one_run_and_one_machine():

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from cross_checks.metrics import every
 from cross_checks.trajectory_files import library, mistakes
 from cross_checks.trajectory_files.column_map import OWN, _named
-from cross_checks.trajectory_files.columns import _checked
+from cross_checks.trajectory_files.columns import _checked, _marked, columns_of, read_columns
 from cross_checks.trajectory_files.formats import FileError
 from cross_checks.trajectory_files.judgement import _ERRORS, as_truth, judgement
 from cross_checks.trajectory_files.mistakes import case as cases
@@ -171,3 +171,33 @@ def test_the_rows_of_a_consensus_are_those_of_the_requested_times(monkeypatch):
     assert isinstance(found, Truth)
     assert asked[0].tolist() == [0.0, *times]
     assert found.position[:, 0, 0].tolist() == times.tolist()
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    ("", "is empty"), ("1,2\n3,4", "line 1 holds numbers"), ("t,a,a\n0,1,2", "line 1, column 'a' stands 2 times"),
+    ("t,a\n0\n", "line 2 has 1 cells; expected: 2"), ("t,a\n0,x\n", "line 2, column 'a': 'x' is no number"),
+    ("t,a\n0,nan\n", "line 2, column 'a': nan is not finite"), ("t,a\n1,1\n0,1\n", "times must increase"),
+    ("t,a\n", "no row"),
+])  # fmt: skip
+def test_every_complaint_about_a_file_begins_with_its_name(tmp_path, text, said):
+    file = tmp_path / "poses.csv"
+    file.write_text(text)
+    with pytest.raises(FileError) as complaint:
+        read_columns(file)
+    words = str(complaint.value)
+    assert words.removeprefix(str(file)).removeprefix(file.name).startswith(":")
+    assert said in words
+
+
+def test_of_three_rows_the_one_that_bends_remains():
+    rows = {"t": np.arange(3.0), "x": np.array([0.0, 5.0, 0.0])}
+    assert _marked(columns_of(rows), "t", None).tolist() == [False, True, True]
+
+
+def test_a_file_that_cannot_be_read_is_named_with_the_reason(tmp_path):
+    (tmp_path / "folder.csv").mkdir()
+    for name, said in (("poses.xyz", "suffix '.xyz' is unknown; allowed: "), ("gone.csv", "there is no such file"),
+                       ("folder.csv", "not a file")):  # fmt: skip
+        with pytest.raises(FileError) as complaint:
+            read_columns(tmp_path / name)
+        assert str(complaint.value).startswith(f"{tmp_path / name}: {said}")

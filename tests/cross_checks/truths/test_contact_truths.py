@@ -11,6 +11,7 @@ from cross_checks import engines
 from cross_checks.judge.one_run import judged_run
 from cross_checks.metrics.contact_figures import contact_figures
 from cross_checks.truths import seek_truth
+from cross_checks.truths.made_by.mechanisms.unilateral import CLOSED, LOOKS, Line, Unilateral, _Walk
 from cross_checks.truths.of.bouncing import impact
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
@@ -125,6 +126,16 @@ def test_figures_of_rest_and_of_stopping():
     stack = scenes.make("box_stack")
     sunk = contact_figures(stack, simulate(stack, FINE))
     assert sunk["corner0.0: static sink, m"] == pytest.approx(3.0 * 9.81 / 2e6, abs=1e-9)
+
+
+def test_an_event_that_rounding_moves_across_a_look_is_where_the_look_is():
+    spring = Unilateral(row=(1.0,), offset=0.0, stiffness=100.0)
+    walk = _Walk(Line(np.ones(1), np.zeros(1), np.array([-1.0]), np.zeros(1), (spring,)), LOOKS)
+    walk.modes = [CLOSED]
+    root, broken, start = 0.05 * math.pi, np.array([[True, False]]), np.array([-1.0, 0.0, 1.0])
+    assert walk._first(start, broken, root + 1e-9, root + 1e-3) == root + 1e-9
+    assert walk._first(start, broken, root - 1e-3, root - 1e-9) == root - 1e-9
+    assert walk._first(start, broken, root - 1e-3, root + 1e-3) == pytest.approx(root, abs=1e-14)
 
 
 def two_discs(beside: float, duration: float = 0.4) -> Scene:

@@ -161,7 +161,7 @@ def test_orientations_that_differ_by_sign_are_the_same():
 def test_a_motion_is_as_large_as_it_goes_from_its_start_and_as_fast():
     times = np.array([0.0, 1.0, 2.0])
     assert motion_size(ROD, SCALES, planar(np.array([1.0, 4.0, 2.0]), 0.0, 1.0, 4.0), times) == pytest.approx(
-        [1.5, 0.0, 0.25, 2.0]
+        [1.5, math.pi, 0.25, 2.0]  # a rate of 4 rad/s, so samples of one angle hide whole turns
     )
     assert motion_size(ROD, SCALES, planar(np.zeros(3), angle=3.0 * times), times)[1] == 3.0
     assert motion_size(ROD, SCALES, planar(np.array([0.0, 1.0, np.nan])), times)[0] == 0.5
@@ -174,6 +174,20 @@ def test_a_motion_seen_once_a_period_alone_is_as_large_as_bodies_are_apart():
     seen = Poses(places, np.zeros((3, 2)), speeds, np.zeros((3, 2)))
     assert motion_size(pair, SCALES, seen, np.arange(3.0))[0] == 1.0
     assert motion_size(pair, SCALES, seen._replace(velocity=0.0 * speeds), np.arange(3.0))[0] == 0.0
+
+
+def test_a_body_seen_once_a_turn_alone_turns_as_far_as_its_rates_say():
+    times, still = np.arange(3.0), np.zeros((3, 1, 3))
+    upright = Poses(still, np.tile([1.0, 0.0, 0.0, 0.0], (3, 1, 1)), still, still)
+
+    def turn(*rates: float) -> float:
+        """Return the size of the turn (rad) of a body with these rates (rad/s) about one axis."""
+        spin = np.array(rates)[:, None, None] * np.array([0.0, 0.6, 0.8])
+        return float(motion_size(TOP, SCALES, upright._replace(angular_velocity=spin), times)[1])
+
+    assert turn(6.0, 6.0, 6.0) == np.pi
+    assert turn(1.0, 1.0, 0.5) == pytest.approx(1.75)
+    assert turn(1.0, -1.0, 1.0) == 0.0
 
 
 def test_a_tolerance_is_relative_to_the_largest_coordinate_or_to_a_radian():

@@ -69,6 +69,12 @@ def test_a_four_bar_on_its_spring_rests_and_swings_as_its_potential_says():
     assert np.abs(steady_motion_at_start(scene).eigenvalues.imag).max() == pytest.approx(omega, rel=1e-8)
 
 
+def test_a_four_bar_whose_spring_would_fold_it_is_refused():
+    with pytest.raises(ValueError, match="let the spring's ends meet: its rest length must be larger"):
+        scenes.make("four_bar_with_spring", rest=0.002)
+    assert scenes.make("four_bar_with_spring", angle=30.0, rest=1.998).bodies
+
+
 @pytest.mark.parametrize("kind", ["peaucellier", "watt", "chebyshev"])
 def test_rods_are_where_their_closed_form_has_them(kind):
     record = evaluate(scenes.make("straight_line_linkage", kind=kind), "mbs_ref", FINE)

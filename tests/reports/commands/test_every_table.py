@@ -768,6 +768,7 @@ def test_judge(tables, tmp_path):
         ("at the end", lambda p: g(p["final"])),
     ])  # fmt: skip
     shown, error = facts(own), printed["error"]
+    assert shown["verdict"] == f"{printed['verdict']}: {printed['reason']}"
     assert shown["compared with"] == error["truth"]
     length = f"the scene's length is {g(error['length'])} m"
     assert shown["known to"] == f"{g(error['uncertainty'])} of the scene; {length}"

@@ -276,6 +276,7 @@ def test_races_and_orbits(monkeypatch):
     measured, ratios = Measured(), (3.0, 1.0, 2.0, 9.0)
     sky.add_race(measured, "other", "ours", [{"scene": str(k), "ratio": r} for k, r in enumerate(ratios)])
     (row,) = measured.tables["races"]
+    assert [lap["ratio"] for lap in measured.tables["race: other"]] == list(ratios)
     low, high = interval(np.array(ratios), np.random.default_rng(0))
     assert (row["ratio"], row["low"], row["high"]) == (median(ratios), low, high)
     tilt = math.radians(23.0 + 26.0 / 60.0 + 21.406 / 3600.0)

@@ -169,10 +169,10 @@ class _Walk:
             check_time(t + before)
             for _ in range(TOGETHER):
                 ahead.append(step @ ahead[-1])
-            broken = np.any(self._guards(np.array(ahead[1:])) < 0.0, axis=(1, 2))
+            broken = self._guards(np.array(ahead[1:])) < 0.0
             if broken.any():
-                k = int(np.argmax(broken))
-                after = self._first(z, ahead[k], before + k * look, before + (k + 1) * look)
+                k = int(np.argmax(broken.any(axis=(1, 2))))
+                after = self._first(z, broken[k], before + k * look, before + (k + 1) * look)
                 return (t + after, self._at(z, after)) if t + after <= end else (None, z)
             ahead, before = ahead[-1:], before + TOGETHER * look
             self.seen = (t, before, ahead[0])
@@ -185,18 +185,21 @@ class _Walk:
                  for k, row in enumerate(self.rows)]  # fmt: skip
         return min(crossings), int(np.argmin(crossings))
 
-    def _first(self, z: np.ndarray, now: np.ndarray, low: float, high: float) -> float:
-        """Return the earliest root between two looks, and note whose it is."""
-        start, stop = self._guards(np.array([now, self._at(z, high)]))
+    def _first(self, z: np.ndarray, broken: np.ndarray, low: float, high: float) -> float:
+        """Return the earliest root between two looks, and note whose it is; `broken` marks who has one.
+
+        Looks come from each other, roots from z: by roundoff a root may be at a look's other side.
+        """
+        start, stop = self._guards(np.array([self._at(z, low), self._at(z, high)]))
         times = []
-        for place in zip(*np.nonzero(stop < 0.0), strict=True):
-            root = low
-            if start[place] > 0.0:
+        for place in zip(*np.nonzero(broken), strict=True):
+            root = low if start[place] <= 0.0 else high
+            if root == high and stop[place] < 0.0:
                 root = scipy.optimize.root_scalar(
                     self._guard, (z, place), bracket=(low, high), xtol=1e-16, rtol=1e-15
                 ).root
             times.append((float(root), int(place[0]), int(place[1])))
-        after, self.broken, self.which = min(times) if times else (high, self.broken, self.which)
+        after, self.broken, self.which = min(times)
         return after
 
     def _guard(self, after: float, z: np.ndarray, place: tuple[int, int]) -> float:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from cross_checks import engines
+from cross_checks.conformance import symmetry
 from cross_checks.conformance.cases import cases
 from cross_checks.conformance.symmetry import BACK, SYMMETRIES, NotRunError, Violation, by_method, isolated, violations
 from cross_checks.conformance.symmetry.placement import Placement, image
@@ -164,3 +166,10 @@ def test_every_engine_breaks_what_it_is_known_to_break(case, child):
     found = isolated(case, child)
     assert bool(found["stopped"]) == (key in STOPS), found
     assert {each["symmetry"] for each in found["broken"] if each["exceeds_error"]} == KNOWN.get(key, set()), found
+
+
+def test_a_run_is_cut_or_turned_back_unless_that_very_change_has_an_obstacle(monkeypatch):
+    monkeypatch.setattr(symmetry.place, "cut_obstacle", lambda scene, back: f"back: {back}")
+    nothing: Any = None
+    assert symmetry._cut(nothing, nothing, nothing, nothing) == "back: False"
+    assert symmetry._there_and_back(nothing, nothing, nothing, nothing) == "back: True"
