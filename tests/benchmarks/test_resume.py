@@ -20,7 +20,8 @@ KILLS = 20
 COMMAND = [sys.executable, "-c", "from reports.cli import main; main()"]
 SWEEP = ["sweep", "pendulum", "--engine", "mbs_ref", "--method", "rk4", "--method", "euler", "-o"]
 OUT = {"sweep": "out.jsonl", "report": "out"}  # a file, a folder
-REPORT = ["report", "--scene", "pendulum", "--engine", "mbs_ref", "--target", "1e-3", "--full", "-o"]  # without a limit of processor time
+# without its limit of processor time, which decides by the clock what is computed
+REPORT = ["report", "--scene", "pendulum", "--engine", "mbs_ref", "--target", "1e-3", "--full", "-o"]
 
 
 def swept(place: Path) -> list[Any]:
