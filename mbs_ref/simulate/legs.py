@@ -253,4 +253,5 @@ def _outcome(
         return last.status, f"{last.message}: {system.event_sources[run.event_source]!r}"
     if last.status is Status.SINGULAR and plan.options.rtol < EPS:
         return Status.STEP_TOO_SMALL, f"at t = {stuck:.9g} s: rtol = {plan.options.rtol:.3g} is below roundoff"
-    return last.status, last.message + culprit(system, stuck, y) + deeper_cause(system, last.status, stuck, y)
+    known = f"; known of {plan.integrator.name}: {plan.integrator.weakness}" if plan.integrator.weakness else ""
+    return last.status, last.message + culprit(system, stuck, y) + deeper_cause(system, last.status, stuck, y) + known
