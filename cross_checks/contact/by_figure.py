@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -197,13 +197,13 @@ def _rows(
                        change=change, reason=reason)  # fmt: skip
 
 
-def _heaps(step: float) -> Reference:
-    """Return the means over STARTS heaps, and 95 % of the spread of one more: impacts magnify every difference."""
+def _scattered(start: Callable[[int], Scene], step: float) -> Reference:
+    """Return the means over STARTS starts, and 95 % of the spread of one more: impacts magnify every difference."""
     settings = Settings(method="rk4", step=0.5 * step, events="none", reactions=False, estimate="off")
-    cases = [heap(seed) for seed in range(STARTS)]
+    cases = [start(seed) for seed in range(STARTS)]
     found = [figures_of(case, engines.get(OURS).run(case, settings)) for case in cases]
     spread = float(scipy.stats.t.ppf(0.975, STARTS - 1)) * math.sqrt(1.0 + 1.0 / STARTS)
-    table = {label: [one[label] for one in found] for label in _table()[HEAP]}
+    table = {label: [one[label] for one in found] for label in _table()[cases[0].name]}
     return {label: (float(np.mean(row)), spread * float(np.std(row, ddof=1))) for label, row in table.items()}
 
 
@@ -212,8 +212,8 @@ def _reference(scene: Scene, step: float) -> Reference:
 
     None is the change of a figure that the looser run does not show.
     """
-    if scene.name == HEAP:
-        return _heaps(step)
+    if scene.name in AT_RANDOM:
+        return _scattered(AT_RANDOM[scene.name], step)
     solver, times = engines.get(OURS), _times(scene, step)
     common: dict[str, Any] = {"method": "dop853", "reactions": False, "estimate": "off"}
     runs = Settings(rtol=RTOL, atol=RTOL, **common), Settings(rtol=LOOSER, atol=LOOSER, outputs="dense", **common)
@@ -225,12 +225,12 @@ def _reference(scene: Scene, step: float) -> Reference:
 
 
 def with_contact() -> dict[str, Scene]:
-    """Return the library's scenes in which bodies touch, and a column that becomes a heap."""
-    every = {name: scenes.make(name) for name in scenes.names()} | {HEAP: heap(0)}
+    """Return the library's scenes in which bodies touch, and those of AT_RANDOM."""
+    every = {name: scenes.make(name) for name in scenes.names()} | {name: one(0) for name, one in AT_RANDOM.items()}
     return {name: scene for name, scene in every.items() if scene.contacts}
 
 
-HEAP, STARTS = "granular_heap", 8
+STARTS = 8
 
 
 def heap(seed: int) -> Scene:
@@ -241,7 +241,10 @@ def heap(seed: int) -> Scene:
     column = scenes.make(
         "granular_column", grains=60, across=6, ledge=9, friction=0.5, slip=1e-3, seed=seed, spread=0.4
     )
-    return column.model_copy(update={"name": HEAP})
+    return column.model_copy(update={"name": "granular_heap"})
+
+
+AT_RANDOM = {"granular_heap": heap}  # scenes by their seed, whose figures depend on the start
 
 
 FRICTION, SHARES, LOADS = 0.7, (0.1, math.tan(0.2) / 0.7, 0.5, 0.9), (1.0, 100.0)  # -, of the cone, of the block's mass

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -39,17 +38,12 @@ def columns_of(arrays: Mapping[str, np.ndarray], clock: str = "t", only: Only | 
     return _kept(path, [part_of(path, arrays)], clock, only, None)
 
 
-def read_beginning(path: Path, delimiter: str = "", clock: str = "t") -> Columns:
-    """Return the columns of the first part of a file; raises FileError as `read_columns` does."""
-    return _kept(path, islice(parts(path, delimiter), 1), clock, None, None)
-
-
-def read_header(path: Path) -> list[str]:
-    """Return the names of a file's columns. Raises FileError."""
-    first = next(parts(path), None)
+def read_header(path: Path, delimiter: str = "") -> Columns:
+    """Return a file's columns without rows. Raises FileError."""
+    first = next(parts(path, delimiter), None)
     if first is None:
         raise FileError(f"{path}: {NO_ROWS}")
-    return list(first.values)
+    return first.at(np.arange(0))
 
 
 def _kept(path: Path, every: Iterable[Columns], clock: str, only: Only | None, report: Report | None) -> Columns:

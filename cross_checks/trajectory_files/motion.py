@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.column_map import AngularVelocity, Body, ColumnMap, Orientation, own_map, read_map
-from cross_checks.trajectory_files.columns import Only, Report, columns_of, read_beginning, read_columns
+from cross_checks.trajectory_files.columns import Only, Report, columns_of, read_columns, read_header
 from cross_checks.trajectory_files.formats import Columns, FileError
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.messages import suggest
@@ -216,7 +216,7 @@ def read_motion(
 ) -> Read:  # fmt: skip
     """Read a trajectory of a scene from a file or arrays; only columns named as by `mbs-ref simulate -o` need no map.
 
-    With `at` (s), the rows at those times alone. Raises FileError, for columns and map before most rows are read.
+    With `at` (s), the rows at those times alone. Raises FileError, for what header and map decide before rows are read.
     """
     stated = None if map_path is None else read_map(map_path)
     clock, unit = ("t", 1.0) if stated is None else (stated.time.column, units.factor("time", stated.time.unit))
@@ -224,7 +224,7 @@ def read_motion(
     if not isinstance(source, Path):
         return _described(scene, columns_of(source, clock, only), stated)
     delimiter = "" if stated is None else stated.delimiter
-    _described(scene, read_beginning(source, delimiter, clock), stated)
+    _described(scene, read_header(source, delimiter), stated)
     return _described(scene, read_columns(source, delimiter, clock, only, report), stated)
 
 

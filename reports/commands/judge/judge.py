@@ -83,7 +83,7 @@ def _begin_map(file: Path, scene: Scene, target: str) -> None:
     assert place is not None
     if place.exists():
         raise FileError(f"--write-map {place}: exists already")
-    names = read_header(file)
+    names = list(read_header(file).values)
     write_atomic(place, blank_map(names, list(scene.body_names), scene.dimension).encode())
     click.echo(f"{place} holds a map to be filled in for {len(names)} columns and {len(scene.bodies)} bodies", err=True)
 
