@@ -226,8 +226,13 @@ def _reference(scene: Scene, step: float) -> Reference:
 
 def with_contact() -> dict[str, Scene]:
     """Return the library's scenes in which bodies touch, and those of AT_RANDOM."""
-    every = {name: scenes.make(name) for name in scenes.names()} | {name: one(0) for name, one in AT_RANDOM.items()}
+    every = {name: case(name) for name in (*scenes.names(), *AT_RANDOM)}
     return {name: scene for name, scene in every.items() if scene.contacts}
+
+
+def case(name: str) -> Scene:
+    """Return a scene of the library or of AT_RANDOM, at its first seed. ValueError for an unknown name."""
+    return AT_RANDOM[name](0) if name in AT_RANDOM else scenes.make(name)
 
 
 STARTS = 8

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial, reduce
+from itertools import count
 from math import gcd
 
 import exudyn as exu
@@ -20,6 +21,7 @@ CONTACT = "contact_rk44"
 PAIR_CONTACT = "pair_contact_rk44"
 EXPLICIT_CONTACT = (CONTACT, PAIR_CONTACT)
 SINGULAR = "stops at singular poses, or leaves them on another branch and reports success"
+HALVED = 100  # times as many steps as a setting has may follow from halving: those that reach the end take up to 31
 JUMPS = "at tight tolerances its step control may never come back from the jump of a contact force"
 FRICTION = "friction acts on the surface as it was before a body sank in, and gives way to slow slip"
 RAMP = "friction grows in proportion to slow slip, up to v_s, not as tanh(v_t / v_s)"
@@ -64,6 +66,7 @@ NEWTON = {"relativeTolerance": 1e-9, "absoluteTolerance": 1e-9, "maxIterations":
 FREE = 1e-12
 RESIDUAL = 1e-10  # of the scene's forces, where that is less than Newton's absolute tolerance in N: light bodies
 SMALLEST_STEP = 1e-13  # s, adaptive methods
+ON_TIME = 1e-9  # of a run: how far before an output time a solver may end
 CALLED_FROM = re.compile(r"\s*\[Python file '[^']*', line \d+\]")  # at the end of Exudyn's messages
 DENSE = 60  # unknowns up to which dense elimination costs no more than sparse (chains of 10: 50 equal, 110 half more)
 
@@ -189,13 +192,18 @@ def advance_fixed(model, plan: Plan, options, *, loops: bool) -> Left:
 def _halving(model, plan: Plan, options) -> Left:
     """Run an implicit method at steps that are halved where Newton's iteration fails, and grow again."""
     options.timeIntegration.adaptiveStep = True
+    most, tried = HALVED * sum(plan.counts), count(1)
+    model.mbs.SetPreStepUserFunction(lambda mbs, t: next(tried) <= most)
     alpha = options.timeIntegration.generalizedAlpha
     alpha.useIndex2Constraints = alpha.useNewmark = SOLVERS[plan.method.name] == exu.DynamicSolverType.TrapezoidalIndex2
 
     def read() -> np.ndarray:
         return np.hstack([model.mbs.GetSensorValues(sensor) for sensor in model.sensors])
 
-    return _output_by_output(model, plan, options, exu.MainSolverImplicitSecondOrder(), read)
+    left = _output_by_output(model, plan, options, exu.MainSolverImplicitSecondOrder(), read)
+    if left.failure and next(tried) > most:
+        return replace(left, failure=f"{left.failure}: halved steps are more than {HALVED} times as many")
+    return left
 
 
 def sampled(model, plan: Plan, left: Left) -> tuple[np.ndarray, End]:
@@ -240,11 +248,12 @@ def _output_by_output(model, plan: Plan, options, solver, read: Callable[[], np.
         rows[0] = read()
         for k, stop in enumerate(plan.times[1:].tolist(), start=1):
             solver.it.endTime = stop
-            done = solver.SolveSteps(mbs, options)
+            # a solver that a user function stops returns True
+            done = solver.SolveSteps(mbs, options) and mbs.systemData.GetTime() > stop - ON_TIME * plan.times[-1]
             steps += solver.it.currentStepIndex - 1  # it points to the step to come, and starts anew in each call
             rows[k] = read()
             if not done or steps > plan.max_steps:
-                said = "" if done else f"exudyn's solver returned False at t = {mbs.systemData.GetTime():g} s"
+                said = "" if done else f"exudyn's solver stopped at t = {mbs.systemData.GetTime():g} s"
                 return Left(steps, said, rows, k)
     except SolverError as error:
         return Left(steps, _why(error, mbs), rows, k)

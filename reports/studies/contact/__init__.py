@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from cross_checks.contact import models
-from cross_checks.contact.by_figure import Obtained, compare, with_contact
+from cross_checks.contact.by_figure import Obtained, case, compare, with_contact
 from cross_checks.contact.tosses import Summary, predict, stored, summaries
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.truths.of.bouncing import impact
@@ -57,7 +57,7 @@ def _tosses(engine: str, full: bool) -> Measured:
 
 
 def _engines(name: str) -> Measured:
-    found = compare(models()[0], {name: scenes.make(name)}, ENGINES_STEP)
+    found = compare(models()[0], {name: case(name)}, ENGINES_STEP)
     return Measured(tables={"engines": tuple(_by_engine(one) for one in found)})
 
 

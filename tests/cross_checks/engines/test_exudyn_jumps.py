@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from mbs_ref import Settings, simulate
+from cross_checks.engines.exudyn_ import run as solver
+from mbs_ref import Settings, scenes, simulate
 from mbs_ref.scene import PlanarBody, Scene, SpringDamper
 
 STEP = 0.01  # s
@@ -25,3 +26,14 @@ def test_steps_are_halved_where_a_damped_string_becomes_taut(method):
     truth = simulate(scene, Settings(rtol=1e-11, estimate="off"), times)
     assert run.position == pytest.approx(truth.position, abs=STEP)  # at 1 m/s, one step late
     assert np.array_equal(run.times, times)
+
+
+def test_halving_without_end_stops_and_is_no_success(monkeypatch):
+    """The steps of a heavy top at 5 ms fall to Exudyn's smallest, 1e-8 s, and remain there."""
+    monkeypatch.setattr(solver, "HALVED", 10)
+    scene = scenes.make("heavy_top")
+    run = engines.get("exudyn").run(scene, Settings(method="generalized_alpha", step=5e-3), np.linspace(0.0, 2.0, 21))
+    assert run.status == "not-converged"
+    assert "halved steps are more than 10 times as many" in run.message
+    assert run.steps <= 10 * 400
+    assert run.times[-1] < 2.0

@@ -88,6 +88,17 @@ def test_the_study_of_contact(monkeypatch):
     assert [third[name] for name in columns] == ["z", "refused", "", "", ""]
 
 
+def test_every_scene_of_the_study_of_contact_is_compared(monkeypatch):
+    """Scenes that are not in the library, too."""
+    compared: list[str] = []
+    monkeypatch.setattr(contact, "models", lambda: ({}, []))
+    monkeypatch.setattr(contact, "compare", lambda able, cases, step: compared.extend(cases) or [])
+    for part in contact.parts():
+        if part[0] == "engines":
+            contact.measure_part(part)
+    assert compared == [*contact.with_contact()]
+
+
 def test_laws_and_the_vehicle_of_the_study_of_contact(monkeypatch):
     monkeypatch.setattr(contact, "ladder", lambda law, way: {"law": law, "events": way, "order": f"{law} {way}"})
     monkeypatch.setattr(contact, "_restitution", lambda law: {"law": law})
