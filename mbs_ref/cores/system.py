@@ -12,6 +12,7 @@ from mbs_ref.cores.in_lanes import SideBySide, side_by_side
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
+from mbs_ref.scene.base.rows import Rod, SharedPoint
 from mbs_ref.scene.contact import Granules
 from mbs_ref.scene.scales import Scales, scales_of
 from mbs_ref.trajectory import Trajectory
@@ -63,8 +64,25 @@ class System(ABC):
     def answered(self) -> tuple[str, ...]:
         """The groups of questions that the scene makes necessary (mbs_ref.kernels.answers)."""
         events = core.EVENTS if self.event_sources else core.UNEVENTFUL
-        grains = core.GRANULES if any(isinstance(load, Granules) for load in self.scene.loads) else core.UNGRAINED
-        return core.MOTION, events, grains, core.LOOPS if self.n_closure_rows else core.OPEN
+        loops = core.LOOPS if self.n_closure_rows else core.OPEN
+        has = self.features
+        return core.MOTION, events, loops, *(name if name in has else core.NO + name for name in core.FEATURES)
+
+    @property
+    def features(self) -> set[str]:
+        """What the scene has of mbs_ref.kernels.answers.FEATURES."""
+        scene = self.scene
+        grains = [isinstance(load, Granules) for load in scene.loads]
+        rows = [row for joint in scene.joints for row in joint.rows(scene.dimension)]
+        has = {
+            core.LOADS: not all(grains), core.GRANULES: any(grains),
+            core.ROWS: not all(isinstance(row, SharedPoint | Rod) for row in rows),
+            core.GRIPS: any(contact.friction and contact.friction.STICKS for contact in scene.contacts),
+            core.HELD: any(contact.holds for contact in scene.contacts),
+            core.SWITCHES: len(self.event_sources) > len(scene.contacts),
+            core.REFINED: bool(self.n_closure_rows or self.event_sources),
+        }  # fmt: skip
+        return {name for name, is_there in has.items() if is_there}
 
     @cached_property
     def model(self) -> Model:
@@ -139,6 +157,7 @@ class System(ABC):
 
     def along_constraints(self, x: np.ndarray) -> np.ndarray:
         """Return the part of a displacement and its rates (n_state,) that the constraints last evaluated allow."""
+        self.prepare(core.TANGENT)
         x = x.copy()
         core.call_tangent(self.model, self.work, x)
         return x

@@ -29,20 +29,33 @@ from mbs_ref.kernels.spatial import dynamics as spatial
 
 MOTION = "motion"  # what every run asks
 EVENTS, UNEVENTFUL = "events", "uneventful"  # of contacts, one-sided springs and declared events; of scenes without
-GRANULES, UNGRAINED = "granules", "ungrained"  # of many bodies that may all touch; of scenes without
 LOOPS, OPEN = "loops", "open"  # of closed loops, rows of contacts among them; of trees
+NO = "no "  # before a feature, of scenes without it
+LOADS, ROWS, GRIPS, HELD = "loads", "rows", "grips", "held"
+SWITCHES, GRANULES, REFINED = "switches", "granules", "refined"
+FEATURES = {  # each with its questions
+    LOADS: "apply_given_loads",  # but gravity, contacts and granules
+    ROWS: "fill_further_rows",  # of joints, but those of shared points and rods
+    GRIPS: "settle_grips slip_velocities",  # of contacts that can stick
+    HELD: "settle_held",  # of contacts that are constraints
+    SWITCHES: "switch_roots switch_transition start_switches",  # of tension-only springs and declared events
+    GRANULES: "apply_granules",  # of many bodies that may all touch
+    REFINED: "refine",  # of solutions that elimination alone may spoil: with loops or contacts
+}
+TANGENT = "tangent"  # of directions along the constraints; loops need it on the way
 FORM = "form"  # of methods on the DAE itself
 REPORT = "report"  # afterwards
 LANES, LANES_LOADS = "lanes", "loads in lanes"  # of runs side by side
 GROUPS = {
-    MOTION: "derivative compliance project tangent regularity accelerate fill_rows apply_loads expand take_velocities",
-    EVENTS: "position_count root_count roots transition start_modes contact_mobility settle_grips slip_velocities "
-    "apply_contacts fill_contact_rows fill_deflection_rates position_rate rate_from",
+    MOTION: "derivative compliance project regularity accelerate fill_rows apply_loads expand take_velocities",
+    EVENTS: "position_count root_count roots transition start_modes contact_mobility apply_contacts fill_contact_rows "
+    "fill_deflection_rates position_rate rate_from",
     UNEVENTFUL: "root_count roots transition start_modes contact_mobility apply_contacts fill_contact_rows "
     "fill_deflection_rates",
-    GRANULES: "apply_granules",
-    UNGRAINED: "apply_granules",
-    LOOPS: "factor solve",
+    **FEATURES,
+    **{NO + name: questions for name, questions in FEATURES.items()},
+    LOOPS: "factor solve tangent",
+    TANGENT: "tangent",
     OPEN: "factor solve",
     FORM: "multipliers position_count force_balance times_mass answer row_times add_row displace position_rate "
     "defect_of gamma_of",
@@ -70,7 +83,7 @@ _OWN = {  # core -> the first words of its answers' names, and their modules
     "relative_spatial": (("relative_spatial", "relative"), (relative_spatial, relative)),
     "particles": (("particle",), (particles,)),
 }
-# The answers about what a scene does not have: constraint rows, events, contacts.
+# The answers about what a scene does not have: constraint rows, events, contacts, features.
 _ABSENT: dict[str, Callable[..., Any]] = {
     "compliance": jit(lambda model, work, t, y: (0.0, 0.0)),
     "project": jit(lambda model, work, t, y, tolerance, most: 0.0),
@@ -82,7 +95,16 @@ _ABSENT: dict[str, Callable[..., Any]] = {
     "start_modes": jit(lambda model, work, t, y, located: None),
     "contact_mobility": jit(lambda model, work, t, y, k: 0.0),
     "apply_contacts": jit(lambda model, work: None),
+    "apply_given_loads": jit(lambda model, work, t: None),
+    "fill_further_rows": jit(lambda model, work, t: None),
+    "settle_grips": jit(lambda model, work, t, y, dy: None),
+    "slip_velocities": jit(lambda model, work, y, slips: None),
+    "settle_held": jit(lambda model, work, t, y, g: None),
+    "switch_roots": jit(lambda model, work, table: None),
+    "switch_transition": jit(lambda model, g: False),
+    "start_switches": jit(lambda model, work, located: None),
     "apply_granules": jit(lambda model, work: None),
+    "refine": jit(lambda model, work, forces: None),
     "fill_contact_rows": jit(lambda model, work: None),
     "fill_deflection_rates": jit(lambda model, work, dy: None),
     "contact_forces": jit(lambda model, work, t, y, forces: None),
@@ -93,8 +115,9 @@ def _answers(core: str, group: str) -> dict[str, Callable[..., Any]]:
     """Return the answers of a core to the questions of a group."""
     words, modules = _OWN[core.removesuffix(IN_LANES)]
     words = ("lanes", *words) if core.endswith(IN_LANES) else words
-    known = {name: item for one in modules for name, item in vars(one).items() if group not in (UNEVENTFUL, UNGRAINED)}
-    absent, end = {} if group == EVENTS else _ABSENT, "_open" if group == OPEN else ""
+    is_absent = group == UNEVENTFUL or group.startswith(NO)
+    known = {name: item for one in modules for name, item in vars(one).items() if not is_absent}
+    absent, end = {} if group in (EVENTS, *FEATURES) else _ABSENT, "_open" if group == OPEN else ""
     names = {question: [f"{word}_{question}{end}" for word in words] for question in GROUPS[group].split()}
     found = {q: next((known[name] for name in own if name in known), absent.get(q)) for q, own in names.items()}
     return {question: answer for question, answer in found.items() if answer is not None}

@@ -24,6 +24,7 @@ from mbs_ref.kernels.border.questions import root_count, roots, transition
 from mbs_ref.kernels.contact.laws import RATE, TURNED, VALUE
 from mbs_ref.kernels.contact.modes import STOP
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rows import copy_rows
 
 KEEP, RETRY, EVENT = range(3)
 ACTIVE, H_LOW, H_HIGH, H_NEXT, SIDE, TRIES, WEIGHT_LOW, WEIGHT_HIGH = range(8)
@@ -56,15 +57,25 @@ has_events = jit(lambda table: table.low.shape[1] > 0)
 
 
 @jit
+def _count_negative(g):
+    """Return how many functions are negative, and how many of them are reported."""
+    negative, reported = 0, 0
+    for value in g:
+        negative += value < 0.0
+        reported += value < 0.0 and value != TURNED
+    return negative, reported
+
+
+@jit
 def settle(model, work, t, y, table, run, most):
     """Change modes until all hold at (t, y); refresh the table. Return RUNNING, STOP_EVENT or ENDLESS_EVENTS."""
     scratch = np.empty_like(y)
     for _ in range(MOST_ROUNDS):
         roots(model, work, t, y, 0.0, table.low)
-        if not np.any(table.low[VALUE] < 0.0):
+        if _count_negative(table.low[VALUE])[0] == 0:
             return RUNNING
         code, run.event_source = transition(model, work, t, run.span, y, table.low[VALUE], scratch)
-        run.events += np.sum((table.low[VALUE] < 0.0) & (table.low[VALUE] != TURNED))  # those that are reported
+        run.events += _count_negative(table.low[VALUE])[1]
         if code == STOP:
             return STOP_EVENT
         if code != 0 or run.events > most:
@@ -112,7 +123,7 @@ def _open_bracket(search, table, h):
     search[TRIES] = search[SIDE] = search[H_LOW] = 0.0
     search[WEIGHT_LOW] = search[WEIGHT_HIGH] = 1.0
     search[H_HIGH] = h
-    table.high[:] = table.new
+    copy_rows(table.new, table.high)
 
 
 @jit
@@ -126,9 +137,9 @@ def _tighten(search, table, h, broken):
         search[still] *= 0.5
     search[SIDE] = side
     if broken:
-        table.high[:] = table.new
+        copy_rows(table.new, table.high)
     else:
-        table.low[:] = table.new
+        copy_rows(table.new, table.low)
 
 
 @jit
@@ -141,7 +152,7 @@ def give_up(model, work, t, y, search, table):
 @jit
 def _keep(search, table):
     search[ACTIVE] = IDLE
-    table.low[:] = table.new
+    copy_rows(table.new, table.low)
     return KEEP
 
 

@@ -268,7 +268,8 @@ def _evaluate(model, work, path, s, unsure, scratch, state, out):
     _interpolate(path, s, state)
     roots(model, work, path.t + s * path.h, state, FREEZE, scratch)
     for c in range(len(unsure)):
-        out[:, c] = scratch[:, unsure[c]]
+        for row in range(out.shape[0]):
+            out[row, c] = scratch[row, unsure[c]]
 
 
 @jit

@@ -21,7 +21,7 @@ from numba.np.arrayobj import make_array, populate_array
 from mbs_ref.kernels.algebra.lanes import BYTES, LANES
 from mbs_ref.kernels.border.groups import check, declared
 
-QUESTIONS = 40  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
+QUESTIONS = 48  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
 _WORDS = 5  # then, per array: address, then up to four lengths
 _PADDING = [(0,) * (_WORDS - 1 - n) for n in range(_WORDS)]  # behind the lengths of an array of n dimensions
 _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}

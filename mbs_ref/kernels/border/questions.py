@@ -59,8 +59,12 @@ contact_mobility = question("contact_mobility(model, work, t, y, k)", NUMBER)
 accelerate = question("accelerate(model, work, t, y)")
 # Evaluate every constraint row at the state in `work`.
 fill_rows = question("fill_rows(model, work, t)")
+# Evaluate the rows of joints, but those of shared points and rods.
+fill_further_rows = question("fill_further_rows(model, work, t)")
 # Sum all applied forces at the state in `work`.
 apply_loads = question("apply_loads(model, work, t)")
+# Add the forces of all loads but gravity, contacts and granules.
+apply_given_loads = question("apply_given_loads(model, work, t)")
 # Add the forces of every contact that is closed.
 apply_contacts = question("apply_contacts(model, work)")
 # Add the forces of granules on each other and on walls.
@@ -73,8 +77,18 @@ fill_deflection_rates = question("fill_deflection_rates(model, work, dy)")
 factor = question("factor(model, work)")
 # Let the contacts that stopped sliding stick where friction holds them, else slide on; dy is scratch.
 settle_grips = question("settle_grips(model, work, t, y, dy)")
+# Let the constraint contacts that touch hold or go, and take the approach speeds of those that hold away.
+settle_held = question("settle_held(model, work, t, y, g)")
+# Fill the functions of tension-only springs and declared events at the state in `work`.
+switch_roots = question("switch_roots(model, work, table)")
+# Change the modes of those whose functions are negative; return whether the run is to stop.
+switch_transition = question("switch_transition(model, g)", FLAG)
+# Set their modes by the state in `work`.
+start_switches = question("start_switches(model, work, located)")
 # Fill slips (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts whose friction is probed.
 slip_velocities = question("slip_velocities(model, work, y, slips)")
+# Add to a solution for the load `forces` what the residuals of both equations require.
+refine = question("refine(model, work, forces)")
 # Solve the augmented system for the load in `work` and `gamma`, into its acceleration and multipliers.
 solve = question("solve(model, work, gamma)")
 # Place a tree at its relative coordinates y, and write the redundant system's state to `full`.

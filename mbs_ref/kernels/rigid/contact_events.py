@@ -11,9 +11,9 @@ from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, NOTHING, TOUCH, clos
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import contact_forces as forces
 from mbs_ref.kernels.rigid import geometry as core
-from mbs_ref.kernels.rigid.dynamics import correct_rates, refine, store_solved
+from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
 from mbs_ref.kernels.rigid.grips import change_grip, grip_margin, is_still, probe, take_grip
-from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push, settle_held
+from mbs_ref.kernels.rigid.landing import AT_REST, contact_mass, contact_push
 from mbs_ref.kernels.rigid.marks import speed_between
 from mbs_ref.kernels.rigid.shapes import contact_geometry, leaving_ends
 from mbs_ref.kernels.rows import clear
@@ -110,7 +110,7 @@ def contact_transition(model, work, t, y, g, dy):
             elif slid:
                 g[law.ROOTS_EACH * k + 2] = law.TURNED
     if held:
-        settle_held(model, work, t, y, g)
+        ask.settle_held(model, work, t, y, g)
     if stopped:
         core.stop_together(model, work, y, g)
         ask.settle_grips(model, work, t, y, dy)
@@ -167,7 +167,7 @@ def rigid_contact_mobility(model, work, t, y, k):
     clear(rows.gamma)
     load = tree.load.copy()
     ask.solve(model, work, rows.gamma)
-    refine(model, work, load)  # where n acts through a joint, all but a small share of it cancels
+    ask.refine(model, work, load)  # where n acts through a joint, all but a small share of it cancels
     return forces.gap_response(model, work, k, touch)
 
 

@@ -15,7 +15,7 @@ are eliminated on the way (mbs_ref.kernels.rigid.elimination).
 import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import either, exceeds, larger, largest_of, vanishes
-from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, solve
+from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, refine, solve
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import elimination
 from mbs_ref.kernels.rigid import geometry as core
@@ -117,14 +117,14 @@ def _stabilize(control, gamma, rate, residual):
 
 
 @jit
-def refine(model, work, force):
+def rigid_refine(model, work, forces):
     """Add to the accelerations and multipliers of a solution what the residuals of both equations require.
 
-    `force` (n + 1, rates) is the load of that solution, whose right-hand side is rows.gamma.
+    `forces` (n + 1, rates) is the load of that solution, whose right-hand side is rows.gamma.
     """
     rows, tree, body = work.rows, work.tree, model.slots.body
     first, multiplier, gamma = tree.acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
-    copy_rows(force, tree.load)
+    copy_rows(forces, tree.load)
     core.subtract_inertia(model, work, first, tree.load)
     take_reactions(tree.load, body, rows.jacobian, multiplier)
     take_accelerations(gamma, body, rows.jacobian, first)

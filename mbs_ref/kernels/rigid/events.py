@@ -7,6 +7,7 @@ rest exactly at d = 0 would chatter.
 
 import numpy as np
 
+from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.contact.laws import RATE, ROOTS_EACH, SPEED, TURN, TURNED, UNKNOWN, VALUE
 from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
 from mbs_ref.kernels.jit import jit
@@ -85,9 +86,14 @@ def rigid_roots(model, work, t, y, duration, table):
     table[:] = 0.0
     table[VALUE] = 1.0
     is_new = contact_roots(model, work, t, y, duration, table)
+    ask.switch_roots(model, work, table)
+    return is_new
+
+
+@jit
+def rigid_switch_roots(model, work, table):
     spring_roots(model, work, table)
     watch_roots(model, work, table)
-    return is_new
 
 
 @jit
@@ -104,10 +110,15 @@ def rigid_transition(model, work, t, span, y, g, dy):
             if is_endless(modes, k, t, span):
                 return ENDLESS, k
     contact_transition(model, work, t, y, g, dy)
-    spring_transition(model, g)
-    stops = watch_transition(model, g)
+    stops = ask.switch_transition(model, g)
     _log(modes, t, g)
     return STOP if stops else SETTLED, source
+
+
+@jit
+def rigid_switch_transition(model, g):
+    spring_transition(model, g)
+    return watch_transition(model, g)
 
 
 @jit
@@ -139,7 +150,12 @@ def rigid_start_modes(model, work, t, y, located):
         modes.stamp[k] = -1e300
         modes.burst[k] = 0
     core.load_state(model, work, y)
+    ask.start_switches(model, work, located)
+    start_contacts(model, work, t, y, located)
+
+
+@jit
+def rigid_start_switches(model, work, located):
     start_springs(model, work, located)
     if model.watches.a.shape[0] > 0:
         start_watches(model, work)
-    start_contacts(model, work, t, y, located)

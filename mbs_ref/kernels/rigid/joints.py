@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.calls import call_user
-from mbs_ref.kernels.border.questions import derivative, fill_contact_rows, regularity
+from mbs_ref.kernels.border.questions import derivative, fill_contact_rows, fill_further_rows, regularity
 from mbs_ref.kernels.jit import bare, jit, loop_jit, strict_jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import inward, separation
@@ -112,19 +112,27 @@ def _fill_drives(model, work, t):
 def lanes_fill_rows(model, work, t):
     """Evaluate the rows that prescribe no motion in time, which are all that lanes have."""
     _fill_points(model, work)
-    _fill_planes(model, work)
     _fill_distances(model, work)
+    _fill_planes(model, work)
     core.fill_own_rows(model, work)
 
 
 @jit
 def rigid_fill_rows(model, work, t):
-    lanes_fill_rows(model, work, t)
+    _fill_points(model, work)
+    _fill_distances(model, work)
+    fill_further_rows(model, work, t)
+    fill_contact_rows(model, work)
+
+
+@jit
+def rigid_fill_further_rows(model, work, t):
+    _fill_planes(model, work)
+    core.fill_own_rows(model, work)
     _fill_drives(model, work, t)
     core.fill_own_drives(model, work, t)
     if model.world.user_rows[0] != 0:
         call_user(model.world.user_rows[0], t, 0)
-    fill_contact_rows(model, work)
 
 
 # --- reactions --------------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ def contact_mass(model, k):
 
 
 @jit
-def settle_held(model, work, t, y, g):
+def rigid_settle_held(model, work, t, y, g):
     """Let the constraint contacts that touch hold or go, and take the approach speeds of those that hold away.
 
     The function in g of each that changes turns negative, as of all that change.

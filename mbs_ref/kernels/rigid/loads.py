@@ -8,7 +8,7 @@ import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import either, vanishes
 from mbs_ref.kernels.border.calls import call_user
-from mbs_ref.kernels.border.questions import apply_contacts, apply_granules
+from mbs_ref.kernels.border.questions import apply_contacts, apply_given_loads, apply_granules
 from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
@@ -48,12 +48,17 @@ def _apply_user_force(model, work, t):
 @jit
 def rigid_apply_loads(model, work, t):
     core.apply_gravity(model, work)
+    apply_given_loads(model, work, t)
+    apply_contacts(model, work)
+    apply_granules(model, work)
+
+
+@jit
+def rigid_apply_given_loads(model, work, t):
     _apply_forces(model, work, t)
     _apply_springs(model, work)
     core.apply_torsion_springs(model, work)
     core.apply_own_loads(model, work)
-    apply_contacts(model, work)
-    apply_granules(model, work)
     if model.world.user_force[0] != 0:
         _apply_user_force(model, work, t)
 

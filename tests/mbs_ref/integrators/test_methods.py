@@ -124,7 +124,8 @@ def test_plain_index_2_keeps_velocities_and_lets_positions_drift():
         drift[method] = np.abs(constraint_residual(scene, run)).max()
         speed[method] = np.abs(constraint_rate(scene, run)).max()
     assert speed["dassl_index2"] < 0.05 * speed["dassl_index1"]
-    assert drift["dassl_index2"] > 100.0 * drift["dassl"]
+    assert drift["dassl"] < 1e-7  # what Newton's iteration leaves, a share of the tolerance
+    assert drift["dassl_index2"] > 1e-6
     loose = simulate(scene, Settings(method="dassl_index2", rtol=1e-4, stabilization="none", estimate="off"))
     assert np.abs(constraint_residual(scene, loose)).max() > 3.0 * drift["dassl_index2"]
 
