@@ -8,6 +8,7 @@ from mbs_ref.cores.choice import core_name, state_units
 from mbs_ref.cores.events import event_sources
 from mbs_ref.integrators import DEFAULT, integrators
 from mbs_ref.integrators.loop.events import event_code
+from mbs_ref.integrators.loop.explicit import between_code
 from mbs_ref.integrators.loop.leg import Integrator, Options
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
@@ -90,7 +91,7 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
         time=scales.time, project=stabilization == "projection", stop_on_compliance=settings.stop_on_compliance,
         max_steps=settings.max_steps, max_events=min(MAX_EVENTS, settings.max_steps),
         projection_tolerance=PROJECTION_TOLERANCE * size, chunk=CHUNK, dense=settings.outputs == "dense",
-        settle=settle, watch=watch,
+        settle=settle, watch=watch, between=between_code() if settings.outputs == "dense" else 0,
     )  # fmt: skip
     gain = settings.baumgarte_gain if stabilization == "baumgarte" else 0.0
     return Plan(integrator, settings, times, options, gain, notes)

@@ -192,10 +192,10 @@ def watch(model, work, t, h, ends, run, search, table):
 
 
 _TABLES = types.NamedUniTuple(MATRIX, 3, Tables)
-_ENDS = types.NamedTuple([VECTOR] * 4 + [types.Array(COUNT, 1, "C")], Ends)
-_RUN = from_dtype(PROGRESS)
-_SETTLE = MODEL, WORK, NUMBER, VECTOR, _TABLES, _RUN, COUNT
-_WATCH = MODEL, WORK, NUMBER, NUMBER, _ENDS, _RUN, VECTOR, _TABLES
+ENDS = types.NamedTuple([VECTOR] * 4 + [types.Array(COUNT, 1, "C")], Ends)
+RUN = from_dtype(PROGRESS)
+_SETTLE = MODEL, WORK, NUMBER, VECTOR, _TABLES, RUN, COUNT
+_WATCH = MODEL, WORK, NUMBER, NUMBER, ENDS, RUN, VECTOR, _TABLES
 # The same, called by their addresses: compiled once for all loops, and only for a scene with event functions.
 settle_at = called_at("settle_at(address, model, work, t, y, table, run, most)", COUNT, *_SETTLE)
 watch_at = called_at("watch_at(address, model, work, t, h, ends, run, search, table)", COUNT, *_WATCH)

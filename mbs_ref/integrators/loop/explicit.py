@@ -1,15 +1,19 @@
 """Explicit Runge-Kutta methods, fixed-step or adaptive: their stages, one step with its error and outputs, the loop."""
 
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numba import types, typeof
+from numba.core.typing.templates import signature
 
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
-from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables
+from mbs_ref.integrators.loop.events import ENDS, EVENT, RETRY, RUN, event_tables
 from mbs_ref.integrators.loop.exclusion import step_ends
+from mbs_ref.integrators.stages.tableau import RK4
 from mbs_ref.kernels.algebra.dense import weighted_norm
+from mbs_ref.kernels.border.calls import FLAG, MATRIX, MODEL, NOTHING, NUMBER, VECTOR, WORK, address_of, called_at
 from mbs_ref.kernels.border.questions import derivative, project, regularity, tangent
 from mbs_ref.kernels.jit import jit, loop_jit
 
@@ -96,10 +100,10 @@ def _estimate(model, work, weights, h, y, stages, restore, rtol, atol):
 
 
 @jit
-def fill_between(model, work, tableau, options, run, attempt, y, stages, ends, restore, outputs):
+def _fill_between(model, work, tableau, tolerance, run, attempt, y, stages, ends, restore, outputs):
     """Fill the outputs inside an accepted step from y; where it lands on the last output, that one is left.
 
-    Like a step's end, an output is put onto the constraints where steps are.
+    Like a step's end, an output is put onto the constraints where steps are: `tolerance` is positive then.
     """
     end = outputs.times.shape[0] - 1 if attempt.lands else outputs.times.shape[0]
     first = run.next_output
@@ -109,13 +113,12 @@ def fill_between(model, work, tableau, options, run, attempt, y, stages, ends, r
                 derivative(model, work, attempt.t_new, ends.y_new, ends.dy_new)
                 run.rhs_calls += 1
                 ends.known[1] = 1
-            bumps = _bumps(model, work, tableau, attempt, y, stages, restore, options.projection_tolerance)
+            bumps = _bumps(model, work, tableau, attempt, y, stages, restore, tolerance)
             run.rhs_calls += tableau.dense.c.shape[0]
         place = run.next_output
         share = (outputs.times[place] - attempt.t) / attempt.h
         _interpolate(share, attempt.h, y, stages, tableau.b.shape[0], bumps, outputs.states[place])
-        if options.project:
-            tolerance = options.projection_tolerance
+        if tolerance > 0.0:
             project(model, work, outputs.times[place], outputs.states[place], tolerance, STAGE_ITERATIONS)
         stepping.record(run, outputs.states[place], outputs)
 
@@ -152,6 +155,23 @@ def _interpolate(share, h, y, stages, last, bumps, out):
             total = (total + bumps[m, k]) * (share if m % 2 == 1 else rest)
         total = (total + way - h * stages.slopes[last, k] - leaning) * share
         out[k] = y[k] + ((total + leaning) * rest + way) * share
+
+
+_STAGES = types.NamedTuple([MATRIX, VECTOR, VECTOR], Stages)
+_OUTPUTS = types.NamedTuple([VECTOR, MATRIX, VECTOR], leg.Outputs)
+_ATTEMPT = types.NamedTuple([NUMBER] * 4 + [FLAG] * 2, stepping.Attempt)
+_BETWEEN = MODEL, WORK, typeof(RK4), NUMBER, RUN, _ATTEMPT, VECTOR, _STAGES, ENDS, FLAG, _OUTPUTS
+# The same, called by its address: compiled only where outputs are interpolated.
+between_at = called_at(
+    "between_at(address, model, work, tableau, tolerance, run, attempt, y, stages, ends, restore, outputs)",
+    NOTHING, *_BETWEEN,
+)  # fmt: skip
+
+
+@cache
+def between_code() -> int:
+    """Return the address of `_fill_between`; compile it, or load it from the disk, if need be."""
+    return address_of(_fill_between, signature(NOTHING, *_BETWEEN))
 
 
 # Roundoff in an acceleration grows as eps / sigma^3 near a singular pose, with the relative closure pivot
@@ -252,7 +272,8 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
         there = regularity(work) if projects else 1.0
         avoids = is_too_near(there, pivot if restore else 1.0, rtol, avoided, adaptive) and verdict != EVENT
         if options.dense and (attempt.lands or not avoids):
-            fill_between(model, work, tableau, options, run, attempt, y, stages, ends, restore, outputs)
+            onto = tolerance if projects else 0.0
+            between_at(options.between, model, work, tableau, onto, run, attempt, y, stages, ends, restore, outputs)
         if not avoids:
             run.h, natural, avoided = resumed(run.h, natural), 0.0, 0
             code = stepping.accept(model, work, options, run, attempt, verdict, y, stages.new, table, outputs)

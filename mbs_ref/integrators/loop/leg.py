@@ -55,6 +55,7 @@ class Options(NamedTuple):
     dense: bool  # outputs are interpolated inside of steps, and do not end them
     settle: int  # address of the code that changes modes at events (loop/events.py); 0 in a scene without
     watch: int  # likewise, of the code that looks for events inside a step
+    between: int  # address of the code that interpolates outputs (loop/explicit.py); 0 unless `dense`
 
 
 # The state of a run, over chunks and legs: one record, whose fields Python and compiled code read and write alike.

@@ -171,4 +171,6 @@ def forces_over(model, work, control, joints, rows, rank, times, states, out, pi
         control[CONTROL_MODE_TIME] = times[k]
         derivative(model, work, times[k], states[k], dy)
         forces_at_joints(joints, rows.multiplier, rows.jacobian, out[k])
-        pivots[k], ranks[k] = regularity(work), np.sum(rank)
+        pivots[k], ranks[k] = regularity(work), 0
+        for count in rank:
+            ranks[k] += count
