@@ -4,7 +4,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numba import types, typeof
+from numba import typeof, types
 from numba.core.typing.templates import signature
 
 from mbs_ref.integrators.loop import leg
