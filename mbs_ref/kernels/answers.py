@@ -37,7 +37,7 @@ FEATURES = {  # each with its questions
     LOADS: "apply_given_loads",  # but gravity, contacts and granules
     ROWS: "fill_further_rows",  # of joints, but those of shared points and rods
     GRIPS: "settle_grips slip_velocities",  # of contacts that can stick
-    HELD: "settle_held",  # of contacts that are constraints
+    HELD: "settle_held fill_contact_rows",  # of contacts that are constraints
     SWITCHES: "switch_roots switch_transition start_switches",  # of tension-only springs and declared events
     GRANULES: "apply_granules",  # of many bodies that may all touch
     REFINED: "refine",  # of solutions that elimination alone may spoil: with loops or contacts
@@ -48,10 +48,9 @@ REPORT = "report"  # afterwards
 LANES, LANES_LOADS = "lanes", "loads in lanes"  # of runs side by side
 GROUPS = {
     MOTION: "derivative compliance project regularity accelerate fill_rows apply_loads expand take_velocities",
-    EVENTS: "position_count root_count roots transition start_modes contact_mobility apply_contacts fill_contact_rows "
+    EVENTS: "position_count root_count roots transition start_modes contact_mobility apply_contacts "
     "fill_deflection_rates position_rate rate_from",
-    UNEVENTFUL: "root_count roots transition start_modes contact_mobility apply_contacts fill_contact_rows "
-    "fill_deflection_rates",
+    UNEVENTFUL: "root_count roots transition start_modes contact_mobility apply_contacts fill_deflection_rates",
     **FEATURES,
     **{NO + name: questions for name, questions in FEATURES.items()},
     LOOPS: "factor solve tangent",

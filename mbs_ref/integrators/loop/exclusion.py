@@ -20,6 +20,7 @@ import numpy as np
 from mbs_ref.kernels.border.questions import derivative, position_count, position_rate, rate_from, roots
 from mbs_ref.kernels.contact.laws import RATE, SPEED, TURN, VALUE
 from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.rows import copy_rows
 
 BEYOND = -1.0  # value of a function below which it is past its root
 CLEAR = 2.0  # a place beyond the step: no root
@@ -133,7 +134,8 @@ def _bend_velocities(model, path, mean, state):
     position_rate(model, state, state[n:], rate)
     for k in range(n):
         rate[k] = (ends.y_new[k] - ends.y[k]) / h - (mean[k] + 12.0 * rate[k]) / 90.0
-    missing[:] = 0.0
+    for k in range(len(missing)):
+        missing[k] = 0.0
     rate_from(model, state, rate, missing)
     for k in range(len(missing)):
         most = 2.0 * h * abs(ends.dy_new[n + k] - ends.dy[n + k])
@@ -157,8 +159,8 @@ def _search(model, work, path, unsure, low, new):
     tables, places = np.empty((most, 4, count)), np.empty(most)
     bends = np.full((most, count), np.inf)  # second differences of the interval twice as wide
     scratch, state = np.empty_like(new), np.empty_like(path.ends.y)
-    for c in range(count):
-        tables[0, :, c], tables[1, :, c] = low[:, unsure[c]], new[:, unsure[c]]
+    _pick(low, unsure, tables[0])
+    _pick(new, unsure, tables[1])
     places[0], places[1] = 0.0, 1.0
     error, is_trusted = _error(model, work, path, unsure, scratch, state, tables)
     if not is_trusted:
@@ -191,8 +193,7 @@ def _search(model, work, path, unsure, low, new):
             return middle
         else:
             for c in range(count):
-                bends[top, c] = _second_difference(left, tables[top + 1], right, c)
-            bends[top + 1] = bends[top]
+                bends[top, c] = bends[top + 1, c] = _second_difference(left, tables[top + 1], right, c)
             top += 1
             places[top] = middle
     return places[0] if places[0] > 0.0 else places[top]
@@ -252,13 +253,16 @@ def _is_smooth(left, middle, right, c, half, bend, before):
 @jit
 def _is_past(table):
     """Return whether a function is past its root."""
-    return not np.all(table[VALUE] >= BEYOND)  # NaN too
+    past = False
+    for value in table[VALUE]:
+        past = past or not value >= BEYOND  # NaN too
+    return past
 
 
 @jit
 def _advance(tables, places, top):
     """Begin the next interval where the last one ended."""
-    tables[0] = tables[top]
+    copy_rows(tables[top], tables[0])
     places[0] = places[top]
 
 
@@ -267,9 +271,15 @@ def _evaluate(model, work, path, s, unsure, scratch, state, out):
     """Write the functions at share s of the step that are not excluded yet (4, count)."""
     _interpolate(path, s, state)
     roots(model, work, path.t + s * path.h, state, FREEZE, scratch)
-    for c in range(len(unsure)):
+    _pick(scratch, unsure, out)
+
+
+@jit
+def _pick(table, columns, out):
+    """Write these columns of a table."""
+    for c in range(len(columns)):
         for row in range(out.shape[0]):
-            out[row, c] = scratch[row, unsure[c]]
+            out[row, c] = table[row, columns[c]]
 
 
 @jit
