@@ -94,7 +94,7 @@ class System(ABC):
         """What compiled code receives of the scratch."""
         return Work(self.handles[1].ctypes.data)
 
-    @property
+    @cached_property
     def own_handles(self) -> tuple[Any, Any]:
         """Model and scratch as the core's own code takes them, by the types of its handles."""
         model, work = core.HANDLES[self.CORE]
@@ -118,7 +118,7 @@ class System(ABC):
         """Return a copy without handles, whose arrays are still this one's."""
         other = copy(self)
         other.is_twin = True
-        for name in ("handles", "model", "work", "expansion", "room"):
+        for name in ("handles", "model", "work", "own_handles", "expansion", "room"):
             vars(other).pop(name, None)
         return other
 

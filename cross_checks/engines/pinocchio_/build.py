@@ -16,6 +16,9 @@ from cross_checks.linkage.links import FIXED, Closure, Link, Linkage, Z
 FREE, BALL = "JointModelFreeFlyer", "JointModelSpherical"
 
 
+NEXT, AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])  # of each axis
+
+
 @dataclass
 class Mechanism:
     """A Pinocchio model and where the scene's bodies are in it."""
@@ -45,13 +48,13 @@ class Mechanism:
         rate[self.plain[0]] = v[self.plain[1]]
         theta, omega = q[self.turns[0]], v[self.turns[1]]  # x, y, z, w
         e, w = theta[:, :3], theta[:, 3:]
-        rate[self.turns[0][:, :3]] = 0.5 * (w * omega + np.cross(e, omega))
+        rate[self.turns[0][:, :3]] = 0.5 * (w * omega + _cross(e, omega))
         rate[self.turns[0][:, 3]] = -0.5 * np.sum(e * omega, axis=1)
         places, speeds, which = self.flights
         if len(places):
             speed = v[speeds]
-            twice = 2.0 * np.cross(e[which], speed)
-            rate[places] = speed + w[which] * twice + np.cross(e[which], twice)
+            twice = 2.0 * _cross(e[which], speed)
+            rate[places] = speed + w[which] * twice + _cross(e[which], twice)
         return rate
 
     def number_coordinates(self) -> None:
@@ -69,6 +72,11 @@ class Mechanism:
     def torques(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return tau: zero, or the scene's applied forces projected on the joints."""
         return np.zeros(self.model.nv) if self.applied is None else self.applied.generalized(t, q, v)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the products of rows (n, 3). NumPy's `cross` takes eight times as long for few, at every evaluation."""
+    return a.take(NEXT, 1) * b.take(AFTER, 1) - a.take(AFTER, 1) * b.take(NEXT, 1)
 
 
 def mechanism_of(linkage: Linkage, gains: tuple[float, float]) -> Mechanism:
