@@ -69,7 +69,7 @@ def _probing(engine: Engine, there: list[Question]) -> Iterator[Question]:
 def probe(kind: str, dimension: int) -> Question:
     """Return the question that the small scene for a type of part is."""
     scene = probes()[kind, dimension]
-    times, name = np.linspace(0.0, scene.duration, SAMPLES), f"{kind}_in_{'plane' if dimension == 2 else 'space'}"
+    times, name = np.linspace(0.0, scene.duration, SAMPLES), f"{kind}_in_{scene.world.name}"
     return Question(scene.model_copy(update={"name": name}), times, probe_truth(scene, times))
 
 

@@ -1,11 +1,9 @@
 """Experiments that measure a contact, and scenes with contact compared by figures: where laws differ, motions do."""
 
 import math
-import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +17,7 @@ from cross_checks.judge.one_run import checked_run
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.metrics.contact_figures import MANY, contact_figures
 from mbs_ref import Settings, Trajectory, scenes
+from mbs_ref.files import package_data
 from mbs_ref.scene import GROUND, Force, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, StickSlip
 
@@ -137,7 +136,7 @@ def figures_of(scene: Scene, path: Trajectory) -> dict[str, float]:
 
 @cache
 def _table() -> dict[str, dict[str, list]]:
-    return tomllib.loads((Path(__file__).parent / "figures.toml").read_text(encoding="utf-8"))
+    return package_data(__name__, "figures.toml")
 
 
 def _declared(scene: Scene, path: Trajectory, what: str, body: str, quantity: str, component: int | None = None):

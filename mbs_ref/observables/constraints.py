@@ -18,7 +18,6 @@ from mbs_ref.scene.signals import prescribed
 from mbs_ref.trajectory import Trajectory
 
 Row = tuple[np.ndarray, np.ndarray]  # residual and rate, each (n_t,)
-UNTURNED = {2: (0.0,), 3: (1.0, 0.0, 0.0, 0.0)}  # the orientation of ground
 RATE_STEP = 1e-3  # m or rad of the motion: truncation h^4 and roundoff eps / h of a rate are alike, 1e-12 of size one
 Vectors = tuple[np.ndarray, np.ndarray]  # a moving vector and its rate, each (n_t, dimension)
 
@@ -147,7 +146,7 @@ def _place(motion: Motion, body: str, mark, k: int, ahead: float):
     place: Any = joints.PLACES[scene.dimension]
     if index < 0:
         origin = (0.0,) * scene.dimension if mark is None else mark
-        return place(*origin, *UNTURNED[scene.dimension])
+        return place(*origin, *np.ravel(scene.world.unturned).tolist())
     start: Any = scene.bodies[index]
     arm = np.zeros(scene.dimension) if mark is None else np.subtract(mark, start.position)
     centre = path.position[k, index] + ahead * path.velocity[k, index]

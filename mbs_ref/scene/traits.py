@@ -40,8 +40,8 @@ def _any(kind: type, list_of_parts: str) -> Callable[[Scene], bool]:
 
 
 ALL_TRAITS: dict[str, Callable[[Scene], bool]] = {
-    "planar": lambda scene: scene.dimension == 2,  # every body moves in the plane
-    "spatial": lambda scene: scene.dimension == 3,
+    "planar": lambda scene: scene.planar,
+    "spatial": lambda scene: not scene.planar,
     # the joint graph has a cycle through bodies or ground
     "closed-loop": lambda scene: any(not isinstance(scene.joints[k], Drive) for k in joined(scene)[0]),
     # a drive prescribes a motion in time, or a constraint of the user's own may
@@ -51,7 +51,7 @@ ALL_TRAITS: dict[str, Callable[[Scene], bool]] = {
     "point-mass": _any(PointMass, "bodies"),  # some body is a particle
     "free-body": lambda scene: not joined(scene)[1],  # some body has no chain of joints to ground
     "breakpoints": lambda scene: bool(scene.breakpoints()),  # a declared signal has a jump or kink
-    "rod-in-space": lambda scene: scene.dimension == 3 and _any(Distance, "joints")(scene),
+    "rod-in-space": lambda scene: not scene.planar and _any(Distance, "joints")(scene),
     "contact": lambda scene: bool(touching(scene)),  # bodies touch and part: forces or speeds jump
     "friction": lambda scene: any(contact.friction is not None for contact in touching(scene)),
     "user-force": _any(UserForce, "loads"),

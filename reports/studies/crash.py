@@ -1,8 +1,6 @@
 """The crash of both androids, measured by one module for the studies of the crashes, the androids and the papers."""
 
-import tomllib
 from collections.abc import Sequence
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -13,6 +11,7 @@ from mbs_ref import Scene, Settings, Status, Trajectory
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import CrashResults, sign_changes
 from mbs_ref.crash.stops import tension
+from mbs_ref.files import package_data
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Curves, Value, curves
@@ -21,7 +20,7 @@ SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
 IMPACTS = ("front", "rear")
 FINE = Settings(rtol=1e-8, samples=401, estimate="off")
 PAPER: dict[str, Any] = {"model": "paper"}
-RAN = tomllib.loads((files("reports.studies") / "papers" / "runs.toml").read_text(encoding="utf-8"))  # the papers
+RAN = package_data(__name__, "papers", "runs.toml")  # the papers
 COMPONENTS = (("x", "N"), ("y", "N"), ("torque", "N m"))
 
 

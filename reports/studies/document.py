@@ -139,27 +139,17 @@ def _claims(claims: tuple[Claim, ...], figures: Figures) -> Block:
     return {"groups": groups, "counted": ", ".join(f"{number} {verdict}" for verdict, number in counted.most_common())}
 
 
-def _plots(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
-    named = _named(facts.curves, block["plots"], figures)
-    return [{"title": title, "label": name, "plot": overlay({"": line})} for name, (title, line) in named.items()]
+def _each(kind: str, key: str, shown: Callable[[Any], Block]) -> Callable[[Measured, Block, Figures], list[Block]]:
+    """Return what shows each fact of a kind that a block names."""
+    return lambda facts, block, figures: [
+        {"title": title, "label": name} | shown(value)
+        for name, (title, value) in _named(getattr(facts, kind), block[key], figures).items()
+    ]
 
 
 def _overlay(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
     lines = dict(_named(facts.curves, block["overlay"], figures).values())
     return [{"title": "", "label": filled(block["overlay"], figures), "plot": overlay(lines)}] if lines else []
-
-
-def _films(key: str) -> Callable[[Measured, Block, Figures], list[dict[str, Any]]]:
-    def films(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
-        named = _named(facts.films, block[key], figures)
-        return [{"title": title, "label": name, "film": film} for name, (title, film) in named.items()]
-
-    return films
-
-
-def _outlines(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
-    named = _named(facts.tables, block["outlines"], figures)
-    return [{"title": title, "rows": rows} for title, rows in named.values()]
 
 
 def _text(key: str) -> Callable[[Measured, Block, Figures], Any]:
@@ -168,6 +158,8 @@ def _text(key: str) -> Callable[[Measured, Block, Figures], Any]:
 
 KINDS: dict[str, Callable[[Measured, Block, Figures], Any]] = {
     **{key: _text(key) for key in ("heading", "title", "text", "note")},
-    **{key: _films(key) for key in ("films", "pictures")},
-    "table": _table, "matrix": _matrix, "plots": _plots, "overlay": _overlay, "outlines": _outlines,
+    **{key: _each("films", key, lambda film: {"film": film}) for key in ("films", "pictures")},
+    "plots": _each("curves", "plots", lambda line: {"plot": overlay({"": line})}),
+    "outlines": _each("tables", "outlines", lambda rows: {"rows": rows}),
+    "table": _table, "matrix": _matrix, "overlay": _overlay,
 }  # fmt: skip

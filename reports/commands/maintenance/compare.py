@@ -83,10 +83,8 @@ def findings_of(
             sentence = f"B takes {share:.1%} longer on {cases[0].name}, by {turns} square roots a right-hand side"
             click.echo(sentence, err=True)
         report = stack.enter_context(console.progress(title))
-        try:
-            return list(regression.regressions(before, after, cases, report))
-        except ValueError as error:
-            raise click.UsageError(str(error)) from error
+        stack.enter_context(console.reported_as(click.UsageError, ValueError))
+        return list(regression.regressions(before, after, cases, report))
 
 
 def end(findings: "Sequence[Finding]", worse: int = 0) -> None:

@@ -6,12 +6,10 @@ the sky are compared with the ephemeris that Astropy contains, without any downl
 """
 
 import importlib
-import tomllib
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -29,6 +27,7 @@ from cross_checks.records.numbers import duration, metres, setting, short
 from cross_checks.records.record import Record, is_busy, loop_time
 from cross_checks.records.store import Store, default_path
 from mbs_ref import Scene, Settings, scenes
+from mbs_ref.files import package_data
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.simulate import simulate
@@ -114,9 +113,7 @@ class Request:
         return tasks((OURS, *self.rivals))
 
 
-PAIRS = TypeAdapter(tuple[Request, ...]).validate_python(
-    tomllib.loads((files(__package__) / "pairs.toml").read_text(encoding="utf-8"))["pairs"]
-)
+PAIRS = TypeAdapter(tuple[Request, ...]).validate_python(package_data(__name__, "pairs.toml")["pairs"])
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from mbs_ref.trajectory import Status, Timing, Trajectory
 from reports.facts.cheapest import Entry
 from reports.facts.curves import Measured
 from reports.studies import androids, claims, contact, crash, crashes, document, models, pairs, sky, space, study, trust
-from reports.studies.models.choice import Ladder, Rung, choose
+from reports.studies.models import Ladder, Rung, choose
 from reports.studies.papers import crash_figures, lessons
 from reports.studies.sky import frames
 
@@ -495,7 +495,7 @@ def test_rows_of_trust_and_figures_of_claims():
 def test_plots_of_a_page_have_their_titles_and_labels(monkeypatch):
     line = contact._line({str(n): 1.0 / n for n in contact.STEPS})
     monkeypatch.setattr(document, "_named", lambda held, wanted, figures: {"the name": ("The title", line)})
-    (shown,) = document._plots(Measured(), {"plots": ()}, None)  # type: ignore[arg-type]
+    (shown,) = document.KINDS["plots"](Measured(), {"plots": ()}, None)  # type: ignore[arg-type]
     assert (shown["title"], shown["label"]) == ("The title", "the name")
 
 
