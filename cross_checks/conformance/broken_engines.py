@@ -32,7 +32,6 @@ class Mistake:
     run: Callable[[Engine, Scene, Settings, np.ndarray], Trajectory] = lambda good, scene, settings, times: good.run(
         scene, settings, times
     )
-    dimensions: tuple[int, ...] = (2, 3)  # of the scenes that it changes
 
 
 class Broken(Wrapped):
@@ -47,8 +46,8 @@ class Broken(Wrapped):
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
         settings = settings.model_copy(update={"method": self.method(settings.method).name})
-        if times is None or scene.dimension not in self.mistake.dimensions:
-            return self.inner.run(scene, settings, times)
+        if times is None:
+            return self.inner.run(scene, settings)
         changed = self.mistake.change(scene) if not self.refusals(scene) else scene
         path = self.mistake.run(self.inner, changed, settings, times)
         return self.mistake.spoil(scene, path) if path.ok else path
@@ -57,17 +56,20 @@ class Broken(Wrapped):
 def mistakes() -> tuple[Mistake, ...]:
     """Return every mistake."""
 
-    def changes(name: str, make: Callable[[Scene], dict[str, Any]], *dimensions: int) -> Mistake:
-        return Mistake(name, lambda scene: scene.model_copy(update=make(scene)), dimensions=dimensions or (2, 3))
+    def changes(name: str, make: Callable[[Scene], dict[str, Any]], *only: int) -> Mistake:
+        """Return a change of scenes, of those of a dimension where one is given."""
+        dimensions = only or (2, 3)
+        return Mistake(name, lambda s: s.model_copy(update=make(s)) if s.dimension in dimensions else s)
 
-    def of_parts(name: str, parts: str, kind: Any, make: Callable[[Any], Any], *dimensions: int) -> Mistake:
+    def of_parts(name: str, parts: str, kind: Any, make: Callable[[Any], Any], *only: int) -> Mistake:
         def made(scene: Scene) -> dict[str, Any]:
             return {parts: tuple(make(part) if isinstance(part, kind) else part for part in getattr(scene, parts))}
 
-        return changes(name, made, *dimensions)
+        return changes(name, made, *only)
 
-    def spoils(name: str, make: Callable[[Trajectory], dict[str, Any]], *dimensions: int) -> Mistake:
-        return Mistake(name, spoil=lambda scene, path: replace(path, **make(path)), dimensions=dimensions or (2, 3))
+    def spoils(name: str, make: Callable[[Trajectory], dict[str, Any]], *only: int) -> Mistake:
+        dimensions = only or (2, 3)
+        return Mistake(name, spoil=lambda s, path: replace(path, **make(path)) if s.dimension in dimensions else path)
 
     def clocks(name: str, make: Callable[[float], float]) -> Mistake:
         return spoils(name, lambda p: {"timing": replace(p.timing, loop_s=make(p.timing.loop_s))})

@@ -29,7 +29,9 @@ class EphemerisMissing(ImportError):
 
 
 def heliocentric(version: str, body: str, jd: float) -> np.ndarray | None:
-    """Return the place (3,), m, of a planet seen from the Sun, of the Moon from the Earth; None where it has none.
+    """Return the place (3,), m, of a planet relative to the Sun, or of the Moon relative to the Earth.
+
+    None where the ephemeris does not contain the body.
 
     ValueError lists the versions; EphemerisMissing says what to install.
     """

@@ -1,4 +1,4 @@
-"""The crash android: ever harder pulses, stiffer belts, none of them, and ever heavier or lighter occupants."""
+"""The crash android under harder pulses, with stiffer belts or none, and with heavier or lighter occupants."""
 
 from typing import Any
 

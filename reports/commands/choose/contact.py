@@ -148,7 +148,7 @@ def _print(results: Iterable[Any], as_json: bool) -> None:
     rows = map(asdict, results)
     first = next(rows, None)
     if first is None:
-        raise NothingSelected("nothing here can be compared")
+        raise NothingSelected("the selected scenes and engines have no figures to compare")
     if not as_json:
         return _show("", [first, *rows])
     for row in chain((first,), rows):

@@ -15,7 +15,7 @@ MOST_ABOVE = 10.0  # median of estimate over error
 
 
 @click.command(name="calibrate", epilog="Example: mbs-ref calibrate -n 20")
-@click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
+@click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Number of random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
 @inputs.SHARD
 @click.option("--keep", type=inputs.NEW_FILE, help="JSON lines: runs that it holds are not repeated, others are added.")

@@ -86,7 +86,7 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
 
 
 def _report_history(file: Path, trends: Path | None) -> None:
-    """Print which series reached a new level these nights, and draw them all."""
+    """Print the series whose level changed in the last nights, and draw all series."""
     entries, problems = record_file.read(file, Entry)
     complain(problems)
     result = history.series(entries)
