@@ -211,7 +211,7 @@ def named[Case](cases: Iterable[Case], only: str | None) -> list[Case]:
     return wanted
 
 
-def answer(facts: dict[str, Any], target: Path | None, as_json: bool, draw: Callable[[dict[str, Any]], None]) -> None:
+def answer(facts: Any, target: Path | None, as_json: bool, draw: Callable[[Any], None]) -> None:
     """Write the facts to a file where one is named, and print them as JSON or as `draw` does."""
     if target:
         write_table(facts, target)

@@ -87,10 +87,7 @@ def _begin_map(file: Path, scene: Scene, target: str) -> None:
 
 
 def _answer(result: Judgement, as_json: bool) -> None:
-    if as_json:
-        console.echo_json(result.to_dict())
-    else:
-        _show(result)
+    console.answer(result.to_dict(), None, as_json, lambda _: _show(result))
     if result.verdict == "departs":
         raise console.Failed(f"{result.verdict}: {result.reason}")
     if result.verdict == "not-judged":
