@@ -11,7 +11,6 @@ from typing import Any, Literal
 import numpy as np
 
 from mbs_ref.scene.euler_parameters import from_axis_angle
-from mbs_ref.trajectory import WORLDS
 
 EPS = float(np.finfo(float).eps)
 ONE_FIGURE = 10.0  # times the uncertainty: of such a difference, and of larger ones, a truth knows a figure
@@ -49,8 +48,7 @@ class Truth:
 def unturned(position: np.ndarray) -> np.ndarray:
     """Return angles or Euler parameters (n_t, n_bodies, 4) of bodies that do not turn, by their positions."""
     times, bodies, dimension = position.shape
-    orientation = WORLDS[dimension].unturned
-    return np.full((times, bodies, *np.shape(orientation)), orientation)
+    return np.zeros((times, bodies)) if dimension == 2 else np.tile([1.0, 0.0, 0.0, 0.0], (times, bodies, 1))
 
 
 def of_one_body(x: np.ndarray, y: np.ndarray, angle: Any, uncertainty: float, how: str) -> Truth:

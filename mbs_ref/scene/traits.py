@@ -86,18 +86,14 @@ def deflecting(scene: Scene) -> list[str]:
 
 @of_last_scene
 def joined(scene: Scene) -> tuple[list[int], bool]:
-    """Return the joints that close a cycle, by union-find, and whether joints hold every body to ground."""
-    parent = {name: name for name in [GROUND, *scene.body_names]}
-
-    def root(name: str) -> str:
-        while parent[name] != name:
-            parent[name] = parent[parent[name]]
-            name = parent[name]
-        return name
-
+    """Return the joints that close a cycle, and whether joints hold every body to ground."""
+    group = {name: {name} for name in (GROUND, *scene.body_names)}  # of what joints hold together, by each member
     closing = []
     for k, joint in enumerate(scene.joints):
-        a, b = (root(end) for end in joint.ends)
-        closing += [k] if a == b else []
-        parent[a] = b
-    return closing, all(root(name) == root(GROUND) for name in scene.body_names)
+        smaller, larger = sorted((group[end] for end in joint.ends), key=len)
+        if smaller is larger:
+            closing.append(k)
+        else:
+            larger |= smaller
+            group |= dict.fromkeys(smaller, larger)
+    return closing, len(group[GROUND]) == len(group)

@@ -146,7 +146,7 @@ def _attempt(
     steps, share, unit, p, jacobian = [], 1.0 / SAFETY, Fraction(1), _constant(proof), None
     while proof.t < proof.times[-1] and not reason:
         if time.process_time() - began > limit:
-            reason = "the prover has used all of its processor time"
+            reason = "the prover has reached its limit of processor time"
             break
         try:
             p, radius = propose(proof.formulas, unit, p, degree, bits, jacobian)
