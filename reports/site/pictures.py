@@ -17,7 +17,7 @@ from mbs_ref import Settings, scenes
 from mbs_ref.files import write_atomic
 from mbs_ref.scene.toml import loads
 from mbs_ref.simulate import simulate
-from reports.film.files import filmstrip
+from reports.film.files import filmstrip, png
 from reports.page.browser import drawn
 from reports.page.build import read_data
 from reports.page.render import INDEX
@@ -74,10 +74,7 @@ PICTURES = {
 def screenshot(page: Path, size: tuple[int, int]) -> bytes:
     """Return a page as a browser without a window draws it, as PNG. FileNotFoundError where no browser is installed."""
     content = drawn(page.resolve().as_uri(), "--screenshot", f"--window-size={size[0]},{size[1]}")
-    picture = Image.open(io.BytesIO(content)).convert("RGB")
-    buffer = io.BytesIO()
-    picture.save(buffer, "PNG", optimize=True)
-    return buffer.getvalue()
+    return png(Image.open(io.BytesIO(content)).convert("RGB"))
 
 
 if __name__ == "__main__":
