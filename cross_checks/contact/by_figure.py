@@ -10,8 +10,7 @@ import numpy as np
 import scipy
 
 from cross_checks import engines
-from cross_checks.contact import request as wanted
-from cross_checks.contact.request import GRAVITY, ContactModel, Request, Translation
+from cross_checks.contact.request import DURATION, GRAVITY, SHARE, SINK, ContactModel, Request, Translation
 from cross_checks.engine import Engine
 from cross_checks.judge.one_run import checked_run
 from cross_checks.judge.vocabulary import OURS
@@ -40,7 +39,7 @@ def measured(model: ContactModel, request: Request, translation: Translation) ->
     """Return every requested figure as the engine obtains it at the requested step."""
     experiments = [impact_scene(request, translation)]
     if translation.friction is not None:
-        angle, slides = math.atan(wanted.SHARE * request.friction), request.speed / (request.friction * GRAVITY)
+        angle, slides = math.atan(SHARE * request.friction), request.speed / (request.friction * GRAVITY)
         experiments.append(floor_scene(request, translation, 0.0, request.speed, slides + RESTS))
         experiments.append(floor_scene(request, translation, angle, 0.0, HELD))
     figures: dict[str, float] = {}
@@ -87,15 +86,15 @@ def impact_scene(request: Request, translation: Translation) -> Scene:
         name="pair", body_a="ball", center_a=centre, radius_a=RADIUS, body_b=GROUND, center_b=(0.0, 0.0),
         radius_b=RADIUS, law=translation.law,
     )  # fmt: skip
-    steps = 3.0 * FLIGHT + 2.0 * request.figures[wanted.DURATION] / request.step
+    steps = 3.0 * FLIGHT + 2.0 * request.figures[DURATION] / request.step
     return Scene(name="impact", duration=math.ceil(steps) * request.step, bodies=(ball,), contacts=(pair,))
 
 
 def floor_scene(request: Request, translation: Translation, angle: float, speed: float, duration: float) -> Scene:
     """Return a body that cannot turn, sunk as the engine lets it, on a slope (rad) along its axes, at a speed (m/s)."""
     gravity = (GRAVITY * math.sin(angle), -GRAVITY * math.cos(angle))
-    refused = translation.refused.get(wanted.SINK)
-    sink = refused.instead if refused else request.figures[wanted.SINK]
+    refused = translation.refused.get(SINK)
+    sink = refused.instead if refused else request.figures[SINK]
     centre = (0.0, RADIUS - math.cos(angle) * sink)
     body = PlanarBody(name="slider", mass=request.mass, inertia=UNTURNED, position=centre, velocity=(speed, 0.0))
     pair = CircleOnLine(

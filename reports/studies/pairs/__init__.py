@@ -31,8 +31,7 @@ from mbs_ref.files import package_data
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.simulate import simulate
-from reports.facts import cheapest
-from reports.facts.cheapest import Entry, entries, near, reaching
+from reports.facts.cheapest import NEAR, Entry, entries, near, reaching
 from reports.facts.curves import Curves, Measured, Row, Value
 from reports.facts.report_data import ReportData
 
@@ -224,7 +223,7 @@ def _cells(runs: Runs, scene: Scene, engine: str, request: Request) -> list[Cell
     truth, best, cells = runs.truth(scene), dict.fromkeys(request.targets, np.inf), list[Cell]()
     own = [method for name, method in request.entrants() if name == engine]
     for method in sorted(own, key=lambda one: -((one and one.order) or 0)):
-        limited = replace(runs, longest=min(runs.longest, cheapest.NEAR * max(best.values())))
+        limited = replace(runs, longest=min(runs.longest, NEAR * max(best.values())))
         most = WORK // len(scene.bodies)
         cells.append(judged(limited, scene, engine, method, truth, request.targets, most, settle=False)[0])
         for result in cells[-1].targets:
