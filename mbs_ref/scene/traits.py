@@ -12,10 +12,6 @@ from mbs_ref.scene.scene import Scene, of_last_scene
 
 Coordinates = Literal["cartesian", "relative"]  # of bodies, with constraint rows; or of a tree's joints, without
 
-NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
-NO_SLIP = "a rolling wheel has constraints on velocities alone, and this method needs C = 0 on positions"
-
-
 PART_TYPES: tuple[str, ...] = tuple(
     part.model_fields["type"].default
     for kind in (Body, Joint, Load, Contact, ContactLaw, Friction, Event)
