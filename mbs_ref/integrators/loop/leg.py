@@ -141,7 +141,6 @@ class Integrator:
     stabilizations: tuple[str, ...] = ("none", "baumgarte", "projection")  # allowed
     ladder: tuple[float, ...] = ()  # steps (s) or rtols for sweeps, coarse to fine
     source: str = ""
-    keeps_constraints: bool = False  # the method imposes C = 0 itself
     requires: frozenset[str] = frozenset()  # traits the scene must have: the cores that answer what the method asks
     locates_events: bool = True  # touch-down, lift-off and slip are located; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
