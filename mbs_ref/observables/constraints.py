@@ -22,11 +22,6 @@ RATE_STEP = 1e-3  # m or rad of the motion: truncation h^4 and roundoff eps / h 
 Vectors = tuple[np.ndarray, np.ndarray]  # a moving vector and its rate, each (n_t, dimension)
 
 
-def norm_row(theta: np.ndarray) -> Row:
-    """theta^T theta - 1 = 0 (Fox 1999, appendix); poses carry no parameter rates, so its rate is not judged."""
-    return np.sum(theta**2, axis=1) - 1.0, np.zeros(len(theta))
-
-
 def _turned(row: Row) -> list[Row]:
     """Return the row with its angle in [-pi, pi]: a full turn is no violation."""
     return [(np.remainder(row[0] + np.pi, 2.0 * np.pi) - np.pi, row[1])]
@@ -187,8 +182,13 @@ def rows(scene: Scene, trajectory: Trajectory) -> Rows:
     if not scene.joints:
         return Rows((), *np.zeros((2, len(trajectory.times), 0)))
     motion = Motion(scene, trajectory)
-    rigid = [k for k, body in enumerate(scene.bodies) if isinstance(body, SpatialBody)]
-    by_part = [(scene.bodies[k].name, [norm_row(trajectory.orientation[:, k])]) for k in rigid]
+    # theta^T theta - 1 = 0 (Fox 1999, appendix); poses carry no parameter rates, so its rate is not judged
+    turns, still = trajectory.orientation, np.zeros(len(trajectory.times))
+    by_part = [
+        (body.name, [(np.sum(turns[:, k] ** 2, axis=1) - 1.0, still)])
+        for k, body in enumerate(scene.bodies)
+        if isinstance(body, SpatialBody)
+    ]
     by_part += [(joint.name, RESIDUALS[type(joint)](motion, joint)) for joint in scene.joints]
     names = tuple(name for name, part in by_part for _ in part)
     columns = [row for _, part in by_part for row in part]

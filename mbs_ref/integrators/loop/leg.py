@@ -157,12 +157,6 @@ class Integrator:
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 
-def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progress) -> Leg:
-    """Turn a compiled loop's code into a leg with a sentence."""
-    status, words = ENDS[code]
-    return Leg(states, compliance, int(run.next_output), status, words and f"at t = {run.t:.9g} s {words}")
-
-
 def run_chunks(
     chunk: Callable[[Outputs], int], options: Options, run: Progress, y: np.ndarray, times: np.ndarray
 ) -> Leg:
@@ -176,4 +170,6 @@ def run_chunks(
         code = chunk(outputs)
         if code == RUNNING and pace.is_hopeless(float(run.t), int(run.steps)):
             code = STALLED
-    return finish_leg(code, outputs.states, outputs.compliance, run)
+    status, words = ENDS[code]
+    sentence = words and f"at t = {run.t:.9g} s {words}"
+    return Leg(outputs.states, outputs.compliance, int(run.next_output), status, sentence)
