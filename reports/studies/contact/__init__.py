@@ -10,7 +10,7 @@ import numpy as np
 
 from cross_checks.contact import models
 from cross_checks.contact.by_figure import Obtained, compare, with_contact
-from cross_checks.contact.tosses import predict, stored, summaries
+from cross_checks.contact.tosses import Summary, predict, stored, summaries
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.truths.of.bouncing import impact
 from mbs_ref import Scene, Settings, Trajectory, scenes
@@ -44,10 +44,8 @@ def parts() -> list[tuple[str, ...]]:
 def measure_part(part: tuple[str, ...], full: bool = False) -> Measured:
     """Measure a part; most of the time is the engines'. With `full` all tosses are predicted."""
     kind, *about = part
-    if kind == "engines":
-        compared = compare(models()[0], {name: scenes.make(name) for name in about}, ENGINES_STEP)
-        return Measured(tables={"engines": tuple(map(_by_engine, compared))})
-    return {"tosses": partial(_tosses, full=full), "vehicle": _vehicle, "laws": _laws}[kind](*about)
+    tosses = partial(_tosses, full=full)
+    return {"tosses": tosses, "vehicle": _vehicle, "laws": _laws, "engines": _engines}[kind](*about)
 
 
 def _tosses(engine: str, full: bool) -> Measured:
@@ -55,10 +53,12 @@ def _tosses(engine: str, full: bool) -> Measured:
     shown = tosses if full else tosses[::FEW_TOSSES]
     predicted = predict(shown, models()[0], TOSSES_STEP, engine=engine)
     figures: dict[str, Value] = {"tosses.shown": len(shown), "tosses.stored": len(tosses)}
-    rows = (  # one of each model; its reason takes the place of what no toss shows
-        asdict(one) | ({"error": one.reason, "share": ""} if one.error is None else {}) for one in summaries(predicted)
-    )
-    return Measured(figures, {"tosses": tuple(rows)})
+    return Measured(figures, {"tosses": tuple(_of_tosses(one) for one in summaries(predicted))})
+
+
+def _engines(name: str) -> Measured:
+    found = compare(models()[0], {name: scenes.make(name)}, ENGINES_STEP)
+    return Measured(tables={"engines": tuple(_by_engine(one) for one in found)})
 
 
 def _laws() -> Measured:
@@ -87,6 +87,11 @@ def _by_engine(one: Obtained) -> Row:
     if one.figure:
         return row | ({"obtained": one.reason} if one.reason else {})
     return row | dict.fromkeys(("requested", "uncertainty", "obtained", "change"), "") | {"figure": one.reason}
+
+
+def _of_tosses(one: Summary) -> Row:
+    """Return a row of one model; its reason takes the place of what no toss shows."""
+    return asdict(one) | ({"error": one.reason, "share": ""} if one.error is None else {})
 
 
 def _line(row: Row) -> Curves:
