@@ -3,17 +3,30 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from mbs_ref.display import facts
 
 POSES = ("position", "orientation", "velocity", "angular_velocity")
-COLUMNS = {
-    2: ("x", "y", "angle", "vx", "vy", "rate"),
-    3: ("x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"),
-}  # of a body in files and tables, by dimension
+
+
+class World(NamedTuple):
+    """What distinguishes motions in the plane from those in space: the numbers of a body's pose and rates."""
+
+    name: str
+    columns: tuple[str, ...]  # of a body in files and tables
+    orientation: str  # the name of a rigid body's orientation: an angle (rad), or Euler parameters
+    unturned: float | tuple[float, ...]  # the orientation of what does not turn
+    still: float | tuple[float, ...]  # the angular velocity of what does not turn, rad/s
+
+
+WORLDS = {
+    2: World("plane", ("x", "y", "angle", "vx", "vy", "rate"), "angle", 0.0, 0.0),
+    3: World("space", ("x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "wx", "wy", "wz"), "orientation",
+             (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+}  # by dimension  # fmt: skip
 
 
 class Status(StrEnum):
@@ -119,14 +132,14 @@ class Estimate:
 
 def pose_shapes(n_bodies: int, dimension: int) -> tuple[tuple[int, ...], ...]:
     """Return the shapes of position, orientation, velocity and angular velocity of all bodies at one time."""
-    vectors, numbers = (n_bodies, dimension), (n_bodies,)
-    return (vectors, numbers, vectors, numbers) if dimension == 2 else (vectors, (n_bodies, 4), vectors, vectors)
+    world, vectors = WORLDS[dimension], (n_bodies, dimension)
+    return vectors, (n_bodies, *np.shape(world.unturned)), vectors, (n_bodies, *np.shape(world.still))
 
 
 def pose_columns(bodies: Sequence[str], poses: Iterable[np.ndarray]) -> dict[str, np.ndarray]:
     """Return columns such as rod.x, rod.angle and rod.vx (n,) of the four arrays of poses and velocities (n, ...)."""
     rows = np.concatenate([part.reshape(len(part), len(bodies), -1) for part in poses], axis=2)
-    words = next(words for words in COLUMNS.values() if len(words) == rows.shape[2])
+    words = next(world.columns for world in WORLDS.values() if len(world.columns) == rows.shape[2])
     return {f"{body}.{word}": rows[:, k, c] for k, body in enumerate(bodies) for c, word in enumerate(words)}
 
 

@@ -16,8 +16,7 @@ import click
 
 from cross_checks.records.record import out_of_memory
 from reports import commands
-from reports.terminal import console as exit_codes
-from reports.terminal.console import Defect, Incomplete
+from reports.terminal.console import TABLE, Defect, Incomplete
 
 FAULTS = (OSError, MemoryError, ImportError)  # that a command cannot answer for
 NEXT = {
@@ -112,7 +111,7 @@ def _docstring(module: str, function: str = "") -> str:
     return ast.get_docstring(parts[0] if parts else tree) or ""
 
 
-@click.group(cls=Commands, epilog=exit_codes.TABLE, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, epilog=TABLE, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="mbs-ref")
 def main() -> None:
     """Validate and benchmark solvers of constrained multibody dynamics. `mbs-ref COMMAND --help` shows an example."""

@@ -1,11 +1,9 @@
 """What the report shows, read from the store of runs: what it lacks is computed on all cores, then timed alone."""
 
-import tomllib
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +19,7 @@ from cross_checks.judge.cell import tasks
 from cross_checks.prices.timing import timed_all
 from cross_checks.records.store import Store, code_of, digest_of
 from mbs_ref import Scene, scenes
+from mbs_ref.files import package_data
 from reports import inputs
 from reports.facts import stored as facts
 from reports.facts.cheapest import contenders
@@ -30,7 +29,7 @@ from reports.facts.report_data import GROWING, INTERRUPTED, ReportData
 from reports.facts.scene_facts import SceneFacts, TruthFacts, scene_facts, truth_facts
 from reports.studies.study import every, measure_all, stored
 
-LISTS = tomllib.loads((files(__package__) / "scenes.toml").read_text(encoding="utf-8"))
+LISTS = package_data(__name__, "scenes.toml")
 SCENES, QUICK = LISTS["report"], LISTS["quick"]
 
 

@@ -21,7 +21,7 @@ from mbs_ref.scene import messages as problems
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_builder
 from mbs_ref.simulate.start.consistent import fitted_rates
-from reports.terminal.console import EngineAbsent, NothingSelected
+from reports.terminal.console import EngineAbsent, NothingSelected, reported_as
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 NEW_FILE = click.Path(dir_okay=False, path_type=Path)
@@ -59,10 +59,8 @@ def scene(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequenc
     built = _read(name_or_file, parameters)
     if not keep_rates:
         return built
-    try:
+    with reported_as(click.UsageError, ValueError):
         return fitted_rates(built, keep_rates, Settings().initial_tolerance)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
 
 
 def comparable(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
@@ -146,12 +144,10 @@ def _robot(file: str, parameters: Sequence[str]) -> Scene:
         raise click.UsageError(f"{file}: there is no such file{problems.suggest(path.name, there)}; {listed}")
     given = _parameters(parameters)
     start = Path(str(given.pop("start"))) if "start" in given else None
-    try:
+    with reported_as(click.UsageError, RobotError, ValueError):
         wanted, drives = read_start(start) if start is not None else ({}, {})
         robot = _reader(file)(path, wanted | given)
         built = robot.scene if start is None else driven(robot.scene, drives, start)
-    except (RobotError, ValueError) as error:
-        raise click.UsageError(str(error)) from error
     for sentence in robot.assumed:
         click.echo(f"{file}: assumed: {sentence}", err=True)
     return built
@@ -181,12 +177,8 @@ def settings(**chosen: Any) -> Settings:
 
 def engine(name_or_file: str) -> Engine:
     """Return the engine of that name, or of that adapter file; its package must be installed."""
-    try:
+    with reported_as(click.UsageError, NoEngine), reported_as(EngineAbsent, engines.EngineMissing):
         return load(name_or_file)
-    except engines.EngineMissing as error:
-        raise EngineAbsent(str(error)) from error
-    except NoEngine as error:
-        raise click.UsageError(str(error)) from error
 
 
 def engine_names(chosen: Sequence[str]) -> list[str]:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from mbs_ref.atomic_file import write_atomic
 from mbs_ref.cores.system import Poses
+from mbs_ref.files import write_atomic
 from mbs_ref.simulate.many.ensemble import Ensemble
 from mbs_ref.trajectory import Trajectory, pose_columns
 

@@ -21,7 +21,7 @@ from cross_checks.records.store import Store, default_path
 from mbs_ref import Scene
 from mbs_ref.scene.traits import python_parts
 from reports import inputs
-from reports.terminal.console import Failed, Incomplete, Report, complain, finite_record, progress
+from reports.terminal.console import Failed, Incomplete, Report, complain, finite_record, progress, reported_as
 
 FIRST = 20.0  # s until the best answer so far is printed; then again whenever that time has doubled
 
@@ -171,10 +171,8 @@ def begun[Item](
     """Return what a file holds, which others cannot write until the stack is closed; nothing without a file."""
     if target is None:
         return []
-    try:
+    with reported_as(Failed, lines.Busy):
         stack.enter_context(lines.exclusive(target))
-    except lines.Busy as error:
-        raise Failed(str(error)) from error
     records, problems = read(target)
     complain(problems)
     if records:

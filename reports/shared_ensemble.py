@@ -12,8 +12,7 @@ from cross_checks.isolation.parent import Caller, Isolated
 from cross_checks.isolation.workers import each
 from mbs_ref import Settings
 from mbs_ref.cores.system import Poses
-from mbs_ref.simulate.many import ensemble as ensembles
-from mbs_ref.simulate.many.ensemble import Design, Ensemble, Variants
+from mbs_ref.simulate.many.ensemble import Design, Ensemble, Variants, run_ensemble
 
 PORTIONS = 4  # parts for each process: their runs take unlike times
 BY_RUN = ("reached", "errors", "corrections")  # arrays of an ensemble, besides the samples
@@ -57,7 +56,7 @@ def shared_ensemble(
 
 
 def _made(variants: Variants, settings: Settings, call: Caller, part: Part) -> Ensemble:
-    return call(ensembles.run_ensemble, variants, part, settings, 1)
+    return call(run_ensemble, variants, part, settings, 1)
 
 
 def joined(design: Design, parts: Sequence[Ensemble], marks: tuple[tuple[int, float], ...]) -> Ensemble:

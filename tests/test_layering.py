@@ -27,7 +27,7 @@ WATCHED = ENGINES | EPHEMERIDES | {"sundials4py"}
 # The rooms of each layer, lowest first; those on one line do not import each other.
 ROOMS = {
     "mbs_ref": (
-        "atomic_file display kernels", "trajectory", "scene", "settings ephemeris cores observables",
+        "files display kernels", "trajectory", "scene", "settings ephemeris cores observables",
         "integrators crash", "simulate", "scenes",
     ),
     "cross_checks": (

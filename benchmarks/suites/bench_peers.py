@@ -9,9 +9,7 @@ the times of loops and, in brackets, of calls.
 """
 
 import time
-import tomllib
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +18,7 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from mbs_ref import Scene, Settings, scenes
 from mbs_ref.cores.relative import no_tree
+from mbs_ref.files import package_data
 from mbs_ref.observables.distance import Partial, farthest
 
 DURATION = 1.0  # s
@@ -28,7 +27,7 @@ TURNS = 15  # of which a setting's least time counts
 TOO_LONG = 2.0  # s of loop: a finer setting is not tried
 OURS = "mbs_ref"
 CPP = "pinocchio_cpp"
-STATED = tomllib.loads(Path(__file__).with_name("peers.toml").read_text(encoding="utf-8"))
+STATED = package_data(__name__, "peers.toml")
 
 Times = tuple[float, float]  # s, of the loop and of the whole call
 Timed = Callable[[], Times]

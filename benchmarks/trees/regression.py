@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -16,6 +15,7 @@ from benchmarks.trees import worker as tree_worker
 from cross_checks.isolation.parent import ONE_THREAD
 from cross_checks.isolation.workers import Report
 from cross_checks.prices.timing import Comparison, Pace, Sample, compare, interleaved
+from mbs_ref.files import package_data
 
 
 class Tree:
@@ -92,7 +92,7 @@ class Case:
         return {"scene": self.scene, "parameters": self.parameters, "engine": self.engine}
 
 
-STATED = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
+STATED = package_data(__name__, "cases.toml")
 CASES = tuple(Case(**case) for case in STATED["cases"])
 
 

@@ -13,7 +13,9 @@ from cross_checks.engine import Engine, Method
 from cross_checks.engine.plan import stopped
 from mbs_ref import Settings, Status, Trajectory
 from mbs_ref.scene import Cylindrical, PlanarBody, Prismatic, Scene, SpatialBody, TorqueVector, UserForce, Weld
+from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.euler_parameters import conjugate, rotation_matrices
+from mbs_ref.trajectory import POSES
 
 type Change = Callable[[Scene], Scene]
 type Spoil = Callable[[Scene, Trajectory], Trajectory]
@@ -54,33 +56,49 @@ class Broken(Wrapped):
 def mistakes() -> tuple[Mistake, ...]:
     """Return every mistake."""
 
-    def changes(name: str, make: Callable[[Scene], dict[str, Any]]) -> Mistake:
-        return Mistake(name, change=lambda scene: scene.model_copy(update=make(scene)))
+    def changes(name: str, make: Callable[[Scene], dict[str, Any]], *only: int) -> Mistake:
+        """Return a change of scenes, of those of a dimension where one is given."""
+        dimensions = only or (2, 3)
+        return Mistake(name, lambda s: s.model_copy(update=make(s)) if s.dimension in dimensions else s)
 
-    def spoils(name: str, make: Callable[[Trajectory], dict[str, Any]]) -> Mistake:
-        return Mistake(name, spoil=lambda scene, path: replace(path, **make(path)))
+    def of_parts(name: str, parts: str, kind: Any, make: Callable[[Any], Any], *only: int) -> Mistake:
+        def made(scene: Scene) -> dict[str, Any]:
+            return {parts: tuple(make(part) if isinstance(part, kind) else part for part in getattr(scene, parts))}
+
+        return changes(name, made, *only)
+
+    def spoils(name: str, make: Callable[[Trajectory], dict[str, Any]], *only: int) -> Mistake:
+        dimensions = only or (2, 3)
+        return Mistake(name, spoil=lambda s, path: replace(path, **make(path)) if s.dimension in dimensions else path)
 
     def clocks(name: str, make: Callable[[float], float]) -> Mistake:
         return spoils(name, lambda p: {"timing": replace(p.timing, loop_s=make(p.timing.loop_s))})
 
+    drag = UserForce(name="hidden", function=lambda t, q, v: -0.01 * v)
     return (
         changes("dropped joint", lambda s: {"joints": s.joints[:-1]}),
-        changes("inertia about another point", lambda s: _bodies(s, _moved_inertia)),
-        changes("inertia in wrong axes", lambda s: _bodies(s, _turned_inertia)),
+        of_parts("inertia about another point", "bodies", PlanarBody | SpatialBody, _moved_inertia),
+        of_parts("inertia in wrong axes", "bodies", SpatialBody,
+                 lambda b: b.model_copy(update={"inertia": tuple(b.inertia[k] for k in (2, 0, 1, 4, 5, 3))})),
         changes("gravity off by a thousandth", lambda s: {"gravity": tuple(1.001 * part for part in s.gravity)}),
-        changes("hidden damping", _damped),
-        changes("sliders that do not slide", _stuck),
-        changes("torques in wrong axes", _torques_in_world),
+        changes("hidden damping", lambda s: {"loads": (*s.loads, drag)}, 2),
+        of_parts("sliders that do not slide", "joints", Prismatic | Cylindrical,
+                 lambda j: Weld(name=j.name, body_a=j.body_a, body_b=j.body_b, point=j.point), 3),
+        of_parts("torques in wrong axes", "loads", TorqueVector,
+                 lambda load: load.model_copy(update={"frame": "world"})),
         changes("bodies that pass through each other", lambda s: {"contacts": ()}),
-        changes("contacts without loss", _lossless),
+        of_parts("contacts without loss", "contacts", object, _lossless),
         Mistake("one step late", run=_late),
         Mistake("lost order", run=_of_first_order),
         Mistake("state restarted half-way", spoil=_restarted),
         Mistake("stopped by every weld", run=_dead_on_welds),
         Mistake("bodies swapped", spoil=_swapped),
-        Mistake("angular velocities in body axes", spoil=_body_rates),
+        spoils("angular velocities in body axes", lambda p: {"angular_velocity": np.einsum(
+            "...ji,...j->...i", rotation_matrices(p.orientation), p.angular_velocity)}, 3),
         Mistake("orientations of the other sign", spoil=_turned_back),
-        Mistake("angles wrong, positions right", spoil=_angles_off),
+        spoils("angles wrong, positions right", lambda p: {
+            "orientation": p.orientation + 0.01 * (p.orientation - p.orientation[:1]),
+            "angular_velocity": 1.01 * p.angular_velocity}, 2),
         Mistake("a clock that counts two fifths", run=_slow_clock),
         spoils("single precision", lambda p: {"position": _single(p.position), "velocity": _single(p.velocity)}),
         spoils("velocities of the other sign", lambda p: {"velocity": -p.velocity}),
@@ -112,10 +130,6 @@ def self_test(good: Engine, examine: Callable[[Engine, str], Report]) -> Iterato
         yield Caught(mistake.name, mistake.name != "none", questions)
 
 
-def _bodies(scene: Scene, change: Callable) -> dict[str, Any]:
-    return {"bodies": tuple(change(body) for body in scene.bodies)}
-
-
 def _moved_inertia(body):
     if isinstance(body, PlanarBody):
         return body.model_copy(update={"inertia": 1.25 * body.inertia})
@@ -124,39 +138,10 @@ def _moved_inertia(body):
     return body
 
 
-def _turned_inertia(body):
-    if not isinstance(body, SpatialBody):
-        return body
-    xx, yy, zz, xy, xz, yz = body.inertia
-    return body.model_copy(update={"inertia": (zz, xx, yy, xz, yz, xy)})
-
-
-def _damped(scene: Scene) -> dict[str, Any]:
-    drag = UserForce(name="hidden", function=lambda t, q, v: -0.01 * v)
-    return {} if scene.dimension == 3 else {"loads": (*scene.loads, drag)}
-
-
-def _stuck(scene: Scene) -> dict[str, Any]:
-    """Weld what a joint in space would let slide."""
-    sliders = Prismatic | Cylindrical if scene.dimension == 3 else ()
-    return {"joints": tuple(
-        Weld(name=j.name, body_a=j.body_a, body_b=j.body_b, point=j.point) if isinstance(j, sliders) else j
-        for j in scene.joints
-    )}  # fmt: skip
-
-
-def _torques_in_world(scene: Scene) -> dict[str, Any]:
-    """Leave a torque where it began instead of turning it with its body."""
-    return {"loads": tuple(
-        load.model_copy(update={"frame": "world"}) if isinstance(load, TorqueVector) else load for load in scene.loads
-    )}  # fmt: skip
-
-
-def _lossless(scene: Scene) -> dict[str, Any]:
-    """Take damping and restitution below 1 out of every contact."""
-    laws = [contact.law.model_copy(update={"damping": 0.0, "restitution": 1.0}) for contact in scene.contacts]
-    contacts = zip(scene.contacts, laws, strict=True)
-    return {"contacts": tuple(contact.model_copy(update={"law": law}) for contact, law in contacts)}
+def _lossless(contact: Contact) -> Contact:
+    """Take damping, and a restitution below 1, out of a contact."""
+    law = contact.law.model_copy(update={"damping": 0.0, "restitution": 1.0})
+    return contact.model_copy(update={"law": law})
 
 
 def _dead_on_welds(good: Engine, scene: Scene, settings: Settings, times: np.ndarray) -> Trajectory:
@@ -191,8 +176,7 @@ def _slow_clock(good: Engine, scene: Scene, settings: Settings, times: np.ndarra
 
 
 def _taken(path: Trajectory, index: Any) -> Trajectory:
-    parts = ("position", "orientation", "velocity", "angular_velocity")
-    return replace(path, **{part: getattr(path, part)[index] for part in parts})
+    return replace(path, **{part: getattr(path, part)[index] for part in POSES})
 
 
 def _restarted(scene: Scene, path: Trajectory) -> Trajectory:
@@ -214,23 +198,6 @@ def _first_alone(values: np.ndarray) -> np.ndarray:
     return np.concatenate((values[:1], np.zeros_like(values[1:])))
 
 
-def _body_rates(scene: Scene, path: Trajectory) -> Trajectory:
-    if scene.dimension == 2:
-        return path
-    axes = rotation_matrices(path.orientation)
-    return replace(path, angular_velocity=np.einsum("...ji,...j->...i", axes, path.angular_velocity))
-
-
 def _turned_back(scene: Scene, path: Trajectory) -> Trajectory:
-    start = path.orientation[:1]
-    return replace(
-        path, orientation=2.0 * start - path.orientation if scene.dimension == 2 else conjugate(path.orientation)
-    )
-
-
-def _angles_off(scene: Scene, path: Trajectory) -> Trajectory:
-    """Turn a hundredth too far, in the angular velocity too."""
-    if scene.dimension == 3:
-        return path
-    turned = path.orientation + 0.01 * (path.orientation - path.orientation[:1])
-    return replace(path, orientation=turned, angular_velocity=1.01 * path.angular_velocity)
+    turned = path.orientation
+    return replace(path, orientation=2.0 * turned[:1] - turned if scene.planar else conjugate(turned))

@@ -1,13 +1,12 @@
 """The runs by which symmetry and repeatability are tested: each method of each engine on a scene."""
 
-import tomllib
 from collections.abc import Iterator
-from importlib.resources import files
 from typing import Any, NamedTuple
 
 from cross_checks import engines
 from cross_checks.engine import Engine, Method
 from mbs_ref import Scene, Settings, scenes
+from mbs_ref.files import package_data
 
 STEP = 1e-3  # s, in the laboratory
 SKY_STEPS = 2000  # of a fixed step in the sky
@@ -38,7 +37,7 @@ class Case(NamedTuple):
 
 
 Placed = tuple[str, dict[str, Any], float | None]  # scene, parameters, end (s) or its own
-STATED = tomllib.loads((files(__package__) / "cases.toml").read_text(encoding="utf-8"))
+STATED = package_data(__name__, "cases.toml")
 LABORATORY, SKY, RELATIVE, BLAS = (
     tuple((one["scene"], one.get("parameters", {}), one.get("t_end")) for one in STATED[group])
     for group in ("laboratory", "sky", "relative", "blas")

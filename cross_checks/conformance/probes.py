@@ -9,11 +9,9 @@ line of centres, where the gap g closes and F follows from the law's formula. DO
 and lift-off, which are events; flights are parabolas.
 """
 
-import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -21,6 +19,7 @@ from scipy.integrate import solve_ivp
 
 from cross_checks.truths.oracle import Moment, augmented, consistent
 from cross_checks.truths.truth import Truth, unturned
+from mbs_ref.files import package_data
 from mbs_ref.observables.distance import Partial, farthest
 from mbs_ref.scene import GROUND, PlanarBody, Scene, SpatialBody, contact
 from mbs_ref.scene.euler_parameters import product
@@ -29,7 +28,7 @@ from mbs_ref.trajectory import pose_shapes
 DURATION = 0.2  # s
 TOLERANCES = (1e-10, 1e-11)  # of the runs whose difference is what the truth is known to
 
-WORLDS = tomllib.loads((files(__package__) / "probes.toml").read_text(encoding="utf-8"))
+WORLDS = package_data(__name__, "probes.toml")
 ENDS = ({"name": "one", "body_a": GROUND, "body_b": "a"}, {"name": "two", "body_a": "a", "body_b": "b"})
 RADIUS, MASS, SPEED, GRAVITY = 0.05, 1.0, 1.0, 9.81  # m, kg, m/s towards the other, m/s^2
 GAP, ONE_BOUNCE = 0.05, 0.15  # m at the start, s
@@ -79,8 +78,8 @@ def bounces() -> Iterator[tuple[str, Scene]]:
     """Yield a ball on a floor for each law, and on another ball, with the type of part that it is for."""
     for dimension in (2, 3):
         yield from ((law.type, _on_floor(law, dimension)) for law in LAWS if dimension == 2 or not law.HOLDS)
-        yield ("circle_on_line", "sphere_on_plane")[dimension - 2], _on_floor(LAWS[0], dimension)
-        yield ("circle_on_circle", "sphere_on_sphere")[dimension - 2], _on_ball(dimension)
+        for touch in (_on_floor(LAWS[0], dimension), _on_ball(dimension)):
+            yield touch.contacts[0].type, touch
 
 
 def _ball(name: str, place: np.ndarray, velocity: np.ndarray) -> PlanarBody | SpatialBody:

@@ -1,6 +1,5 @@
 """What an engine must answer: scenes short enough to be quick, each with a truth, and the settings of each run."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import islice
@@ -55,21 +54,16 @@ def questions(engine: Engine) -> list[Question]:
     others = (name for name in costlier if engine.able(scenes.make(name)))
     of_library = [question_of(name) for name in quick or [*islice(others, 1)]]
     there = [question for question in of_library if question is not None]
-    return there + list(_probing(engine, there))
-
-
-def _probing(engine: Engine, there: list[Question]) -> Iterator[Question]:
     met = {(kind, question.scene.dimension) for question in there for kind in part_types(question.scene)}
-    for (kind, dimension), scene in probes().items():
-        if kind in engine.part_types and (kind, dimension) not in met and engine.able(scene):
-            yield probe(kind, dimension)
+    lacking = [part for part in probes() if part[0] in engine.part_types and part not in met]
+    return there + [probe(*part) for part in lacking if engine.able(probes()[part])]
 
 
 @cache
 def probe(kind: str, dimension: int) -> Question:
     """Return the question that the small scene for a type of part is."""
     scene = probes()[kind, dimension]
-    times, name = np.linspace(0.0, scene.duration, SAMPLES), f"{kind}_in_{'plane' if dimension == 2 else 'space'}"
+    times, name = np.linspace(0.0, scene.duration, SAMPLES), f"{kind}_in_{scene.world.name}"
     return Question(scene.model_copy(update={"name": name}), times, probe_truth(scene, times))
 
 

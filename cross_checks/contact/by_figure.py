@@ -1,24 +1,22 @@
 """Experiments that measure a contact, and scenes with contact compared by figures: where laws differ, motions do."""
 
 import math
-import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 
 from cross_checks import engines
-from cross_checks.contact import request as wanted
-from cross_checks.contact.request import GRAVITY, ContactModel, Request, Translation
+from cross_checks.contact.request import DURATION, GRAVITY, SHARE, SINK, ContactModel, Request, Translation
 from cross_checks.engine import Engine
 from cross_checks.judge.one_run import checked_run
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.metrics.contact_figures import MANY, contact_figures
 from mbs_ref import Settings, Trajectory, scenes
+from mbs_ref.files import package_data
 from mbs_ref.scene import GROUND, Force, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.contact import CircleOnCircle, CircleOnLine, StickSlip
 
@@ -41,7 +39,7 @@ def measured(model: ContactModel, request: Request, translation: Translation) ->
     """Return every requested figure as the engine obtains it at the requested step."""
     experiments = [impact_scene(request, translation)]
     if translation.friction is not None:
-        angle, slides = math.atan(wanted.SHARE * request.friction), request.speed / (request.friction * GRAVITY)
+        angle, slides = math.atan(SHARE * request.friction), request.speed / (request.friction * GRAVITY)
         experiments.append(floor_scene(request, translation, 0.0, request.speed, slides + RESTS))
         experiments.append(floor_scene(request, translation, angle, 0.0, HELD))
     figures: dict[str, float] = {}
@@ -88,15 +86,15 @@ def impact_scene(request: Request, translation: Translation) -> Scene:
         name="pair", body_a="ball", center_a=centre, radius_a=RADIUS, body_b=GROUND, center_b=(0.0, 0.0),
         radius_b=RADIUS, law=translation.law,
     )  # fmt: skip
-    steps = 3.0 * FLIGHT + 2.0 * request.figures[wanted.DURATION] / request.step
+    steps = 3.0 * FLIGHT + 2.0 * request.figures[DURATION] / request.step
     return Scene(name="impact", duration=math.ceil(steps) * request.step, bodies=(ball,), contacts=(pair,))
 
 
 def floor_scene(request: Request, translation: Translation, angle: float, speed: float, duration: float) -> Scene:
     """Return a body that cannot turn, sunk as the engine lets it, on a slope (rad) along its axes, at a speed (m/s)."""
     gravity = (GRAVITY * math.sin(angle), -GRAVITY * math.cos(angle))
-    refused = translation.refused.get(wanted.SINK)
-    sink = refused.instead if refused else request.figures[wanted.SINK]
+    refused = translation.refused.get(SINK)
+    sink = refused.instead if refused else request.figures[SINK]
     centre = (0.0, RADIUS - math.cos(angle) * sink)
     body = PlanarBody(name="slider", mass=request.mass, inertia=UNTURNED, position=centre, velocity=(speed, 0.0))
     pair = CircleOnLine(
@@ -137,7 +135,7 @@ def figures_of(scene: Scene, path: Trajectory) -> dict[str, float]:
 
 @cache
 def _table() -> dict[str, dict[str, list]]:
-    return tomllib.loads((Path(__file__).parent / "figures.toml").read_text(encoding="utf-8"))
+    return package_data(__name__, "figures.toml")
 
 
 def _declared(scene: Scene, path: Trajectory, what: str, body: str, quantity: str, component: int | None = None):

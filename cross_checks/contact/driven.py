@@ -114,11 +114,11 @@ def _limits_of_bullet(scene: Scene) -> Iterator[str]:
 def _body(model: Linkage, k: int) -> dict[str, Any]:
     """Return a body in the axes of the world at t = 0; in the plane it has the same moment of inertia about all."""
     body: Any = model.scene.bodies[k]
-    spin = body.angular_velocity if model.scene.dimension == 3 else (0.0, 0.0, body.angular_velocity)
+    spin = np.append(np.zeros(2), body.angular_velocity)[-3:]
     vectors = {"position": body.position, "velocity": body.velocity}
     return {name: lifted(vector).tolist() for name, vector in vectors.items()} | {
         "mass": body.mass, "inertia": model.of_body[k].inertia.tolist(), "orientation": [1.0, 0.0, 0.0, 0.0],
-        "spin": list(spin),
+        "spin": spin.tolist(),
     }  # fmt: skip
 
 

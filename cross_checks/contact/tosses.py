@@ -25,6 +25,7 @@ from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.scene import SpatialBody
 from mbs_ref.scene import contact as laws
 from mbs_ref.scene.euler_parameters import conjugate, from_axis_angle, product, rotation_matrices, rotation_vector
+from mbs_ref.trajectory import POSES
 
 STORED = Path(__file__).with_name("tosses_data") / "tosses.npz"
 COLUMNS = 19  # of the published tensors: position, quaternion, velocity, angular velocity and control
@@ -32,7 +33,6 @@ RATE, GRAVITY = 148.0, np.array((0.0, 0.0, -9.81))  # Hz, m/s^2
 HALF, MASS, INERTIA, FRICTION, RESTITUTION = 0.0524, 0.37, 0.00081, 0.18, 0.125  # m, kg, kg m^2, -, -: published
 CORNERS = HALF * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 CLEAR = 1e-3  # m, ten times the noise of a corner: samples above it are free of the floor
-STATE = ("position", "orientation", "velocity", "angular_velocity")
 FEWEST = 3  # samples of a free flight
 DEPTH = 1e-4  # m, penetration at NOMINAL_SPEED, below the noise: the publication states no stiffness
 SEED = 0  # of a sample
@@ -128,7 +128,7 @@ def floor_of(tosses: list[Toss]) -> float:
 def scene_of(toss: Toss, floor: float, law: laws.ContactLaw, friction: Any = None) -> Scene:
     """Return the cube in the first state of its fitted flight above a floor (m) of that law and friction."""
     start = toss.flight(floor)
-    first = {name: getattr(start, name)[0, 0].tolist() for name in STATE}
+    first = {name: getattr(start, name)[0, 0].tolist() for name in POSES}
     inertia = (INERTIA, INERTIA, INERTIA, 0.0, 0.0, 0.0)
     cube = SpatialBody.model_validate({"name": "cube", "mass": MASS, "inertia": inertia} | first)
     contacts = tuple(
@@ -210,7 +210,11 @@ def predict(
     models = [_Model(OURS, law.type, law, SMOOTH, _ours) for law in (plain, *rest)]
     models += [_Model(OURS, f"{plain.type}, stick_slip", plain, sticking, _ours)]
     models += [_Model(OURS, f"{rigid.type}, no friction", rigid, None, _ours)]
-    models += [_Model(name, method, plain, SMOOTH, _sampled(model, method, steps))
+
+    def sampled(model: ContactModel, method: str) -> Callable[[Scene, int], Trajectory | str]:
+        return lambda scene, k: run(model, method, scene, 1.0 / (RATE * steps * STEPS**k), _samples(scene))
+
+    models += [_Model(name, method, plain, SMOOTH, sampled(model, method))
                for name, model in others.items() for method in model.compared]  # fmt: skip
     models = [model for model in models if engine in ("", model.engine)]
     if sample:
@@ -251,11 +255,6 @@ def _ours(scene: Scene, refined: int) -> Trajectory | str:
 
 def _samples(scene: Scene) -> np.ndarray:
     return np.arange(round(scene.duration * RATE) + 1) / RATE
-
-
-def _sampled(model: ContactModel, method: str, steps: int) -> Callable[[Scene, int], Trajectory | str]:
-    """Return runs with so many steps a sample, or STEPS times as many at each refinement."""
-    return lambda scene, k: run(model, method, scene, 1.0 / (RATE * steps * STEPS**k), _samples(scene))
 
 
 @dataclass(frozen=True)

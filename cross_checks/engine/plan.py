@@ -11,14 +11,11 @@ from mbs_ref import Scene, Settings, Status, Trajectory
 from mbs_ref.observables import rows
 from mbs_ref.scene import Revolute, Weld
 
-# By dimension: the name of a body's orientation, and the orientation and angular velocity of a particle.
-TURNING = {2: ("angle", 0.0, 0.0), 3: ("orientation", (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0))}
-
 
 def initial_sample(scene: Scene) -> Trajectory:
     """Return the scene's own initial state as a trajectory of one sample."""
-    orientation, level, still = TURNING[scene.dimension]
-    names = ("position", ()), (orientation, level), ("velocity", ()), ("angular_velocity", still)
+    world = scene.world
+    names = ("position", ()), (world.orientation, world.unturned), ("velocity", ()), ("angular_velocity", world.still)
     parts = [[getattr(body, name, default) for body in scene.bodies] for name, default in names]
     position, turn, velocity, spin = (np.array(part, dtype=float)[None] for part in parts)
     return Trajectory(np.zeros(1), position, turn, velocity, spin)

@@ -47,7 +47,14 @@ class Heyoka(Engine):
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         start = [[*body.position, *body.velocity] for body in scene.bodies]  # m, m/s
-        return Built(_equations(scene), np.array(start, dtype=float).ravel())
+        gm = attraction(scene)
+        equations = heyoka.model.nbody(len(scene.bodies), masses=list(gm), Gconst=1.0)  # (variable, its rate)
+        extra: dict[int, Any] = {}
+        for load in scene.loads:
+            if isinstance(load, Oblateness):
+                _add_zonals(extra, load, scene.body_index(load.body), gm, [variable for variable, _ in equations])
+        equations = [(variable, rate + extra.get(k, 0.0)) for k, (variable, rate) in enumerate(equations)]
+        return Built(equations, np.array(start, dtype=float).ravel())
 
     def first_call(self, model: Built, plan: Plan) -> None:
         """Compile machine code, which the construction of the integrator does."""
@@ -76,17 +83,6 @@ class Heyoka(Engine):
 
 
 ENGINE = Heyoka
-
-
-def _equations(scene: Scene) -> list[tuple[Any, Any]]:
-    """Return (variable, its rate) in the order of the state."""
-    gm = attraction(scene)
-    equations = heyoka.model.nbody(len(scene.bodies), masses=list(gm), Gconst=1.0)
-    extra: dict[int, Any] = {}
-    for load in scene.loads:
-        if isinstance(load, Oblateness):
-            _add_zonals(extra, load, scene.body_index(load.body), gm, [variable for variable, _ in equations])
-    return [(variable, rate + extra.get(k, 0.0)) for k, (variable, rate) in enumerate(equations)]
 
 
 def _add_zonals(extra: dict[int, Any], load: Oblateness, i: int, gm: tuple[float, ...], x: list[Any]) -> None:

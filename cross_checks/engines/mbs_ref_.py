@@ -8,13 +8,13 @@ import numpy as np
 from cross_checks.engine import Engine, Method, Refusal, stopped
 from cross_checks.engine.celestial import contradictions
 from mbs_ref import Scene, Settings, Status, Trajectory
-from mbs_ref.cores.choice import core_name
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Integrator
 from mbs_ref.scene.scales import is_celestial
-from mbs_ref.scene.traits import NO_DEFLECTIONS, NO_SLIP, PART_TYPES, deflecting, traits
+from mbs_ref.scene.traits import PART_TYPES
 from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.simulate.method_choice import AUTO
+from mbs_ref.simulate.plan import obstacles
 from mbs_ref.simulate.start.soundness import UnsoundScene
 
 CHOSEN = Method(AUTO, "adaptive", None, "chosen by what the scene contains and what its first steps tell")
@@ -43,17 +43,10 @@ class MbsRef(Engine):
         if method is CHOSEN:
             return []
         integrator, reasons = integrators()[method.name], super().method_refusals(scene, method)
-        if deflecting(scene) and not integrator.holds_deflections:
-            reasons.append(Refusal(NO_DEFLECTIONS, False))
-        if integrator.needs_positions and "nonholonomic" in traits(scene):
-            reasons.append(Refusal(NO_SLIP, True))
-        reasons += [Refusal(f"{method.name}: {reason}", False) for reason in integrator.refusals(scene)]
-        package, cores = integrator.package, integrator.cores
+        reasons += [Refusal(f"{method.name}: {why}", never) for why, never in obstacles(scene, integrator)]
+        package = integrator.package
         if package is not None and find_spec(package) is None:
             reasons.append(Refusal(f"{method.name} needs the package {package!r}, which is not installed", False))
-        if cores and core_name(scene) not in cores:
-            only = f"{method.name} is made for {', '.join(cores)}; this scene is {core_name(scene)}"
-            reasons.append(Refusal(only, True))
         return reasons
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:

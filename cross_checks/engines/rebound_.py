@@ -51,8 +51,13 @@ class Rebound(Engine):
         return super().method_refusals(scene, method)
 
     def build(self, scene: Scene, plan: Plan) -> tuple[Any, Any]:
-        """Return the simulation and its extras, which must stay alive."""
-        simulation, extras = _simulation(scene)
+        """Return the simulation, in SI units with G = 1 and gm as masses, and its extras, which must stay alive."""
+        simulation = rebound.Simulation()
+        simulation.G = 1.0
+        for mass, body in zip(attraction(scene), scene.bodies, strict=True):
+            (x, y, z), (u, v, w) = body.position, body.velocity  # pyright: ignore[reportAssignmentType]
+            simulation.add(m=mass, x=x, y=y, z=z, vx=u, vy=v, vz=w)
+        extras = _extras(simulation, scene)
         _choose(simulation, plan, free_fall_time(scene))
         return simulation, extras
 
@@ -80,16 +85,6 @@ class Rebound(Engine):
 
 
 ENGINE = Rebound
-
-
-def _simulation(scene: Scene) -> tuple[Any, Any]:
-    """Return the simulation in SI units with G = 1 and gm as masses, and its extras, which must stay alive."""
-    simulation = rebound.Simulation()
-    simulation.G = 1.0
-    for mass, body in zip(attraction(scene), scene.bodies, strict=True):
-        (x, y, z), (u, v, w) = body.position, body.velocity  # pyright: ignore[reportAssignmentType]
-        simulation.add(m=mass, x=x, y=y, z=z, vx=u, vy=v, vz=w)
-    return simulation, _extras(simulation, scene)
 
 
 def _extras(simulation: Any, scene: Scene) -> Any:

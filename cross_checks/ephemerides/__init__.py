@@ -6,10 +6,8 @@ committed excerpt answers for the dates it holds.
 """
 
 import importlib
-import json
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,13 +15,13 @@ import numpy as np
 from cross_checks.truths import is_unchanged
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import Scene, ephemeris
+from mbs_ref.files import package_data
 from mbs_ref.scenes.solar_system import julian_date
 
 REFERENCE = "de440"
 VERSIONS = {  # name: adapter
     "astropy_de440": "astropy_", "de421": "jplephem_", "de405": "jplephem_", "astropy_builtin": "astropy_",
 }  # fmt: skip
-EXCERPT = Path(__file__).parent / "spread_1998.json"
 
 
 class EphemerisMissing(ImportError):
@@ -31,7 +29,9 @@ class EphemerisMissing(ImportError):
 
 
 def heliocentric(version: str, body: str, jd: float) -> np.ndarray | None:
-    """Return the place (3,), m, of a planet seen from the Sun, of the Moon from the Earth; None where it has none.
+    """Return the place (3,), m, of a planet relative to the Sun, or of the Moon relative to the Earth.
+
+    None where the ephemeris does not contain the body.
 
     ValueError lists the versions; EphemerisMissing says what to install.
     """
@@ -63,7 +63,7 @@ def _from_excerpt(version: str, body: str, jd: float, missing: ModuleNotFoundErr
 @cache
 def excerpt() -> dict[str, Any]:
     """Return the committed excerpt with its source."""
-    return json.loads(EXCERPT.read_text())
+    return package_data(__name__, "spread_1998.json")
 
 
 def spread(version: str, jd: float) -> dict[str, float]:

@@ -60,9 +60,10 @@ def _seen_from_earth(places: np.ndarray, time: Any) -> Any:
 
 
 def elevations(places: np.ndarray, jds: np.ndarray, longitude: float, latitude: float) -> np.ndarray:
-    """Return the elevations (n,), rad, of such places above the horizon at a longitude and geodetic latitude (rad).
+    """Return the elevations (n,), rad, of places above the horizon of a station at sea level.
 
-    By AltAz of the straight line from the station on the WGS 84 ellipsoid, without refraction, light time, aberration.
+    `places` and `jds` are those of `in_frame`; `longitude` and `latitude` are geodetic (WGS 84), rad. Refraction, light
+    time and aberration are left out.
     """
     time, station = time_of(jds), coordinates.EarthLocation.from_geodetic(longitude * units.rad, latitude * units.rad)
     there: Any = _seen_from_earth(places, time).transform_to(coordinates.ITRS(obstime=time))

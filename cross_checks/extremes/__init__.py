@@ -7,7 +7,6 @@ text that begins with "=" is a formula of `value`, the place on the axis; "none"
 Other entries belong to the file of `families` under which they stand, whose CASES have them.
 """
 
-import tomllib
 from functools import cache, lru_cache, partial
 from importlib import import_module
 from importlib.resources import files
@@ -22,10 +21,11 @@ from cross_checks.extremes import measures
 from cross_checks.extremes.extreme import STEP, Axis, Case, Extreme, grid
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
+from mbs_ref.files import package_data
 from mbs_ref.scene.base.expression import evaluate
 from mbs_ref.scene.parameters import FORMULA
 
-DATA = tomllib.loads((files(__name__) / "extremes.toml").read_text(encoding="utf-8"))
+DATA = package_data(__name__, "extremes.toml")
 LISTED, QUICK = DATA["extremes"], DATA["quick"]
 MAP = Path(str(files(__name__))) / "data" / "map.jsonl"  # the cells of the last dated runs
 

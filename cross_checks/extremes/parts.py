@@ -60,7 +60,9 @@ def hanging(theta: np.ndarray, reach: float = LENGTH) -> np.ndarray:
 
 
 def swing(times: np.ndarray, rate: float, start: float) -> np.ndarray:
-    """Return the angle (n_t,) rad from the lowest place of theta'' = -rate^2 sin(theta), at rest at `start` in (0, pi).
+    """Return the angle (n_t,), rad, of a pendulum theta'' = -rate^2 sin(theta) that starts at rest at `start`.
+
+    Angles are counted from the lowest place; `start` is in (0, pi).
 
     sin(theta/2) = k sn(K + rate t | k^2), k = sin(start/2) (Whittaker 1904, section 44).
     """

@@ -14,7 +14,7 @@ import venv
 from collections.abc import Sequence
 from pathlib import Path
 
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 
 FOLDER = "MBS_REF_ENVIRONMENTS"  # an environment variable: where the notes are
 INSIDE = "MBS_REF_INSIDE"  # set within an engine's own environment: the engine that is imported there

@@ -98,7 +98,8 @@ class Isolated:
     ) -> Any:
         has_served = not self.fresh
         worked, answer = self._attempt(function, arguments, apart, timeout or self.timeout)
-        if _ran_out_of_memory(answer):
+        status = getattr(getattr(answer, "record", answer), "status", "")  # of a record that states it
+        if isinstance(answer, MemoryError) or status == "out-of-memory":
             self.close()  # what it holds would be missing in later calls
             if has_served:  # earlier calls may hold the memory that this one lacked
                 return self._call(function, arguments, apart, timeout)
@@ -228,12 +229,6 @@ class Isolated:
             with suppress(ProcessLookupError):
                 os.kill(self._copy, signal.SIGKILL)
         self._copy = None
-
-
-def _ran_out_of_memory(answer: Any) -> bool:
-    """Whether a call was lost for want of memory, raised so, or returned a record that says so."""
-    status = getattr(getattr(answer, "record", answer), "status", "")
-    return isinstance(answer, MemoryError) or status == "out-of-memory"
 
 
 def resident(pid: int) -> int:

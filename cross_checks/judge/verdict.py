@@ -53,7 +53,10 @@ def judge(
     if not good or shown is None:
         return _without_success(points)
     judged = _without_truth(shown, why_no_truth) if good[-1].error is None else _by_error(good, shown, documented)
-    return _with_failures(points, judged)
+    last = points[-1]
+    if last.ok or last.status in REFUSED:
+        return judged
+    return judged._replace(reason=f"{judged.reason}; {last.setting} ends with {last.status}: {last.message}")
 
 
 def _by_error(good: Sequence[Point], shown: Posterior, documented: float, levels: int = 0) -> Judgement:
@@ -167,14 +170,6 @@ def _without_success(points: Sequence[Point]) -> Judgement:
         return Judgement(Verdict.NOT_SHOWN, f"{last.setting}: {last.status}: {last.message}; {few}")
     verdict = Verdict.DIVERGED if last.status in BLOWN_UP else Verdict.FAILED
     return Judgement(verdict, f"{last.setting}: {last.status}: {last.message}")
-
-
-def _with_failures(points: Sequence[Point], judged: Judgement) -> Judgement:
-    """Add to the reason that the finest run failed, if it did."""
-    last = points[-1]
-    if last.ok or last.status in REFUSED:
-        return judged
-    return judged._replace(reason=f"{judged.reason}; {last.setting} ends with {last.status}: {last.message}")
 
 
 def _capped(odds: float) -> float:

@@ -3,11 +3,9 @@
 Pages, JSON, commands and documents refer to these definitions. Codes are stable: others may cite them.
 """
 
-import tomllib
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from enum import StrEnum
-from importlib.resources import files
 from typing import Any, Literal, NamedTuple
 
 from pydantic import computed_field
@@ -16,6 +14,7 @@ from cross_checks.records.numbers import duration, short
 from cross_checks.records.record import Record
 from mbs_ref import scenes
 from mbs_ref.display import facts, listing
+from mbs_ref.files import package_data
 
 OURS = "mbs_ref"  # the engine that is this project's own solver: compared, and ranked nowhere
 
@@ -49,7 +48,7 @@ class Meaning(NamedTuple):
     sentence: str
 
 
-_STATED = tomllib.loads((files(__package__) / "verdicts.toml").read_text(encoding="utf-8"))
+_STATED = package_data(__name__, "verdicts.toml")
 MEANINGS = {verdict: Meaning(**_STATED[verdict]) for verdict in Verdict}
 WRONG = frozenset(verdict for verdict, meaning in MEANINGS.items() if meaning.tone == "bad")
 REFUSED = frozenset({Verdict.CANNOT, Verdict.ENGINE_MISSING})

@@ -12,8 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from cross_checks.engine import Refusal
-from mbs_ref import scene as parts
-from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody
+from mbs_ref.scene import GROUND, PlanarBody, PointMass, Scene, SpatialBody, SpringDamper, TorsionSpring, symmetric
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import (
     CoordinateDrive,
@@ -242,13 +241,13 @@ def lifted(vector) -> np.ndarray:
     return np.resize((*vector, 0.0), 3).astype(float)
 
 
-def rest_length(load: parts.SpringDamper) -> float:
+def rest_length(load: SpringDamper) -> float:
     """Return the length (m) at which a spring is relaxed."""
     initial = float(np.linalg.norm(np.subtract(load.point_b, load.point_a)))
     return initial if load.rest_length is None else load.rest_length
 
 
-def rest_turn(scene: Scene, load: parts.TorsionSpring) -> float:
+def rest_turn(scene: Scene, load: TorsionSpring) -> float:
     """Return by how much (rad) body b has turned in body a since t = 0 where the spring is relaxed."""
     if load.rest_angle is None:
         return 0.0
@@ -352,7 +351,7 @@ def _inertia(body) -> np.ndarray:
     """Return the inertia (3, 3) about the centre of mass in world axes at t = 0; a particle's is zero."""
     if isinstance(body, SpatialBody):
         turns = rotation_matrices(body.orientation)
-        return turns @ parts.symmetric(body.inertia) @ turns.T
+        return turns @ symmetric(body.inertia) @ turns.T
     return getattr(body, "inertia", 0.0) * np.eye(3)
 
 

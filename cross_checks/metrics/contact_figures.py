@@ -124,10 +124,10 @@ def _continued(motion: Motion, pair: tuple[int, int], near: int, times: np.ndarr
     after = (times - path.times[near])[:, None, None]
     span = path.times[j] - path.times[i]
     change = [(rate[j] - rate[i]) / span for rate in (path.velocity, path.angular_velocity)]
-    turn = after[:, :, 0] if motion.scene.dimension == 2 else after
+    turn = after.reshape(-1, *(1,) * change[1].ndim)
     moved = path.position[near] + after * (path.velocity[near] + 0.5 * after * change[0])
     turned = turn * (path.angular_velocity[near] + 0.5 * turn * change[1])
-    if motion.scene.dimension == 2:
+    if motion.scene.planar:
         orientation = path.orientation[near] + turned
     else:
         own = scipy.spatial.transform.Rotation.from_quat(path.orientation[near], scalar_first=True)

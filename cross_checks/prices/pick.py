@@ -93,7 +93,7 @@ def pick(
         return Choice(None, None, None, _why_nothing(listed))
     scenes = {(r.scene, tuple(sorted(r.parameters.items()))) for r in measured}
     if len(scenes) > 1:
-        raise ValueError(f"the records are of {len(scenes)} scenes; choose among those of one")
+        raise ValueError(f"the records belong to {len(scenes)} scenes; give the records of one scene")
     if error < (resolved := floor(measured)):
         return Choice(None, None, None, f"the truth of this scene resolves no error below {resolved:.1e} of it")
     reached = [r for r in measured if bounds.met_by(r)]

@@ -24,10 +24,9 @@ def motion(scene: Scene, path: Trajectory, bodies: Sequence[str] | None = None) 
     ValueError where a body is unknown.
     """
     places = {name: path.position[:, _index(scene, name)] for name in bodies or scene.body_names}
-    kind = "scatter" if scene.dimension == 2 else "scatter3d"
-    layout = new_figure("x, m", "y, m", x_log=False, y_log=False).layout
-    if scene.dimension == 2:
-        layout["yaxis"] |= {"scaleanchor": "x"}
+    kind, layout = "scatter3d", new_figure("x, m", "y, m", x_log=False, y_log=False).layout
+    if scene.planar:
+        kind, layout["yaxis"] = "scatter", layout["yaxis"] | {"scaleanchor": "x"}
     else:
         layout["scene"] = {"aspectmode": "data"} | {f"{a}axis": {"title": {"text": f"{a}, m"}} for a in AXES}
     data = [
@@ -42,7 +41,7 @@ def over_time(scene: Scene, path: Trajectory, body: str, quantity: str = "positi
 
     ValueError where the body or the quantity is unknown.
     """
-    units = {"position": "m", "orientation": "rad" if scene.dimension == 2 else "Euler parameters", "velocity": "m/s",
+    units = {"position": "m", "orientation": "rad" if scene.planar else "Euler parameters", "velocity": "m/s",
              "angular_velocity": "rad/s"}  # fmt: skip
     if quantity not in units:
         raise ValueError(f"quantity = {quantity!r} is unknown; allowed: {', '.join(units)}")

@@ -32,6 +32,7 @@ from cross_checks.truths import of
 from cross_checks.truths.stored_poses import file_of, physics_of
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.kernels.jit import source_digest, sources_of
+from mbs_ref.trajectory import POSES
 
 MEASURING = "cross_checks.judge.measure"  # whose changes make records anew
 LISTED_BY = {"mbs_ref.integrators": "mbs_ref.integrators.methods", "cross_checks.metrics": "cross_checks.metrics"}
@@ -83,7 +84,7 @@ def _modules_in(package: str) -> list[str]:
     return [info.name for info in pkgutil.iter_modules(importlib.import_module(package).__path__, f"{package}.")]
 
 
-SAMPLES = ("times", "position", "orientation", "velocity", "angular_velocity")
+SAMPLES = ("times", *POSES)
 TABLES = """
 CREATE TABLE IF NOT EXISTS runs (key TEXT PRIMARY KEY, record TEXT NOT NULL, samples BLOB);
 CREATE TABLE IF NOT EXISTS timings (key TEXT, host TEXT, loops TEXT NOT NULL, PRIMARY KEY (key, host));
@@ -148,9 +149,10 @@ class Store:
 
     def run(self, key: str) -> Run | None:
         """Return the run that is stored under a key."""
-        return self._decoded(
-            "runs", "record, samples", key, lambda r: Run(adapter(Record).validate_json(r[0]), _unpacked(r[1]))
-        )
+        return self._decoded("runs", "record, samples", key, lambda row: Run(
+            adapter(Record).validate_json(row[0]),
+            None if row[1] is None else Trajectory(**dict[str, Any](_arrays(row[1]))),
+        ))  # fmt: skip
 
     def keep_run(self, key: str, run: Run) -> None:
         """Store a run whole or not at all; the first one stored remains. ValueError where its record holds NaN."""
@@ -205,10 +207,6 @@ class Store:
     def _write(self, query: str, *given: Any) -> None:
         with self._lock, _reached(self.path), self._base:
             self._base.execute(query, given)
-
-
-def _unpacked(blob: bytes | None) -> Trajectory | None:
-    return None if blob is None else Trajectory(**dict[str, Any](_arrays(blob)))
 
 
 def _blob(arrays: dict[str, np.ndarray]) -> bytes:

@@ -110,10 +110,9 @@ def _assumptions(elements, base: str) -> Iterator[str]:
     fixed = [element.child for element in elements if element.kind == "fixed"]
     yield "the root is fixed to the ground, and z is up" if base == "fixed" else "the root is free, and z is up"
     yield "links do not collide: their shapes are not read"
-    if limited:
-        yield f"no limits of place, rate or effort: {', '.join(limited)} have some in the file"
-    if fixed:
-        yield f"fixed to the links that carry them: {', '.join(fixed)}"
+    named = {"no limits of place, rate or effort: {} have some in the file": limited,
+             "fixed to the links that carry them: {}": fixed}  # fmt: skip
+    yield from (text.format(", ".join(names)) for text, names in named.items() if names)
 
 
 def _left_out(elements, ignored: list[str]) -> Iterator[str]:

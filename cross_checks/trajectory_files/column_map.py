@@ -2,7 +2,6 @@
 
 import re
 import tomllib
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -11,9 +10,10 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 
 from cross_checks.trajectory_files import columns as units
 from cross_checks.trajectory_files.formats import FileError
-from mbs_ref.trajectory import POSES
+from mbs_ref.files import package_data
+from mbs_ref.trajectory import POSES, WORLDS
 
-OWN = tomllib.loads((files(__package__) / "own_map.toml").read_text(encoding="utf-8"))  # plane or space -> part
+OWN = package_data(__name__, "own_map.toml")  # plane or space -> part
 AXIS = re.compile(r"-?[xyz]")
 EULER = re.compile(r"euler ([XYZ]{3}|[xyz]{3})")
 CONVENTIONS = (
@@ -161,6 +161,6 @@ def blank_map(columns: list[str], bodies: list[str], dimension: int) -> str:
         "# What the columns mean. Leave out what the file does not state; check every unit and convention.\n"
         f"# The file's columns: {', '.join(columns)}\n# Conventions of an orientation: {CONVENTIONS}\n"
     )
-    parts = _named("plane" if dimension == 2 else "space", "{}?")
+    parts = _named(WORLDS[dimension].name, "{}?")
     text = tomli_w.dumps({"time": {"column": "t?", "unit": "s"}, "bodies": dict.fromkeys(bodies, parts)})
     return head + re.sub(r"\[\n([^\]]+),\n\]", lambda names: f"[{' '.join(names[1].split())}]", text)

@@ -17,7 +17,7 @@ from cross_checks.trajectory_files.mistakes.case import Case
 from cross_checks.trajectory_files.motion import Read, read_motion
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import Scene
-from mbs_ref.trajectory import COLUMNS, Trajectory
+from mbs_ref.trajectory import Trajectory
 
 TruthAt = Callable[[np.ndarray], Truth | NoTruth]  # of times (n_t,), s
 MOST_EXPLAINED = 1000  # rows, besides the worst, at which mistakes are fitted
@@ -73,7 +73,7 @@ def _source(motion: Any, scene: Scene) -> Path | dict[str, np.ndarray]:
 
 def _columns(scene: Scene, times: Any, poses: Any, rates: Any) -> dict[str, np.ndarray]:
     """Return the columns of arrays, named as in the files that `mbs-ref simulate -o` writes."""
-    words, first = COLUMNS[scene.dimension], {2: 3, 3: 7}[scene.dimension]
+    words, first = scene.world.columns, scene.dimension + np.size(scene.world.unturned)
     columns, n = {"t": np.asarray(times)}, len(scene.bodies)
     for name, own, value in (("poses", words[:first], poses), ("rates", words[first:], rates)):
         if value is None:

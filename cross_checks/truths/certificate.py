@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref import Scene, scenes
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from mbs_ref.observables.distance import Partial, unmasked_distances
 
 FOLDER = Path(__file__).parent / "data" / "certificates"

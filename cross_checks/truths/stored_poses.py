@@ -10,7 +10,7 @@ import numpy as np
 
 from cross_checks.truths.truth import Truth
 from mbs_ref import Scene
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 
 FOLDER = Path(__file__).parent / "data" / "poses"
 PHYSICS = ("gravity", "bodies", "joints", "loads", "contacts", "events")  # what a truth depends on

@@ -52,7 +52,7 @@ def unturned(position: np.ndarray) -> np.ndarray:
 
 
 def of_one_body(x: np.ndarray, y: np.ndarray, angle: Any, uncertainty: float, how: str) -> Truth:
-    """Return the exact truth of one body in the plane; its place is (n_t,) m, its angle rad at all times or each."""
+    """Return the exact truth of one body in the plane: x and y (n_t,), m, and one angle (rad), or one for each time."""
     return Truth(np.stack((x, y), axis=1)[:, None], np.full_like(x, angle)[:, None], uncertainty, "exact", how)
 
 

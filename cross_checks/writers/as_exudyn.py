@@ -111,7 +111,7 @@ def _sensors(job: Job) -> Iterator[tuple[Any, ...]]:
     numbers = (sensor.GetIndex() for sensor in job.built.model.sensors)
     for body in job.scene.bodies:
         turns = isinstance(body, PlanarBody | SpatialBody)
-        planar = job.built.model.planar
+        planar = job.built.model.scene.planar
         start = [*body.position, getattr(body, "angle", 0.0)] if planar else []
         yield start, turns, list(islice(numbers, 4 if turns and not planar else 2))
 

@@ -14,7 +14,7 @@ from cross_checks import engines
 from cross_checks.engine import Engine, Plan, plan_run
 from cross_checks.linkage.links import linkage_of
 from mbs_ref import Scene, Settings
-from mbs_ref.trajectory import COLUMNS, Trajectory
+from mbs_ref.trajectory import Trajectory
 
 
 class NotWritable(ValueError):
@@ -136,7 +136,7 @@ def script(job: Job, needs: str, **tables: Any) -> str:
     """Return the script of the engine's template; `needs` names the packages it runs with."""
     scene, plan = job.scene, job.plan
     return TEMPLATES.get_template(f"{job.engine.name}.py.j2").render(
-        job=job, plan=plan, needs=needs, planar=scene.dimension == 2, columns=list(COLUMNS[scene.dimension]),
+        job=job, plan=plan, needs=needs, planar=scene.planar, columns=list(scene.world.columns),
         bodies=scene.body_names, times=times_text(plan.times), literal=literal, rows=rows,
         counts=counts_text(plan.counts) if plan.counts else "", **tables,
     )  # fmt: skip

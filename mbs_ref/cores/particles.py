@@ -30,7 +30,7 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
     lights, relativity = by_kind[celestial.RadiationPressure], celestial.at_most_one(by_kind[celestial.Relativity])
 
     def columns(group: type, parts: list[Any], **own: list[Any]) -> Any:
-        """Return a group of arrays named after the fields of its parts, names of bodies by place; `own` are others."""
+        """Return a group: an array of each field of the parts, where a body's index replaces its name, and `own`."""
         values = {name: own[name] if name in own else [getattr(x, name) for x in parts] for name in declared(group)}
         numbers = {name: [place(x) if isinstance(x, str) else x for x in column] for name, column in values.items()}
         return group(**{

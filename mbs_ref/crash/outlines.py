@@ -5,15 +5,14 @@ whatever contacts the scene has: a bare model passes through itself. Depths excl
 and flesh, which the data state.
 """
 
-import json
 import math
 from dataclasses import dataclass
-from importlib.resources import files
 from itertools import product
 from typing import Any
 
 import numpy as np
 
+from mbs_ref.files import package_data
 from mbs_ref.observables.attachment import Motion
 
 Point = tuple[float, float]
@@ -21,7 +20,7 @@ Point = tuple[float, float]
 
 def read_data(name: str) -> dict[str, Any]:
     """Return mbs_ref/crash/data/<name>.json."""
-    return json.loads((files("mbs_ref.crash") / "data" / f"{name}.json").read_text(encoding="utf-8"))
+    return package_data(__name__, "data", f"{name}.json")
 
 
 class Places:

@@ -3,14 +3,13 @@
 Barycentric positions and velocities with ICRF equatorial axes; times are Julian dates TDB.
 """
 
-import json
 from functools import cache
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from mbs_ref.files import package_data
 from mbs_ref.scene.celestial import DAY_S
 
 KM = 1e3  # m
@@ -30,7 +29,7 @@ class EphemerisError(ValueError):
 @cache
 def excerpt() -> dict[str, Any]:
     """Return the committed excerpt: source, gm_km3_s2, states at epochs, 400 days of Chebyshev series."""
-    return json.loads((Path(__file__).parent / "de440.json").read_text())
+    return package_data(__name__, "de440.json")
 
 
 def gm(name: str) -> float:

@@ -18,14 +18,8 @@ from mbs_ref.scene.signals import prescribed
 from mbs_ref.trajectory import Trajectory
 
 Row = tuple[np.ndarray, np.ndarray]  # residual and rate, each (n_t,)
-UNTURNED = {2: (0.0,), 3: (1.0, 0.0, 0.0, 0.0)}  # the orientation of ground
 RATE_STEP = 1e-3  # m or rad of the motion: truncation h^4 and roundoff eps / h of a rate are alike, 1e-12 of size one
 Vectors = tuple[np.ndarray, np.ndarray]  # a moving vector and its rate, each (n_t, dimension)
-
-
-def norm_row(theta: np.ndarray) -> Row:
-    """theta^T theta - 1 = 0 (Fox 1999, appendix); poses carry no parameter rates, so its rate is not judged."""
-    return np.sum(theta**2, axis=1) - 1.0, np.zeros(len(theta))
 
 
 def _turned(row: Row) -> list[Row]:
@@ -147,7 +141,7 @@ def _place(motion: Motion, body: str, mark, k: int, ahead: float):
     place: Any = joints.PLACES[scene.dimension]
     if index < 0:
         origin = (0.0,) * scene.dimension if mark is None else mark
-        return place(*origin, *UNTURNED[scene.dimension])
+        return place(*origin, *np.ravel(scene.world.unturned).tolist())
     start: Any = scene.bodies[index]
     arm = np.zeros(scene.dimension) if mark is None else np.subtract(mark, start.position)
     centre = path.position[k, index] + ahead * path.velocity[k, index]
@@ -188,8 +182,13 @@ def rows(scene: Scene, trajectory: Trajectory) -> Rows:
     if not scene.joints:
         return Rows((), *np.zeros((2, len(trajectory.times), 0)))
     motion = Motion(scene, trajectory)
-    rigid = [k for k, body in enumerate(scene.bodies) if isinstance(body, SpatialBody)]
-    by_part = [(scene.bodies[k].name, [norm_row(trajectory.orientation[:, k])]) for k in rigid]
+    # theta^T theta - 1 = 0 (Fox 1999, appendix); poses carry no parameter rates, so its rate is not judged
+    turns, still = trajectory.orientation, np.zeros(len(trajectory.times))
+    by_part = [
+        (body.name, [(np.sum(turns[:, k] ** 2, axis=1) - 1.0, still)])
+        for k, body in enumerate(scene.bodies)
+        if isinstance(body, SpatialBody)
+    ]
     by_part += [(joint.name, RESIDUALS[type(joint)](motion, joint)) for joint in scene.joints]
     names = tuple(name for name, part in by_part for _ in part)
     columns = [row for _, part in by_part for row in part]

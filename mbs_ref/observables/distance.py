@@ -48,7 +48,7 @@ def distances(scene: Scene, first: Motion, second: Motion, missing: float = np.n
     `missing` replaces every NaN but those of particles' orientations: pass inf for runs, which lack nothing.
     """
     particles = [isinstance(body, PointMass) for body in scene.bodies]
-    sizes = unmasked_distances(first, second, None if all(particles) else scene.dimension == 3)
+    sizes = unmasked_distances(first, second, None if all(particles) else not scene.planar)
     sizes[np.isnan(sizes)] = missing
     sizes[..., particles, 1::2] = np.nan
     return sizes
@@ -104,16 +104,16 @@ def motion_size(scene: Scene, scales: Scales, run: tuple[np.ndarray, ...], times
     Samples once a period show bodies near their start alone: positions go at least as far as the speeds allow, up to
     the extent of all positions, and bodies turn at least as far as the integral of their rates, up to half a turn.
     """
-    position = run[0]
+    position, in_space = run[0], not scene.planar
     here = (slice(None),) * (position.ndim - 3) + (slice(1),)
     start = (np.broadcast_to(part[here], part.shape) for part in run[:2])
     sizes = distances(scene, Partial(*run), Partial(*start, *map(np.zeros_like, run[2:])))
     with np.errstate(all="ignore"):
         way = np.nansum(np.diff(times) * sizes[..., 2].max(axis=-1)[..., 1:], axis=-1)
         size = np.max(sizes, axis=(-3, -2), where=np.isfinite(sizes), initial=0.0)
-        rates = np.moveaxis(np.nan_to_num(run[3]), -3 if scene.dimension == 3 else -2, -1)
+        rates = np.moveaxis(np.nan_to_num(run[3]), -3 if in_space else -2, -1)
         turned = np.moveaxis(np.cumsum(0.5 * (rates[..., 1:] + rates[..., :-1]) * np.diff(times), axis=-1), -1, 0)
-        turn = np.max(_size(turned, scene.dimension == 3), axis=(0, -1), initial=0.0)
+        turn = np.max(_size(turned, in_space), axis=(0, -1), initial=0.0)
     size[..., 0] = np.maximum(size[..., 0], np.minimum(way, _extent(position)))
     size[..., 1] = np.maximum(size[..., 1], np.minimum(turn, np.pi))
     return size / units_of(scales)

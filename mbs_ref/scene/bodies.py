@@ -81,7 +81,12 @@ class SpatialBody(Part):
         norm = math.hypot(*self.orientation)
         if not abs(norm * norm - 1.0) <= LARGEST_NORM_GAP:
             raise ValueError(f"orientation = {self.orientation} has the norm {norm:.12g}; Euler parameters have 1")
-        _require_inertia(self.inertia)
+        low, middle, high = (float(x) for x in np.linalg.eigvalsh(self.inertia_matrix))
+        moments = f"inertia has the principal moments {low:.3g}, {middle:.3g}, {high:.3g} kg m^2"
+        if not low > SMALLEST_INERTIA_RATIO * high:
+            raise ValueError(f"{moments}; the least must exceed {SMALLEST_INERTIA_RATIO:g} of the greatest")
+        if not high <= (low + middle) * (1.0 + 1e-9):
+            raise ValueError(f"{moments}; no body has one that exceeds the sum of the others")
         return self
 
     @property
@@ -99,15 +104,6 @@ def symmetric(six: tuple[float, ...]) -> np.ndarray:
     """Return the 3x3 matrix of xx, yy, zz, xy, xz, yz."""
     xx, yy, zz, xy, xz, yz = six
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
-
-def _require_inertia(inertia: tuple[float, ...]) -> None:
-    low, middle, high = (float(x) for x in np.linalg.eigvalsh(symmetric(inertia)))
-    moments = f"inertia has the principal moments {low:.3g}, {middle:.3g}, {high:.3g} kg m^2"
-    if not low > SMALLEST_INERTIA_RATIO * high:
-        raise ValueError(f"{moments}; the least must exceed {SMALLEST_INERTIA_RATIO:g} of the greatest")
-    if not high <= (low + middle) * (1.0 + 1e-9):
-        raise ValueError(f"{moments}; no body has one that exceeds the sum of the others")
 
 
 def sphere_inertia(mass: float, radius: float) -> Inertia:

@@ -41,10 +41,9 @@ class Drive(JointPart):
 
 def axis_complaints(kind: str, axis: tuple[float, ...] | None, dimension: int) -> Iterator[str]:
     """Yield complaints about the axis of a part that turns about the normal in the plane."""
-    if dimension == 3 and axis is None:
-        yield f"a {kind} in space needs an axis"
-    if dimension == 2 and axis is not None:
-        yield f"axis = {axis}: in the plane a {kind} turns about the normal; leave the axis out"
+    if (axis is None) != (dimension == 2):
+        superfluous = f"axis = {axis}: in the plane a {kind} turns about the normal; leave the axis out"
+        yield superfluous if axis else f"a {kind} in space needs an axis"
 
 
 class Revolute(PairJoint):

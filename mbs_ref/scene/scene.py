@@ -18,6 +18,7 @@ from mbs_ref.scene.events import Event
 from mbs_ref.scene.joints import Joint
 from mbs_ref.scene.loads import Load
 from mbs_ref.scene.signals import breakpoints
+from mbs_ref.trajectory import WORLDS, World
 
 MOST_COMPLAINTS = 100  # about one scene at once: each may list the bodies, and there may be 100 000
 
@@ -62,6 +63,16 @@ class Scene(Part):
     def dimension(self) -> int:
         """2 in the plane, 3 in space."""
         return self._of_bodies.dimension
+
+    @property
+    def planar(self) -> bool:
+        """Whether every body moves in the plane."""
+        return self.dimension == 2
+
+    @property
+    def world(self) -> World:
+        """What distinguishes motions of this dimension from others."""
+        return WORLDS[self.dimension]
 
     @property
     def body_names(self) -> list[str]:

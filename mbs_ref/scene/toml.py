@@ -12,7 +12,7 @@ from typing import Any
 import tomli_w
 from pydantic import ValidationError
 
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from mbs_ref.scene.base.part import Part
 from mbs_ref.scene.loads import UserForce
 from mbs_ref.scene.messages import Problem, problems
@@ -107,7 +107,12 @@ def _declared(name: str, value: dict[str, Any], file: str) -> Parameter:
 
 
 def _validated(data: dict[str, Any], file: str) -> Scene:
-    forbidden = _user_forces(data)
+    loads = data.get("loads")
+    forbidden = [
+        Problem(f"loads[{k}].type", str(load.get("name", "")), repr(USER_FORCE), "cannot be in a file: it is Python")
+        for k, load in enumerate(loads if isinstance(loads, tuple) else ())
+        if isinstance(load, dict) and load.get("type") == USER_FORCE
+    ]
     if forbidden:
         raise SceneFileError(file, forbidden)
     try:
@@ -159,15 +164,6 @@ def _tuples(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _tuples(item) for key, item in value.items()}
     return tuple(_tuples(item) for item in value) if isinstance(value, list) else value
-
-
-def _user_forces(data: dict[str, Any]) -> list[Problem]:
-    loads = data.get("loads")
-    return [
-        Problem(f"loads[{k}].type", str(load.get("name", "")), repr(USER_FORCE), "cannot be in a file: it is Python")
-        for k, load in enumerate(loads if isinstance(loads, tuple) else ())
-        if isinstance(load, dict) and load.get("type") == USER_FORCE
-    ]
 
 
 def _refusal(path: str | Path, *mistake: str) -> SceneFileError:

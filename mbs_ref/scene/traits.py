@@ -12,10 +12,6 @@ from mbs_ref.scene.scene import Scene, of_last_scene
 
 Coordinates = Literal["cartesian", "relative"]  # of bodies, with constraint rows; or of a tree's joints, without
 
-NO_DEFLECTIONS = "where contacts stick in space, their deflections are states that this method does not carry"
-NO_SLIP = "a rolling wheel has constraints on velocities alone, and this method needs C = 0 on positions"
-
-
 PART_TYPES: tuple[str, ...] = tuple(
     part.model_fields["type"].default
     for kind in (Body, Joint, Load, Contact, ContactLaw, Friction, Event)
@@ -40,8 +36,8 @@ def _any(kind: type, list_of_parts: str) -> Callable[[Scene], bool]:
 
 
 ALL_TRAITS: dict[str, Callable[[Scene], bool]] = {
-    "planar": lambda scene: scene.dimension == 2,  # every body moves in the plane
-    "spatial": lambda scene: scene.dimension == 3,
+    "planar": lambda scene: scene.planar,
+    "spatial": lambda scene: not scene.planar,
     # the joint graph has a cycle through bodies or ground
     "closed-loop": lambda scene: any(not isinstance(scene.joints[k], Drive) for k in joined(scene)[0]),
     # a drive prescribes a motion in time, or a constraint of the user's own may
@@ -51,7 +47,7 @@ ALL_TRAITS: dict[str, Callable[[Scene], bool]] = {
     "point-mass": _any(PointMass, "bodies"),  # some body is a particle
     "free-body": lambda scene: not joined(scene)[1],  # some body has no chain of joints to ground
     "breakpoints": lambda scene: bool(scene.breakpoints()),  # a declared signal has a jump or kink
-    "rod-in-space": lambda scene: scene.dimension == 3 and _any(Distance, "joints")(scene),
+    "rod-in-space": lambda scene: not scene.planar and _any(Distance, "joints")(scene),
     "contact": lambda scene: bool(touching(scene)),  # bodies touch and part: forces or speeds jump
     "friction": lambda scene: any(contact.friction is not None for contact in touching(scene)),
     "user-force": _any(UserForce, "loads"),
@@ -86,18 +82,14 @@ def deflecting(scene: Scene) -> list[str]:
 
 @of_last_scene
 def joined(scene: Scene) -> tuple[list[int], bool]:
-    """Return the joints that close a cycle, by union-find, and whether joints hold every body to ground."""
-    parent = {name: name for name in [GROUND, *scene.body_names]}
-
-    def root(name: str) -> str:
-        while parent[name] != name:
-            parent[name] = parent[parent[name]]
-            name = parent[name]
-        return name
-
+    """Return the joints that close a cycle, and whether joints hold every body to ground."""
+    group = {name: {name} for name in (GROUND, *scene.body_names)}  # of what joints hold together, by each member
     closing = []
     for k, joint in enumerate(scene.joints):
-        a, b = (root(end) for end in joint.ends)
-        closing += [k] if a == b else []
-        parent[a] = b
-    return closing, all(root(name) == root(GROUND) for name in scene.body_names)
+        smaller, larger = sorted((group[end] for end in joint.ends), key=len)
+        if smaller is larger:
+            closing.append(k)
+        else:
+            larger |= smaller
+            group |= dict.fromkeys(smaller, larger)
+    return closing, len(group[GROUND]) == len(group)

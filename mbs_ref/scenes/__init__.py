@@ -2,7 +2,6 @@
 
 import importlib
 import inspect
-import json
 import pkgutil
 import typing
 from collections.abc import Callable
@@ -14,6 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
+from mbs_ref.files import package_data
 from mbs_ref.scene import Scene
 from mbs_ref.scene import toml as scene_file
 from mbs_ref.scene.base.part import OnlyWith
@@ -25,7 +25,7 @@ Parameter = float | int | str | bool
 
 def read_data(name: str) -> dict[str, Any]:
     """Return mbs_ref/scenes/data/<name>.json: the numbers of a scene that has parameters."""
-    return json.loads((DATA / f"{name}.json").read_text(encoding="utf-8"))
+    return package_data(__name__, "data", f"{name}.json")
 
 
 @dataclass(frozen=True)

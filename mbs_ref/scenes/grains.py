@@ -97,14 +97,15 @@ def _grain_place(k: int, across: int, dimension: int) -> tuple[float, ...]:
 
 def _grains(centers: list, mass: float, dimension: int, shape: str) -> list[Any]:
     """Return discs or spheres, or bodies with the inertia of the block around their shape."""
-    flat: dict[str, Any] = {"mass": mass, "inertia": 0.5 * mass * GRAIN_RADIUS**2}
-    solid: dict[str, Any] = {"mass": mass, "inertia": sphere_inertia(mass, GRAIN_RADIUS)}
-    body, own = (SpatialBody, solid) if dimension == 3 else (PlanarBody, flat)
-    if shape == "round":
-        return [body(name=f"g{k}", position=c, **own) for k, c in enumerate(centers)]
-    own["inertia"] = block_inertia(mass, *(2.0 * (half + ROUNDING) for half in CORES[shape]))
-    turns = [tuple(from_axis_angle(np.array(AXIS), TURN * k).tolist()) for k in range(len(centers))]
-    return [SpatialBody(name=f"g{k}", position=c, orientation=turns[k], **own) for k, c in enumerate(centers)]
+    kinds: dict[int, Any] = {2: (PlanarBody, 0.5 * mass * GRAIN_RADIUS**2),
+                             3: (SpatialBody, sphere_inertia(mass, GRAIN_RADIUS))}  # fmt: skip
+    body, inertia = kinds[dimension]
+    turned = [{}] * len(centers)
+    if shape != "round":
+        inertia = block_inertia(mass, *(2.0 * (half + ROUNDING) for half in CORES[shape]))
+        axis = np.array(AXIS)
+        turned = [{"orientation": tuple(from_axis_angle(axis, TURN * k).tolist())} for k in range(len(centers))]
+    return [body(name=f"g{k}", mass=mass, inertia=inertia, position=c, **turned[k]) for k, c in enumerate(centers)]
 
 
 def _walls(width: float, dimension: int) -> tuple[contact.Wall, ...]:

@@ -138,8 +138,11 @@ def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
     work = bounded * plan.integrator.order * EVALUATION * len(y)  # multiplications of the whole explicit run
     if bounded <= 2 * len(plan.times) or work < max(WORTH, FACTORS * len(y) ** 3):
         return plan
-    implicit = _implicit(system, plan)
-    return plan if implicit is None else _tried(system, plan, implicit, y, allowed, closed < now / LIMITED)
+    try:
+        implicit = plan_by(system.scene, plan.settings, plan.times, integrators()[STIFF], "")
+    except ValueError:  # it cannot run the scene with these settings
+        return plan
+    return _tried(system, plan, implicit, y, allowed, closed < now / LIMITED)
 
 
 def _tried(system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: float, closes: bool) -> Plan:
@@ -197,11 +200,3 @@ def largest_eigenvalue(system: System, units: np.ndarray, y: np.ndarray) -> floa
         growth.append(float(np.linalg.norm(direction)) / length)
     late = np.array(growth[POWERS // 2 :])
     return float(np.exp(np.mean(np.log(late)))) if np.all((late > 0.0) & (late < np.inf)) else 0.0
-
-
-def _implicit(system: System, plan: Plan) -> Plan | None:
-    """Return the implicit method's plan; None if it cannot run the scene with these settings."""
-    try:
-        return plan_by(system.scene, plan.settings, plan.times, integrators()[STIFF], "")
-    except ValueError:
-        return None

@@ -13,7 +13,7 @@ from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.leg import progress
 from mbs_ref.scene import Scene
-from mbs_ref.scene.traits import Coordinates, touching
+from mbs_ref.scene.traits import touching
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.diagnosis import singular_passage, unseen_forces
 from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
@@ -162,18 +162,15 @@ def _reset(system: System) -> None:
 _idle: dict[int, tuple[Scene, str, System]] = {}  # dimension -> the last scene, compiled, if its runs change no more
 
 
-def _compiled_once(scene: Scene, coordinates: Coordinates) -> System:
-    """Return the compiled scene, the last run's if it was this very one."""
-    known, its, system = _idle.pop(scene.dimension, (None, "", None))
-    return system if system is not None and known is scene and its == coordinates else compile_scene(scene, coordinates)
-
-
 def compiled(scene: Scene, settings: Settings, times: np.ndarray | None) -> tuple[Plan, System, float]:
     """Return the plan, the system and the time to build it (s), as `simulate` begins."""
     require_sound(scene)
     plan = choose_plan(scene, settings, times)
     started = time.perf_counter()
-    return plan, _compiled_once(scene, settings.coordinates), time.perf_counter() - started
+    known, its, system = _idle.pop(scene.dimension, (None, "", None))
+    if system is None or known is not scene or its != settings.coordinates:
+        system = compile_scene(scene, settings.coordinates)
+    return plan, system, time.perf_counter() - started
 
 
 def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0) -> Trajectory:

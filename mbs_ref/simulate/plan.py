@@ -1,5 +1,6 @@
 """Resolve settings against a scene and an integrator: output times, tolerances, combinations that are refused."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from mbs_ref.integrators.loop.explicit import between_code
 from mbs_ref.integrators.loop.leg import Integrator, Options
 from mbs_ref.scene import Scene
 from mbs_ref.scene.scales import scales_of
-from mbs_ref.scene.traits import NO_DEFLECTIONS, NO_SLIP, deflecting, traits
+from mbs_ref.scene.traits import Coordinates, deflecting, traits
 from mbs_ref.settings import Settings
 
 DEFAULT_TOLERANCE = 1e-8  # rtol
@@ -53,13 +54,7 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     missing = integrator.requires - traits(scene)
     if missing:
         raise ValueError(f"method = {name!r} needs a scene that is {', '.join(sorted(missing))}; {scene.name!r} is not")
-    if integrator.needs_positions and "nonholonomic" in traits(scene):
-        raise ValueError(f"method = {name!r} cannot run {scene.name!r}: {NO_SLIP}")
-    core = core_name(scene, settings.coordinates)
-    if integrator.cores and core not in integrator.cores:
-        allowed = ", ".join(integrator.cores)
-        raise ValueError(f"method = {name!r} is for {allowed} scenes; {scene.name!r} is {core}")
-    reasons = list(integrator.refusals(scene))
+    reasons = [reason for reason, _ in obstacles(scene, integrator, settings.coordinates)]
     if reasons:
         raise ValueError(f"method = {name!r} cannot run {scene.name!r}: {'; '.join(reasons[:8])}")
     fixed = _wants_fixed_step(integrator, settings)
@@ -97,14 +92,26 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     return Plan(integrator, settings, times, options, gain, notes)
 
 
+def obstacles(
+    scene: Scene, integrator: Integrator, coordinates: Coordinates = "cartesian"
+) -> Iterator[tuple[str, bool]]:
+    """Yield why a method cannot run a scene, and whether its equations forbid it; traits that it requires are apart."""
+    if integrator.needs_positions and "nonholonomic" in traits(scene):
+        yield "a rolling wheel has constraints on velocities alone, and this method needs C = 0 on positions", True
+    core = core_name(scene, coordinates)
+    if integrator.cores and core not in integrator.cores:
+        yield f"it is for {', '.join(integrator.cores)} scenes; this one is {core}", True
+    if not integrator.holds_deflections and (extra := deflecting(scene)):
+        named = ", ".join(map(repr, extra[:8]))
+        yield f"contacts {named} stick in space: their deflections are states, which this method does not carry", False
+    yield from ((reason, False) for reason in integrator.refusals(scene))
+
+
 def _check_events(scene: Scene, settings: Settings, integrator: Integrator) -> None:
     if settings.events == "none" and scene.events:
         raise ValueError(f"events = 'none' cannot run {scene.events[0].name}: a declared event must be located")
     if (scene.contacts or scene.events) and settings.events != "none" and not integrator.locates_events:
         raise ValueError(f"method {integrator.name!r} locates no events; give events = 'none', or another method")
-    extra = deflecting(scene)
-    if extra and not integrator.holds_deflections:
-        raise ValueError(f"method {integrator.name!r} cannot run {', '.join(extra[:8])}: {NO_DEFLECTIONS}")
     if settings.events != "none":
         return
     needs = [c.name for c in scene.contacts if c.law.IMPULSIVE or (c.friction and c.friction.STICKS)]

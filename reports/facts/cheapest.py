@@ -2,15 +2,14 @@
 profiles of engines over all scenes.
 """
 
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from statistics import median
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Answer, Cell
 from cross_checks.records.record import Record, loop_time
+from mbs_ref.files import package_data
 from reports.facts.report_data import ReportData
 
 NEAR = 1.5  # times the cheapest first run: settings that near are timed, too, since first runs are noisy
@@ -35,12 +34,10 @@ def reaching(data: ReportData, scene: str, engine: str, target: float) -> list[R
 
 def entries(data: ReportData, scene: str, target: float) -> list[Entry]:
     """Return one entry an engine, the cheapest first, those that missed the target last."""
-    return data.once(("entries", scene, target), lambda: _entries(data, scene, target))
-
-
-def _entries(data: ReportData, scene: str, target: float) -> list[Entry]:
-    every = [_entry(data, scene, engine, target) for engine in data.engines]
-    return sorted(every, key=lambda e: loop_time(e.best) if e.best else float("inf"))
+    return data.once(("entries", scene, target), lambda: sorted(
+        (_entry(data, scene, engine, target) for engine in data.engines),
+        key=lambda e: loop_time(e.best) if e.best else float("inf"),
+    ))  # fmt: skip
 
 
 def _entry(data: ReportData, scene: str, engine: str, target: float) -> Entry:
@@ -69,7 +66,7 @@ def near(runs: Sequence[Record]) -> list[Record]:
     return [run for run in runs if loop_time(run) <= NEAR * loop_time(runs[0])]
 
 
-INSIDE: dict[str, str] = tomllib.loads((files("reports.facts") / "inside.toml").read_text(encoding="utf-8"))
+INSIDE: dict[str, str] = package_data(__name__, "inside.toml")
 MIDDLE = 1e-6  # over the scene's scales: the target at which engines are compared in words
 
 

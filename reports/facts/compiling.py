@@ -1,9 +1,7 @@
 """Compile the solver's kernels before it is run or timed: plane, space and particles side by side."""
 
-import tomllib
 from collections.abc import Callable
 from functools import partial
-from importlib.resources import files
 
 from cross_checks import engines
 from cross_checks.isolation.parent import Caller
@@ -11,12 +9,13 @@ from cross_checks.isolation.workers import Report, each
 from cross_checks.judge.answers import Preparation
 from cross_checks.records.store import Store, code_of, digest_of
 from mbs_ref import Settings, scenes
+from mbs_ref.files import package_data
 from mbs_ref.kernels.jit import cache_folder
 from mbs_ref.scene.traits import Coordinates
 from mbs_ref.simulate import simulate_scenes
 from reports.facts.stored import keep, recall
 
-CORES = tomllib.loads((files(__package__) / "cores.toml").read_text(encoding="utf-8"))  # scene, coordinates, ...
+CORES = package_data(__name__, "cores.toml")  # scene, coordinates, ...
 LANES = "runs in lanes"  # for batches alone: a report makes none
 SOLVER = "mbs_ref"
 PROGRAM: tuple[str, Coordinates, bool] = ("pendulum", "cartesian", False)  # what other engines that compile run

@@ -162,7 +162,7 @@ def as_gif(pictures: list[Image.Image], seconds: float) -> bytes:
 
 def as_page(title: str, pictures: list[Image.Image], times: np.ndarray, seconds: float) -> bytes:
     """Return an HTML page that plays pictures of `times` (s) for `seconds`, stops, and goes to any of them."""
-    shown = [base64.b64encode(_png(picture.quantize(COLOURS))).decode() for picture in pictures]
+    shown = [base64.b64encode(png(picture.quantize(COLOURS))).decode() for picture in pictures]
     whole = Template(PLAYER.read_text(encoding="utf-8"), autoescape=True).render(
         title=title, width=pictures[0].width, pictures=shown,
         times=[clock(float(t), float(times[-1])) for t in times], pause=round(1000.0 * seconds / len(pictures)),
@@ -170,7 +170,8 @@ def as_page(title: str, pictures: list[Image.Image], times: np.ndarray, seconds:
     return whole.encode()
 
 
-def _png(picture: Image.Image) -> bytes:
+def png(picture: Image.Image) -> bytes:
+    """Return a PNG of a picture, as small as it gets."""
     buffer = io.BytesIO()
     picture.save(buffer, "PNG", optimize=True)
     return buffer.getvalue()
@@ -211,4 +212,4 @@ def filmstrip(scene: Scene, trajectory: Trajectory, count: int = 8) -> bytes:
     picks = np.linspace(0, len(scenery.times) - 1, count, endpoint=False).round().astype(int)
     for place, k in enumerate(picks):
         sheet.paste(camera.picture(scenery, int(k)), (wide * (place % columns), high * (place // columns)))
-    return _png(sheet)
+    return png(sheet)

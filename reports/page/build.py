@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 
 from cross_checks.records.lines import adapter
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from reports.facts.report_data import ReportData
 from reports.page.browser import drawn, loaded
 from reports.page.files import document, jsonl, record_columns

@@ -1,7 +1,6 @@
 """Data to HTML: small pages beside one another that load nothing from anywhere else, and compute nothing."""
 
 import base64
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
@@ -122,18 +121,15 @@ def pages(data: ReportData) -> list[Page]:
         *(Page(scene_file(name), name, data.only(scenes=[name]), SCENE, "scene") for name in data.scenes),
         *(Page(engine_file(name), name, data.only(engines=[name]), ENGINE, "engine") for name in data.installed),
         Page("extremes.html", "Extremes", data, (extremes.SECTION,), "study"),
-        *_studies(data),
+        *(
+            Page(*of, data, tuple(study.section for study in own), "study")
+            for of, own in groupby(every().values(), lambda study: (study.page, study.title))
+        ),
         Page(WRONG, "What went wrong", data, (findings.SECTION,), "more"),
         Page(ALL_SCENES, "All scenes at once", data, (profiles.SECTION,), "more"),
         Page(CAN, "What each engine can model", data, (matrix.CAPABILITIES,), "more"),
         Page(METHOD, "How it is judged and timed", data, (method.SECTION, method.TRUTHS, method.ENVIRONMENT), "more"),
     ]
-
-
-def _studies(data: ReportData) -> Iterator[Page]:
-    """Yield a page for each file that studies name."""
-    for (file, title), shared in groupby(every().values(), lambda study: (study.page, study.title)):
-        yield Page(file, title, data, tuple(study.section for study in shared), "study")
 
 
 MECHANISM = Section("mechanism", "The mechanism", lambda data: {"mechanisms": data.mechanisms})

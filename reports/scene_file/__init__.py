@@ -6,7 +6,6 @@ The description of a field is the comment beside it in its class, its unit first
 import inspect
 import json
 import re
-import tomllib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -16,6 +15,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import PydanticOmit
 
 from mbs_ref import Scene
+from mbs_ref.files import package_data
 from mbs_ref.scene.base.part import Role, fields_of
 from mbs_ref.scene.parameters import CHOOSE, FORMULA, REPEAT, Declared
 
@@ -23,7 +23,6 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 COMMENTED = re.compile(r"^    (\w+): .*?  # (.+)$", re.MULTILINE)
 OF_PYTHON = "function"  # a field that a file cannot hold
 WORDS = Path(__file__).with_name("words.md")
-EXAMPLES = WORDS.with_name("examples.toml")
 PARTS = "<!-- parts -->\n"  # the place of the parts in the words
 LISTS = dict(bodies="Bodies", joints="Joints and drives", loads="Loads", contacts="Contacts", events="Events")
 NESTED = {"law": ("contacts", "Laws of contact"), "friction": ("contacts", "Friction"), "factor": ("loads", "Signals")}
@@ -115,7 +114,7 @@ def _sections() -> Iterator[str]:
 @cache
 def examples() -> dict[str, dict[str, dict[str, Any]]]:
     """Return the fields of an example of each kind of part, by list or field and type."""
-    return tomllib.loads(EXAMPLES.read_text(encoding="utf-8"))
+    return package_data(__name__, "examples.toml")
 
 
 def kinds(union: dict[str, Any]) -> list[dict[str, Any]]:

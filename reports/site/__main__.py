@@ -6,10 +6,9 @@ import sys
 from collections.abc import Callable, Collection
 from pathlib import Path
 
-from cross_checks.judge.capabilities import capabilities
+from cross_checks.judge.capabilities import capabilities, tables
 from cross_checks.truths.certificate import every
 from mbs_ref import scenes
-from reports.facts.capability_tables import tables
 from reports.query import open_runs
 from reports.site.gallery import gallery, rendered
 

@@ -14,10 +14,10 @@ from rich.text import Text
 
 from cross_checks.records.figures import work_precision
 from mbs_ref import Settings, scenes
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from mbs_ref.scene.toml import loads
 from mbs_ref.simulate import simulate
-from reports.film.files import filmstrip
+from reports.film.files import filmstrip, png
 from reports.page.browser import drawn
 from reports.page.build import read_data
 from reports.page.render import INDEX
@@ -32,11 +32,6 @@ MOMENTS = 4  # of the run
 SESSION = "mbs-ref simulate slider_crank --plot"
 PAGE = """<!doctype html><meta charset="utf-8"><body style="margin: 0; background: #fff; font-family: sans-serif">
 <img style="width: 100%%" src="data:image/png;base64,%s">%s"""
-
-
-def first_screen(report: Path) -> bytes:
-    """Return the first screen of a report as PNG."""
-    return screenshot(report / INDEX, SCREEN)
 
 
 def mechanism(report: Path) -> bytes:
@@ -70,16 +65,16 @@ def terminal(report: Path) -> bytes:
     return console.export_svg(title="mbs-ref", unique_id="terminal").encode()
 
 
-PICTURES = {"report.png": first_screen, "terminal.svg": terminal, "mechanism.png": mechanism, "swing.png": swing}
+PICTURES = {
+    "report.png": lambda report: screenshot(report / INDEX, SCREEN), "terminal.svg": terminal,
+    "mechanism.png": mechanism, "swing.png": swing,
+}  # fmt: skip
 
 
 def screenshot(page: Path, size: tuple[int, int]) -> bytes:
     """Return a page as a browser without a window draws it, as PNG. FileNotFoundError where no browser is installed."""
     content = drawn(page.resolve().as_uri(), "--screenshot", f"--window-size={size[0]},{size[1]}")
-    picture = Image.open(io.BytesIO(content)).convert("RGB")
-    buffer = io.BytesIO()
-    picture.save(buffer, "PNG", optimize=True)
-    return buffer.getvalue()
+    return png(Image.open(io.BytesIO(content)).convert("RGB"))
 
 
 if __name__ == "__main__":

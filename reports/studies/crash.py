@@ -1,8 +1,6 @@
 """The crash of both androids, measured by one module for the studies of the crashes, the androids and the papers."""
 
-import tomllib
 from collections.abc import Sequence
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -13,6 +11,7 @@ from mbs_ref import Scene, Settings, Status, Trajectory
 from mbs_ref.crash.outlines import excesses
 from mbs_ref.crash.results import CrashResults, sign_changes
 from mbs_ref.crash.stops import tension
+from mbs_ref.files import package_data
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Curves, Value, curves
@@ -21,7 +20,7 @@ SIMPLIFIED, VERTEBRAL = NAMES = ("android_simplified", "android_vertebral")
 IMPACTS = ("front", "rear")
 FINE = Settings(rtol=1e-8, samples=401, estimate="off")
 PAPER: dict[str, Any] = {"model": "paper"}
-RAN = tomllib.loads((files("reports.studies") / "papers" / "runs.toml").read_text(encoding="utf-8"))  # the papers
+RAN = package_data(__name__, "papers", "runs.toml")  # the papers
 COMPONENTS = (("x", "N"), ("y", "N"), ("torque", "N m"))
 
 
@@ -73,6 +72,8 @@ def imbalance(result: CrashResults) -> np.ndarray:
 def figures(scene: Scene, path: Trajectory, result: CrashResults) -> dict[str, Value]:
     """Return the figures of a crash, without the names of android and impact."""
     pull = result.forces.constraint[:, scene.body_index("head"), 0]
+    seats = [scene.body_index(name) for name in ("seat_base", "seat_back")]
+    of_seats = result.forces.external[:, seats] + result.forces.constraint[:, seats]  # N, N m: they do not move
     return {
         "bodies": len(scene.bodies), "rhs_calls": int(path.rhs_calls), "loop_s": float(path.timing.loop_s),
         "compliance": largest_gap(path),
@@ -83,7 +84,7 @@ def figures(scene: Scene, path: Trajectory, result: CrashResults) -> dict[str, V
         "hip_excursion": float(np.abs(result.hip_excursion[:, 0]).max()), **_trunk(scene, path),
         "head_pull_most": float(pull.max()), "head_pull_least": float(pull.min()),
         "largest_constraint_force": float(np.abs(result.forces.constraint[:, :, :2]).max()),
-        "deepest": deepest(scene, path), "seats_imbalance": _seats_imbalance(scene, result),
+        "deepest": deepest(scene, path), "seats_imbalance": float(np.abs(of_seats).max()),
         **{name: float(value) for name, value in result.measures.items()},
         **_head_contact(scene, path), **_neck(path, result),
     }  # fmt: skip
@@ -117,12 +118,6 @@ def _trunk(scene: Scene, path: Trajectory) -> dict[str, Value]:
         "neck_extension": float(-flexion.min()), "trunk_flexion": float(bend.max()),
         "shoulder_belt": float(np.sum(belt, axis=0).max()),
     }  # fmt: skip
-
-
-def _seats_imbalance(scene: Scene, result: CrashResults) -> float:
-    """Return the largest Q_e + Q_c (N, N m) of the two seat bodies, which do not move."""
-    seats = [scene.body_index(name) for name in ("seat_base", "seat_back")]
-    return float(np.abs(result.forces.external[:, seats] + result.forces.constraint[:, seats]).max())
 
 
 def _head_contact(scene: Scene, path: Trajectory) -> dict[str, Value]:

@@ -17,19 +17,112 @@ each              a table's name: `blocks` are shown once for each row, whose co
 A `*` in a name stands for any characters, which become the heading of what is shown. A block is shown where the
 criteria of `where` hold. `layout` is `pairs`, or `details`: a part to open, titled `summary`, which is
 open where that contains `open`. `study` names another study, whose facts a block shows.
+
+{name} in a text stands for a measured figure, {name:format} for one in a given format; {name:format|words} shows the
+words where the figure is None. A format is one of FORMATS or Python's own.
 """
 
 import json
+import operator
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
+from typing import Any, Literal
 
-from cross_checks.records.numbers import ABSENT
+from markupsafe import Markup, escape
+
+from cross_checks.records.numbers import ABSENT, duration, joules, metres, short
 from reports.facts.curves import Measured, overlay
 from reports.facts.report_data import ReportData, Section
-from reports.studies.claims import Claim, Criterion, figure, filled, holds, markup
+
+Verdict = Literal["reproduced", "not reproduced", "partly", "there", "not attempted", "not measured"]
+Criterion = tuple[str, str, float | str]  # figure, sign, and a number, a word or another figure
+SIGNS = {"<": operator.lt, ">": operator.gt, "=": operator.eq, "!=": operator.ne}
+TONES = {"reproduced": "good", "there": "good", "partly": "fair", "not reproduced": "bad"}
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim, system, figure or wish of a paper, and what the project measures of it."""
+
+    group: str
+    paper: str  # 1999 | 2001
+    where: str  # section, equation or figure
+    statement: str
+    result: str  # a sentence with names of figures in braces
+    criteria: tuple[Criterion, ...] = ()  # it is reproduced where all hold
+    verdict: Verdict = "not measured"  # without criteria
+    link: str = ""  # the page that shows more
+
+    def decided(self, figures: Mapping[str, Any]) -> Verdict:
+        """Return the verdict that the measured figures give, or the claim's own without criteria."""
+        if not self.criteria:
+            return self.verdict
+        if any(name not in figures for name, _, _ in self.criteria):
+            return "not measured"
+        return "reproduced" if holds(self.criteria, figures) else "not reproduced"
+
+    def shown(self, figures: Mapping[str, Any]) -> dict[str, str]:
+        """Return what a page shows of the claim."""
+        verdict = self.decided(figures)
+        return {
+            "paper": self.paper, "where": self.where, "statement": self.statement,
+            "result": filled(self.result, figures), "verdict": verdict, "tone": TONES.get(verdict, "plain"),
+            "link": self.link,
+        }  # fmt: skip
+
+    @property
+    def names(self) -> set[str]:
+        """Return the names of the figures that the result and the criteria use."""
+        return {*(place[1] for place in NAME.finditer(self.result)), *(name for name, _, _ in self.criteria)}
+
+
+def holds(criteria: Iterable[Criterion], figures: Mapping[str, Any]) -> bool:
+    """Return whether all criteria hold. A figure that is missing, or a word compared by size, satisfies none."""
+    return all(_holds(figures.get(name), sign, figures.get(str(other), other)) for name, sign, other in criteria)
+
+
+def _holds(one: Any, sign: str, other: Any) -> bool:
+    if sign in "<>" and not (isinstance(one, int | float) and isinstance(other, int | float)):
+        return False
+    return one is not None and SIGNS[sign](one, other)
+
+
+NAME = re.compile(r"\{([^{}:|]+)(?::([^{}|]+))?(?:\|([^{}]*))?\}")
+UNKNOWN = "(not measured)"
+FORMATS: dict[str, Callable[[Any], str]] = {
+    "short": short, "short3": partial(short, digits=3), "duration": duration, "metres": metres, "joules": joules,
+    "kilo": lambda value: short(value / 1e3, 3), "milli": lambda value: short(value * 1e3, 3),
+}  # fmt: skip
+
+
+def filled(text: str, figures: Mapping[str, Any]) -> str:
+    """Return a text with its figures."""
+    return NAME.sub(lambda place: _shown(figures, *place.groups()), text)
+
+
+def markup(text: str, figures: Mapping[str, Any]) -> Markup:
+    """Return HTML with its figures, which are escaped."""
+    return Markup(NAME.sub(lambda place: escape(_shown(figures, *place.groups())), text))
+
+
+def figure(value: float | str) -> str:
+    """Return a figure in the default format: three digits, or all of a number from 1000 to a million."""
+    if isinstance(value, str):
+        return value
+    return f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else short(value, 3)
+
+
+def _shown(figures: Mapping[str, Any], name: str, form: str | None, absent: str | None) -> str:
+    value = figures.get(name)
+    if value is None:
+        return absent or (ABSENT if name in figures else UNKNOWN)
+    if form is None or isinstance(value, str):
+        return figure(value)
+    return FORMATS[form](value) if form in FORMATS else format(value, form)
+
 
 Block = dict[str, Any]
 Figures = Mapping[str, Any]
@@ -139,27 +232,17 @@ def _claims(claims: tuple[Claim, ...], figures: Figures) -> Block:
     return {"groups": groups, "counted": ", ".join(f"{number} {verdict}" for verdict, number in counted.most_common())}
 
 
-def _plots(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
-    named = _named(facts.curves, block["plots"], figures)
-    return [{"title": title, "label": name, "plot": overlay({"": line})} for name, (title, line) in named.items()]
+def _each(kind: str, key: str, shown: Callable[[Any], Block]) -> Callable[[Measured, Block, Figures], list[Block]]:
+    """Return what shows each fact of a kind that a block names."""
+    return lambda facts, block, figures: [
+        {"title": title, "label": name} | shown(value)
+        for name, (title, value) in _named(getattr(facts, kind), block[key], figures).items()
+    ]
 
 
 def _overlay(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
     lines = dict(_named(facts.curves, block["overlay"], figures).values())
     return [{"title": "", "label": filled(block["overlay"], figures), "plot": overlay(lines)}] if lines else []
-
-
-def _films(key: str) -> Callable[[Measured, Block, Figures], list[dict[str, Any]]]:
-    def films(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
-        named = _named(facts.films, block[key], figures)
-        return [{"title": title, "label": name, "film": film} for name, (title, film) in named.items()]
-
-    return films
-
-
-def _outlines(facts: Measured, block: Block, figures: Figures) -> list[dict[str, Any]]:
-    named = _named(facts.tables, block["outlines"], figures)
-    return [{"title": title, "rows": rows} for title, rows in named.values()]
 
 
 def _text(key: str) -> Callable[[Measured, Block, Figures], Any]:
@@ -168,6 +251,8 @@ def _text(key: str) -> Callable[[Measured, Block, Figures], Any]:
 
 KINDS: dict[str, Callable[[Measured, Block, Figures], Any]] = {
     **{key: _text(key) for key in ("heading", "title", "text", "note")},
-    **{key: _films(key) for key in ("films", "pictures")},
-    "table": _table, "matrix": _matrix, "plots": _plots, "overlay": _overlay, "outlines": _outlines,
+    **{key: _each("films", key, lambda film: {"film": film}) for key in ("films", "pictures")},
+    "plots": _each("curves", "plots", lambda line: {"plot": overlay({"": line})}),
+    "outlines": _each("tables", "outlines", lambda rows: {"rows": rows}),
+    "table": _table, "matrix": _matrix, "overlay": _overlay,
 }  # fmt: skip

@@ -19,7 +19,7 @@ from rich.table import Table
 
 from cross_checks.records.lines import adapter
 from cross_checks.records.record import Record
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 
 EVERY = 3.0  # s between lines of progress in a log
 PAUSE = 1.0  # s that nobody minds to wait
@@ -93,6 +93,15 @@ def complain(problems: Iterable[str]) -> None:
     """Print sentences on stderr."""
     for problem in problems:
         click.echo(problem, err=True)
+
+
+@contextmanager
+def reported_as(kind: type[click.ClickException], *errors: type[Exception]) -> Iterator[None]:
+    """Raise an exception of `kind`, with the same sentence, in place of one of `errors`."""
+    try:
+        yield
+    except errors as error:
+        raise kind(str(error)) from error
 
 
 @contextmanager
@@ -202,7 +211,7 @@ def named[Case](cases: Iterable[Case], only: str | None) -> list[Case]:
     return wanted
 
 
-def answer(facts: dict[str, Any], target: Path | None, as_json: bool, draw: Callable[[dict[str, Any]], None]) -> None:
+def answer(facts: Any, target: Path | None, as_json: bool, draw: Callable[[Any], None]) -> None:
     """Write the facts to a file where one is named, and print them as JSON or as `draw` does."""
     if target:
         write_table(facts, target)

@@ -24,7 +24,7 @@ from pathlib import Path
 from queue import Queue
 from typing import Any
 
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from mbs_ref.kernels.jit import cache_folder
 from tests.mutants.defect import ROOT, Defect, StaleError, apply, every, place
 from tests.mutants.watchers import tests_for

@@ -39,7 +39,7 @@ from reports.film import drawing, files
 from reports.page import browser, findings
 from reports.page.sections import matrix, overview, plots
 from reports.studies import contact
-from reports.studies.models.choice import Ladder, Rung
+from reports.studies.models import Ladder, Rung
 from reports.terminal import console
 from tests.reports.page.test_every_companion import report
 from tests.reports.page.test_shown_figures import irregular

@@ -224,7 +224,7 @@ def test_a_shared_ensemble_is_made_in_parts_and_an_interrupted_one_is_its_beginn
 def test_one_run_of_an_ensemble_at_a_time_in_each_process():
     asked: list[Any] = []
     shared_ensemble._made("v", "s", lambda *given: asked.append(given), "part")  # type: ignore[arg-type]
-    assert asked == [(shared_ensemble.ensembles.run_ensemble, "v", "part", "s", 1)]
+    assert asked == [(shared_ensemble.run_ensemble, "v", "part", "s", 1)]
 
 
 def test_runs_of_a_cluster_are_those_of_its_scheduler(monkeypatch):

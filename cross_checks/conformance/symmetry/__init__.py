@@ -144,10 +144,6 @@ def _reordered(scene: Scene) -> Placement:
     return _placed(scene, order=(*range(keep), *reversed(range(keep, len(scene.bodies)))))
 
 
-def _renamed(scene: Scene) -> Placement:
-    return _placed(scene, names={name: f"z{k}" for k, name in enumerate(reversed(scene.body_names))})
-
-
 def _cut(engine: Engine, scene: Scene, settings: Settings, plain: Trajectory) -> float | str:
     """Stop half way and start anew from there."""
     if reason := place.cut_obstacle(scene, back=False):
@@ -175,7 +171,9 @@ SYMMETRIES: dict[str, Callable[[Engine, Scene, Settings, Trajectory], float | st
     "other units": _seen(partial(_placed, mass=2.0**7, length=2.0**5, time=2.0**3), needs_step=True),
     "other mass and length": _seen(partial(_placed, mass=2.0**7, length=2.0**5)),
     "reordered": _seen(_reordered),
-    "renamed": _seen(_renamed),
+    "renamed": _seen(
+        lambda scene: _placed(scene, names={name: f"z{k}" for k, name in enumerate(reversed(scene.body_names))})
+    ),
     "cut in two": _cut,
     BACK: _there_and_back,
 }

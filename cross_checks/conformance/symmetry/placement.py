@@ -4,9 +4,7 @@ Or from another time: it starts where a motion of another has ended, or goes bac
 """
 
 import math
-import tomllib
 from dataclasses import dataclass, field
-from importlib.resources import files
 from itertools import chain
 from typing import Any
 
@@ -14,10 +12,11 @@ import numpy as np
 from pydantic import BaseModel
 
 from mbs_ref import Scene, Trajectory
+from mbs_ref.files import package_data
 from mbs_ref.scene.euler_parameters import from_matrix, rotation_matrices
 from mbs_ref.simulate.start.equilibrium import restated
 
-TABLES = tomllib.loads((files(__package__) / "placement.toml").read_text(encoding="utf-8"))
+TABLES = package_data(__name__, "placement.toml")
 KINDS = {field: kind for kind, fields in TABLES["kinds"].items() for field in fields}
 POWERS = {field: (0, 1, 0) for field in TABLES["kinds"]["point"]} | TABLES["powers"]  # of kg, m and s
 

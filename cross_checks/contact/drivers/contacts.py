@@ -25,7 +25,7 @@ def dot(a, b):
 
 
 def touch(contact, poses):
-    """Return gap (m), normal from b to a, and place (m) of a contact; poses (position, Euler parameters) of a and b."""
+    """Return gap (m), normal from b to a and place (m) of a contact; `poses` are place and Euler parameters of each."""
     (ra, qa), (rb, qb) = poses
     centre = [p + q for p, q in zip(ra, turned(qa, contact["center"]))]  # noqa: B905
     origin = [p + q for p, q in zip(rb, turned(qb, contact["origin"]))]  # noqa: B905

@@ -63,8 +63,8 @@ def build_redundant(scene: Scene, method: str) -> Redundant:
 
 def _body(model: Redundant, body, method: str):
     """Return the object of a body at its node."""
-    own, turn, turning, kind = {}, (), (), item.NodePoint2D if model.planar else item.NodePoint
-    body_type = item.ObjectMassPoint2D if model.planar else item.ObjectMassPoint
+    own, turn, turning, kind = {}, (), (), item.NodePoint2D if model.scene.planar else item.NodePoint
+    body_type = item.ObjectMassPoint2D if model.scene.planar else item.ObjectMassPoint
     if isinstance(body, PlanarBody):
         kind, body_type, own = item.NodeRigidBody2D, item.ObjectRigidBody2D, {"inertia": body.inertia}
         turn, turning = [body.angle], [body.angular_velocity]
@@ -89,7 +89,7 @@ def _turn(body: SpatialBody, method: str):
 
 def _watch_body(model: Redundant, k: int) -> None:
     kinds, turns = exu.OutputVariableType, not isinstance(model.scene.bodies[k], PointMass)
-    if model.planar:
+    if model.scene.planar:
         for kind in (kinds.Coordinates, kinds.Coordinates_t):
             model.watch(item.SensorNode, {"nodeNumber": model.nodes[k]}, kind, 3 if turns else 2)
         return
@@ -102,7 +102,7 @@ def _add_shared_forces(model: Redundant) -> None:
     """Apply contacts, and loads without a connector, through one item over all nodes, which calls Python."""
     loads = _foreign(model.scene)
     linkage = linkage_of(model.scene.model_copy(update={"loads": loads}))
-    applied, turns = Applied(linkage), linkage.angle if model.planar else linkage.theta
+    applied, turns = Applied(linkage), linkage.angle if model.scene.planar else linkage.theta
     start = np.column_stack(([body.position for body in model.scene.bodies], turns))
     used = np.ones(start.shape, dtype=bool)
     used[linkage.rigid == 0.0, model.scene.dimension :] = False  # a particle's node has its place alone

@@ -89,7 +89,7 @@ def general_contact(model: Redundant) -> list[tuple[str, tuple, dict[str, Any]]]
 def _marker(model: Redundant, body: str, center) -> int:
     """Return a marker that takes a torque, which friction needs, where its body turns."""
     turns = isinstance(model.scene.bodies[model.scene.body_index(body)], PlanarBody)
-    return model.marker(body, center, rigid=turns if model.planar else None)
+    return model.marker(body, center, rigid=turns if model.scene.planar else None)
 
 
 def surface_of(contact: Flat) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -57,7 +57,7 @@ def _chain(linkage: Linkage) -> Iterator[tuple]:
 
 def tree_refusals(scene: Scene) -> list[Refusal]:
     linkage = linkage_of(scene)
-    loops = (Refusal(f"joint {j.name!r} closes a loop, which a KinematicTree cannot", True) for j in linkage.closures)
+    loops = (Refusal(f"joint {j.name!r} closes a loop; a KinematicTree has none", True) for j in linkage.closures)
     strange = [joint.name for joint in scene.joints if isinstance(joint, CoordinateDrive)]
     for link in linkage.links:
         inner = not link.freedoms and link.parent != FIXED

@@ -30,10 +30,6 @@ class Redundant:
     notes: tuple[str, ...] = ()
     general: list = field(default_factory=list)  # see contact.general_contact
 
-    @property
-    def planar(self) -> bool:
-        return self.scene.dimension == 2
-
     def watch(self, sensor: type, number: dict[str, int], kind: Any, width: int) -> None:
         """Add a sensor of so many numbers at an item."""
         options = {"storeInternal": True, "writeToFile": False, "outputVariableType": kind}
@@ -42,7 +38,8 @@ class Redundant:
 
     def poses(self, rows: np.ndarray):
         """Return the poses and rates of all bodies, whose sensors are the first."""
-        values, read = iter(np.split(rows, np.cumsum(self.widths)[:-1], axis=1)), _planar if self.planar else _spatial
+        values = iter(np.split(rows, np.cumsum(self.widths)[:-1], axis=1))
+        read = _planar if self.scene.planar else _spatial
         each = [read(body, values) for body in self.scene.bodies]
         return tuple(np.stack(part, axis=1) for part in zip(*each, strict=True))
 
@@ -78,7 +75,7 @@ class Redundant:
         """Return a marker at a world point (t = 0); a rigid one takes torques, as all on rigid bodies in space do."""
         k = self.scene.body_index(body)
         if rigid is None:
-            rigid = not self.planar and (k == FIXED or isinstance(self.scene.bodies[k], SpatialBody))
+            rigid = not self.scene.planar and (k == FIXED or isinstance(self.scene.bodies[k], SpatialBody))
         kind = item.MarkerBodyRigid if rigid else item.MarkerBodyPosition
         return self.mbs.AddMarker(kind(bodyNumber=self.bodies[k], localPosition=self.place(body, point)))
 

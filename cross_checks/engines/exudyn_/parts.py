@@ -18,7 +18,7 @@ CALLS = "{} {!r} calls Python at every residual"
 
 def add_joint(model: Redundant, joint) -> None:
     """Add a joint; in space it stops some of six relative motions, along z of a frame whose z axis is the joint's."""
-    if model.planar or type(joint) not in STOPPED:
+    if model.scene.planar or type(joint) not in STOPPED:
         JOINTS[type(joint)](model, joint)
         return
     axis = getattr(joint, "axis", Z)
@@ -59,7 +59,7 @@ def _add_distance(model: Redundant, joint: scene.Distance) -> None:
     length = joint.length or float(np.linalg.norm(np.subtract(joint.point_b, joint.point_a)))
     markers = model.pair(joint, joint.point_a, joint.point_b)
     number = model.mbs.AddObject(item.ObjectConnectorDistance(markerNumbers=markers, distance=length))
-    if model.planar:
+    if model.scene.planar:
         _watch_force(model, joint.name, number, 1)
 
 
@@ -100,7 +100,7 @@ def _add_spring(model: Redundant, load: scene.SpringDamper) -> None:
 def _add_torsion(model: Redundant, load: scene.TorsionSpring) -> None:
     """Add a spring between the angles of two planar bodies, or about z of a frame whose z axis is the spring's."""
     ends, rest = (load.body_a, load.body_b), rest_turn(model.scene, load)
-    if model.planar:
+    if model.scene.planar:
         markers, kind = [model.coordinate(body, 2) for body in ends], item.ObjectConnectorCoordinateSpringDamper
     else:
         frame, kind = np.column_stack((*normals(load.axis), unit(load.axis))), item.ObjectConnectorTorsionalSpringDamper
@@ -154,7 +154,7 @@ def _add_push(model: Redundant, load: scene.Force | scene.Torque | scene.TorqueV
     follows = getattr(load, "frame", "world") == "body" and not isinstance(body, scene.PointMass)
     if follows:
         vector = model.axes(load.body).T @ vector
-    rigid = (follows or not force) if model.planar else None
+    rigid = (follows or not force) if model.scene.planar else None
     marker = model.marker(load.body, load.point if force else body.position, rigid=rigid)
     kind, constant = (item.LoadForceVector if force else item.LoadTorqueVector), getattr(load.factor, "value", None)
     if constant is not None:

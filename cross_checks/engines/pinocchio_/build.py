@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from cross_checks.linkage.forces import Applied, applied
-from cross_checks.linkage.links import FIXED, Closure, Link, Linkage, Z
+from cross_checks.linkage.links import FIXED, Closure, Linkage, Z
 
 FREE, BALL = "JointModelFreeFlyer", "JointModelSpherical"
 
@@ -88,8 +88,8 @@ def mechanism_of(linkage: Linkage, gains: tuple[float, float]) -> Mechanism:
     origin = {0: np.zeros(3)}  # of a joint's frame at t = 0
     for link in linkage.links:
         number = mechanism.joint[link.parent]
-        for k, joint in enumerate(_joint_models(link)):
-            number = model.addJoint(number, joint, _at(link.origin - origin[number]), f"{link.name}/{k}")
+        for k, (kind, axis) in enumerate(link.freedoms):
+            number = model.addJoint(number, JOINTS[kind](axis), _at(link.origin - origin[number]), f"{link.name}/{k}")
             origin[number] = link.origin
             mechanism.first.setdefault(link.body, number)
         mechanism.joint[link.body] = number
@@ -109,13 +109,11 @@ def _at(place: np.ndarray) -> pin.SE3:
     return pin.SE3(np.eye(3), place)
 
 
-def _joint_models(link: Link) -> Iterable[Any]:
-    kinds = {
-        "free": lambda _: pin.JointModelFreeFlyer(), "ball": lambda _: pin.JointModelSpherical(),
-        "slide": pin.JointModelPrismaticUnaligned,
-        "turn": lambda axis: pin.JointModelRZ() if np.array_equal(axis, Z) else pin.JointModelRevoluteUnaligned(axis),
-    }  # fmt: skip
-    return [kinds[kind](axis) for kind, axis in link.freedoms]
+JOINTS: dict[str, Any] = {  # a freedom of a link -> the joint that has it, of its axis
+    "free": lambda _: pin.JointModelFreeFlyer(), "ball": lambda _: pin.JointModelSpherical(),
+    "slide": pin.JointModelPrismaticUnaligned,
+    "turn": lambda axis: pin.JointModelRZ() if np.array_equal(axis, Z) else pin.JointModelRevoluteUnaligned(axis),
+}  # fmt: skip
 
 
 def _contacts(mechanism: Mechanism, closure: Closure, origin: dict[int, np.ndarray], gains) -> Iterable[Any]:

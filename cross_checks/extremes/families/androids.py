@@ -1,4 +1,4 @@
-"""The crash android: ever harder pulses, stiffer belts, none of them, and ever heavier or lighter occupants."""
+"""The crash android under harder pulses, with stiffer belts or none, and with heavier or lighter occupants."""
 
 from typing import Any
 
@@ -39,12 +39,6 @@ def _places(equations: Formulation, times: np.ndarray, tolerance: float) -> np.n
     return np.array([equations.poses(t, y)[0] for t, y in zip(every, states, strict=True) if t in times])
 
 
-def _restrained(kind: float) -> Case:
-    if kind == 2:
-        return _android(belts=False, impact="rear")
-    return _android(belts=kind == 0)
-
-
 def _scaled(body: PlanarBody, factor: float) -> PlanarBody:
     return body.model_copy(update={"mass": factor * body.mass, "inertia": factor * body.inertia})
 
@@ -60,6 +54,6 @@ def _massive(factor: float) -> Case:
 CASES = {
     "android-pulse": lambda force: _android(peak_force=force),
     "android-belts": lambda factor: _android(belt_stiffness=factor),
-    "android-loose": _restrained,
+    "android-loose": lambda kind: _android(belts=kind == 0, impact="rear" if kind == 2 else "front"),
     "android-mass": _massive,
 }

@@ -1,9 +1,10 @@
 """One statistical model of convergence: every verdict, observed order and choice of a next setting queries it."""
 
-import json
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from mbs_ref.files import package_data
 
 FILE = Path(__file__).with_name("calibration.json")
 
@@ -14,4 +15,4 @@ def calibration() -> dict[str, Any]:
 
     `python -m tests.cross_checks.convergence.searched --write` measures them.
     """
-    return json.loads(FILE.read_text(encoding="utf-8"))
+    return package_data(__name__, FILE.name)

@@ -219,12 +219,10 @@ def assumptions(posed: Posed, locked: list[str]) -> Iterator[str]:
     balls = [posed.name(body) for body in posed.moving if len(posed.joints_of(body)) == 3]
     welded = [model.body(b).name or str(b) for b in range(1, model.nbody) if model.body_weldid[b] != b]
     yield "shapes do not collide, and no actuator acts"
-    if limited:
-        yield f"no limits of place or effort: {', '.join(limited)} have some in the file"
-    if balls:
-        yield f"three hinges are taken as the ball that they make away from gimbal lock: {', '.join(balls)}"
-    if welded:
-        yield f"fixed to the bodies that carry them: {', '.join(welded)}"
-    if locked:
-        yield f"locked in their zero pose: {', '.join(locked)}"
+    named = {
+        "no limits of place or effort: {} have some in the file": limited,
+        "three hinges are taken as the ball that they make away from gimbal lock: {}": balls,
+        "fixed to the bodies that carry them: {}": welded, "locked in their zero pose: {}": locked,
+    }  # fmt: skip
+    yield from (text.format(", ".join(names)) for text, names in named.items() if names)
     yield from (f"left out: {text}" for word, text in _beyond(posed) if word in posed.ignored)

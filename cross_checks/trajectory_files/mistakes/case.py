@@ -54,10 +54,6 @@ class Case:
         return simulate(self.scene, RERUN).rhs_calls * len(self.scene.bodies)
 
     @property
-    def planar(self) -> bool:
-        return self.scene.dimension == 2
-
-    @property
     def comparable_turns(self) -> bool:
         """Whether both sides count orientations alike; a truth of particles has none."""
         return self.truth.orientation.ndim == self.path.orientation.ndim
@@ -66,7 +62,7 @@ class Case:
     def gaps(self) -> np.ndarray:
         """The differences from the truth (n,), of the scene's scales; 0 where they are unknown."""
         path, truth = self.path, self.truth
-        turns = turn_between(path.orientation, truth.orientation, not self.planar)
+        turns = turn_between(path.orientation, truth.orientation, not self.scene.planar)
         rates = ((path.velocity, truth.velocity), (path.angular_velocity, truth.angular_velocity))
         others = [np.zeros(0) if b is None or a.ndim != b.ndim else a - b for a, b in rates]
         every = (path.position - truth.position, np.zeros(0) if turns is None else turns, *others)

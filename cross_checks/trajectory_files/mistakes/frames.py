@@ -67,7 +67,7 @@ def signs(case: Case) -> Iterator[Hypothesis]:
     for k, axis in enumerate("xyz"[: case.scene.dimension]):
         for words, parts in groups.items():
             yield Hypothesis(partial(_mirrored, parts, k), lambda x, said=f"{words} along {axis}": said)
-    if case.planar:
+    if case.scene.planar:
         said = "orientation and angular velocity count the other way round"
         yield Hypothesis(partial(_mirrored, ("orientation", "angular_velocity"), 0), lambda x: said)
 
@@ -77,7 +77,7 @@ def _mirrored(parts: tuple[str, ...], axis: int, case: Case, x: np.ndarray) -> C
     mirror = np.ones(case.scene.dimension)
     mirror[axis] = -1.0
     turned = {"position": mirror, "velocity": mirror, "orientation": -1.0, "angular_velocity": -1.0}
-    if not case.planar:
+    if not case.scene.planar:
         axial = -mirror if len(parts) > 1 else mirror
         turned |= {"orientation": np.append(1.0, axial), "angular_velocity": axial}
     changed = {part: getattr(case.path, part) * turned[part] for part in parts}
@@ -104,12 +104,12 @@ NONE = 1e-9  # rad, or of the scene's length: a smaller turn or offset is none
 def frames(case: Case) -> Iterator[Hypothesis]:
     """Yield frames and points other than those that are stated, whose place is fitted."""
     d, bodies = case.scene.dimension, len(case.scene.bodies)
-    turns = 1 if case.planar else 3  # numbers of a rotation vector
+    turns = 1 if case.scene.planar else 3  # numbers of a rotation vector
     units = np.append(np.ones(turns), np.full(d, scales_of(case.scene).length))
     quarters = (0.0, 0.5 * np.pi, np.pi)
     world = tuple(tuple(q * np.eye(turns + d)[k]) for k in range(turns) for q in quarters[(k > 0) :])
     yield Hypothesis(_turned_world, lambda x: _world(x, units), world, True, lambda x: _small(x / units))
-    if not case.planar:
+    if not case.scene.planar:
         still = ((0.0, 0.0, 0.0),)
         yield Hypothesis(_turning_world, _turning, still, True, lambda x: _small(x * case.scene.duration))
     if not case.comparable_turns:
@@ -174,7 +174,7 @@ def _turning(spin: np.ndarray) -> str:
 def _turned_bodies(case: Case, x: np.ndarray) -> Case:
     """Turn back the axes that the file has for each body."""
     path = case.path
-    if case.planar:
+    if case.scene.planar:
         return replace(case, path=replace(path, orientation=path.orientation - x))
     turns = Rotation.from_rotvec(-x.reshape(-1, 3)).as_quat(scalar_first=True)
     return replace(case, path=replace(path, orientation=product(path.orientation, turns)))
@@ -194,13 +194,14 @@ def _other_points(case: Case, x: np.ndarray, rates: bool) -> Case:
     """Subtract the arms (m, body axes) from the centres of mass to the points whose positions the file has."""
     arms, spin, path = x.reshape(len(case.scene.bodies), -1), case.truth.angular_velocity, case.path
     turns, velocity = case.truth.orientation, path.velocity
-    if case.planar:
+    if case.scene.planar:
         c, s = np.cos(turns), np.sin(turns)
         away = np.stack([c * arms[:, 0] - s * arms[:, 1], s * arms[:, 0] + c * arms[:, 1]], axis=-1)
     else:
         away = (rotation_matrices(turns) @ arms[:, :, None])[..., 0]
     if rates and spin is not None:
-        across = spin[..., None] * np.stack([-away[..., 1], away[..., 0]], -1) if case.planar else np.cross(spin, away)
+        turned = np.stack([-away[..., 1], away[..., 0]], -1)
+        across = spin[..., None] * turned if case.scene.planar else np.cross(spin, away)
         velocity = velocity - across
     return replace(case, path=replace(path, position=path.position - away, velocity=velocity))
 

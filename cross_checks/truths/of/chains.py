@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths.made_by import agree
-from cross_checks.truths.made_by.mechanisms import rod_chain, spherical_tree
+from cross_checks.truths.made_by.mechanisms import spherical_tree
 from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
-from cross_checks.truths.made_by.mechanisms.rod_chain import Rods
+from cross_checks.truths.made_by.mechanisms.rod_chain import EXTENDED_UP_TO, Rods, hamilton, lagrange
 from cross_checks.truths.truth import NoTruth, Truth, in_space
 from mbs_ref import scenes
 from mbs_ref.scene import CoordinateDrive, Scene
@@ -35,9 +35,9 @@ def rods_of(scene: Scene, length: np.ndarray) -> Rods:
 
 def released(rods: Rods, times: np.ndarray) -> Truth:
     """Return the truth of rods released from rest."""
-    extended = len(rods.length) <= rod_chain.EXTENDED_UP_TO
+    extended = len(rods.length) <= EXTENDED_UP_TO
     how = f"Hamilton's equations in absolute angles by extrapolation in {PRECISION[extended]} precision"
-    both = rod_chain.lagrange(rods), rod_chain.hamilton(rods)
+    both = lagrange(rods), hamilton(rods)
     return agree(*both, times, ("Lagrange's by DOP853", how), extended=extended)
 
 

@@ -15,9 +15,9 @@ from cross_checks.truths.proofs.checker.formulas import Refused
 from cross_checks.truths.proofs.checker.proof import check
 from cross_checks.truths.proofs.derivation import NotCovered
 from cross_checks.truths.proofs.integrate import prove
-from cross_checks.truths.proofs.log import read_log, write_log
 from cross_checks.truths.truth import NoTruth, Truth, unturned
 from mbs_ref import Scene, scenes
+from mbs_ref.files import write_atomic
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene.euler_parameters import product
 
@@ -78,7 +78,7 @@ def as_truth(scene: Scene, enclosures: Enclosures, digest: str = "") -> Truth:
     count, dimension = len(enclosures), scene.dimension
     position, velocity = np.zeros((2, count, len(scene.bodies), dimension))
     orientation = unturned(position)
-    spin = np.zeros((count, len(scene.bodies), *((3,) if dimension == 3 else ())))
+    spin = np.zeros((count, len(scene.bodies), *np.shape(scene.world.still)))
     bodies: tuple[Any, ...] = scene.bodies
     for j, body in enumerate(bodies):
         own = np.array([[float(x.mid()) for x in at[j]] for at in enclosures])
@@ -112,3 +112,21 @@ def kept(folder: Path) -> list[tuple[Scene, np.ndarray, float]]:
     """Return the scenes whose logs a folder keeps, with the times (s) and the radius of each log."""
     found = map(read_log, sorted(folder.glob(f"*{SUFFIX}")))
     return [(Scene.model_validate(log["scene"]), np.array(log["times"]), log["radius"]) for log in found]
+
+
+def write_log(log: dict[str, Any], file: Path) -> int:
+    """Write a log; return its bytes."""
+    data = gzip.compress(json.dumps(log, separators=(",", ":")).encode(), mtime=0)
+    write_atomic(file, data)
+    return len(data)
+
+
+def read_log(file: Path) -> dict[str, Any]:
+    """Return the log in a file. Refused where it holds none."""
+    try:
+        log = json.loads(gzip.decompress(file.read_bytes()))
+    except (OSError, EOFError, ValueError) as error:
+        raise Refused(f"{file} holds no log: {error}") from error
+    if not isinstance(log, dict):
+        raise Refused(f"{file} holds no log")
+    return log

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.truths.proofs import kinematics
 from cross_checks.truths.proofs.family import Varied
-from cross_checks.truths.proofs.kinematics import Frame, Unknowns
+from cross_checks.truths.proofs.kinematics import Frame, Unknowns, ground
 from cross_checks.truths.proofs.tape import Formula, Tape, Vector
 from mbs_ref.scene import GROUND
 
@@ -51,7 +50,7 @@ class Derivation:
     def __post_init__(self) -> None:
         self.unknowns = Unknowns(self.tape)
         self.bodies = {body.name: body for body in self.scene.bodies}
-        self.frames[GROUND] = kinematics.ground(self.tape)
+        self.frames[GROUND] = ground(self.tape)
         self.clock: int | None = None  # the coordinate that is time, where a signal needs it
         self.free: int | None = None  # the coordinate that is the parameter of a family
 

@@ -142,7 +142,6 @@ class Integrator:
     stabilizations: tuple[str, ...] = ("none", "baumgarte", "projection")  # allowed
     ladder: tuple[float, ...] = ()  # steps (s) or rtols for sweeps, coarse to fine
     source: str = ""
-    keeps_constraints: bool = False  # the method imposes C = 0 itself
     requires: frozenset[str] = frozenset()  # traits the scene must have: the cores that answer what the method asks
     locates_events: bool = True  # touch-down, lift-off and slip are located; else contact forces are merely clipped
     stability: tuple[float, ...] = ()  # explicit methods: coefficients of R(z), lowest power first
@@ -159,12 +158,6 @@ class Integrator:
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 
-def finish_leg(code: int, states: np.ndarray, compliance: np.ndarray, run: Progress) -> Leg:
-    """Turn a compiled loop's code into a leg with a sentence."""
-    status, words = ENDS[code]
-    return Leg(states, compliance, int(run.next_output), status, words and f"at t = {run.t:.9g} s {words}")
-
-
 def run_chunks(
     chunk: Callable[[Outputs], int], options: Options, run: Progress, y: np.ndarray, times: np.ndarray
 ) -> Leg:
@@ -178,4 +171,6 @@ def run_chunks(
         code = chunk(outputs)
         if code == RUNNING and pace.is_hopeless(float(run.t), int(run.steps)):
             code = STALLED
-    return finish_leg(code, outputs.states, outputs.compliance, run)
+    status, words = ENDS[code]
+    sentence = words and f"at t = {run.t:.9g} s {words}"
+    return Leg(outputs.states, outputs.compliance, int(run.next_output), status, sentence)

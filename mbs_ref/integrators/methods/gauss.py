@@ -96,7 +96,7 @@ def touching(radius, y, n):
 
 @bare
 def _extrapolate(g, ratio, lanes):
-    """Predict the stage accelerations from the polynomial through the last step's (barycentric form)."""
+    """Predict the stage accelerations: extrapolate the polynomial through those of the last step (barycentric form)."""
     table, total, f = lanes.table, lanes.lines[0], in_lanes(lanes.acceleration)
     for i in range(STAGES):
         total[i] = 0.0

@@ -262,7 +262,6 @@ METHOD = leg.Integrator(
     stabilizations=("none", "projection"),
     ladder=(2e-2, 1e-2, 5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
     source="Arnold and Bruls 2007; Chung and Hulbert 1993",
-    keeps_constraints=True,
     holds_deflections=False,
     needs_positions=True,
     cores=("planar", "spatial"),

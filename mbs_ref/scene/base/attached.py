@@ -1,7 +1,7 @@
 """A part that acts on bodies, and what makes no sense in a scene as a whole: names that clash, misplaced parts."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, ClassVar
 
@@ -126,7 +126,9 @@ def _missing_bodies(part: Attached, bodies: Mapping[str, Body]) -> Iterator[str]
     for field in (*fields_of(type(part), Role.BODY), *ends):
         name = getattr(part, field)
         if name not in bodies and not (field in ends and name == GROUND):
-            yield f"{field} = {name!r} is no body of the scene; {_listing(bodies, ground=field in ends)}"
+            shown, ground = sorted(bodies), ", and ground" if field in ends else ""
+            listed = f"{', '.join(shown[:MOST_LISTED])}{' ...' if len(shown) > MOST_LISTED else ''}{ground}"
+            yield f"{field} = {name!r} is no body of the scene; the bodies are {listed}"
     if len(ends) == 2 and part.ends[0] == part.ends[1]:
         yield f"body_a and body_b are both {part.ends[0]!r}; they must differ"
 
@@ -154,9 +156,3 @@ def _particle_complaints(part: Attached, bodies: Mapping[str, Body], dimension: 
             yield f"{field} = {body.name!r} is a point mass {reason}"
         elif point and math.dist(point, body.position) > _AT_ITS_PLACE * max(1.0, *map(abs, body.position)):
             yield f"{field} = {body.name!r} is a point mass at {body.position}, but it is attached at {point}"
-
-
-def _listing(names: Iterable[str], ground: bool) -> str:
-    shown = sorted(names)
-    listed = f"the bodies are {', '.join(shown[:MOST_LISTED])}{' ...' if len(shown) > MOST_LISTED else ''}"
-    return f"{listed}, and ground" if ground else listed

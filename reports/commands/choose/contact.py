@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from reports import inputs
-from reports.terminal.console import EngineAbsent, NothingSelected, complain, echo_json, progress, show_table
+from reports.terminal.console import (
+    EngineAbsent,
+    NothingSelected,
+    complain,
+    echo_json,
+    progress,
+    reported_as,
+    show_table,
+)  # fmt: skip
 
 if TYPE_CHECKING:
     from cross_checks.contact.request import ContactModel
@@ -62,10 +70,8 @@ def command(
     from cross_checks import contact
     from cross_checks.contact import by_figure
 
-    try:
+    with reported_as(click.UsageError, ValueError):
         present, absent = contact.models(chosen or contact.ENGINES)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
     if absent and (chosen or not present):
         raise EngineAbsent("; ".join(absent))
     if bool(figures) + bool(holding or instant) + bool(tosses is not None or folder) > 1:
@@ -99,10 +105,8 @@ def _translate(models: dict[str, ContactModel], request: dict[str, float | None]
 
     if missing := [f"--{name}" for name, value in request.items() if value is None]:
         raise click.UsageError(f"{', '.join(missing)} must be given")
-    try:
+    with reported_as(click.UsageError, ValueError):
         requested = Request(**request)  # type: ignore[arg-type]
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
     for name, model in models.items():
         translation = model.translate(requested)
         rows = [one._asdict() for one in measured(model, requested, translation)]
@@ -122,11 +126,9 @@ def _violations(models: dict[str, ContactModel], cases: list[Scene], at: float, 
         raise click.UsageError(f"--instant takes one scene, --scene SCENE; {len(cases)} are chosen")
     if not (at >= 0.0 and math.isfinite(at)):
         raise click.UsageError(f"--at {at:g}: must be at least 0")
-    try:
+    with reported_as(click.UsageError, ValueError, OSError, ModuleNotFoundError):
         problem = instant.instant(instant.state_at(cases[0], at), step)
         instant.write(problem, path)
-    except (ValueError, OSError, ModuleNotFoundError) as error:
-        raise click.UsageError(str(error)) from error
     return instant.assess(problem, models.values())
 
 
@@ -136,12 +138,9 @@ def _predictions(
     """Yield the predictions of every toss, or their medians by model."""
     from cross_checks.contact import tosses
 
-    try:
-        with progress("tosses") as report:
-            predicted = tosses.predict(tosses.stored(folder), models, step, sample, report)
-            yield from predicted if each else tosses.summaries(predicted, random=sample > 0)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
+    with reported_as(click.UsageError, ValueError), progress("tosses") as report:
+        predicted = tosses.predict(tosses.stored(folder), models, step, sample, report)
+        yield from predicted if each else tosses.summaries(predicted, random=sample > 0)
 
 
 def _print(results: Iterable[Any], as_json: bool) -> None:
@@ -149,7 +148,7 @@ def _print(results: Iterable[Any], as_json: bool) -> None:
     rows = map(asdict, results)
     first = next(rows, None)
     if first is None:
-        raise NothingSelected("nothing here can be compared")
+        raise NothingSelected("the selected scenes and engines have no figures to compare")
     if not as_json:
         return _show("", [first, *rows])
     for row in chain((first,), rows):

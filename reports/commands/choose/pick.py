@@ -104,8 +104,7 @@ def _swept(scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bou
 
 def _pick_model(scene: str, parameters: tuple[str, ...], error: str, as_json: bool) -> None:
     """Print the least model of the scene's family that reaches the error."""
-    from reports.studies.models import families, of_family
-    from reports.studies.models.choice import choose
+    from reports.studies.models import choose, families, of_family
 
     ladder = None if parameters else of_family(scene)
     if ladder is None:

@@ -6,7 +6,7 @@ import click
 
 from cross_checks.records.numbers import setting
 from cross_checks.records.record import Record
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from reports import inputs
 from reports.query import SCHEDULER, STORE, sweep_records
 from reports.terminal.console import NothingSelected, echo_json, number, show_table

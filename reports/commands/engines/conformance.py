@@ -44,7 +44,7 @@ def command(engine: str, file: Path | None, badge: Path | None, timeout: float |
         badge.write_text(json.dumps(_badge(report)))
     _show(report)
     if not report.conforms:
-        raise Failed(f"{engine} does not conform")
+        raise Failed(f"{engine} fails the examination; the lines above that begin with FAILED state why")
 
 
 def _progress(text: str) -> None:

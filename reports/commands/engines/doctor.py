@@ -11,7 +11,7 @@ from cross_checks.isolation.environments import home_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import inputs
 from reports.facts.environment import engine_versions, package_version
-from reports.terminal.console import Failed, echo_json, number, show_table
+from reports.terminal.console import Failed, answer, number, show_table
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
 LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: two digits of room
@@ -30,10 +30,7 @@ def command(as_json: bool) -> None:
         "numba_cache": {"folder": str(cache), "writable": os.access(cache, os.W_OK)},
         "sanity": _sanity(),
     }
-    if as_json:
-        echo_json(result)
-    else:
-        _show(result)
+    answer(result, None, as_json, _show)
     if not result["sanity"]["ok"]:
         raise Failed(f"the pendulum came out wrong: {result['sanity']['message']}")
 

@@ -8,10 +8,9 @@ import click
 
 from cross_checks import engines
 from cross_checks.isolation import environments
-from cross_checks.judge.capabilities import capabilities
+from cross_checks.judge.capabilities import capabilities, tables
 from reports import inputs
-from reports.facts.capability_tables import tables
-from reports.terminal.console import Failed, echo_json, show_table
+from reports.terminal.console import Failed, echo_json, reported_as, show_table
 
 EXTRA = re.compile(r"^(?P<what>[^;]+);.*extra == [\"'](?P<extra>[\w-]+)[\"']")
 OF_ALL = "engines"  # the extra of the engines that are usual
@@ -54,10 +53,8 @@ def install(name: str, into: Path | None, over: bool, more: tuple[str, ...]) -> 
         raise click.UsageError(f"--into {into} is a folder with other things in it; name an empty one, or none")
     wanted = [*([] if over else [_ourselves()]), *_requirements(name), *more]
     click.echo(f"installing {', '.join(wanted) or 'nothing'}", err=True)
-    try:
+    with reported_as(Failed, environments.NotMade):
         home = environments.make(name, wanted, into, over=over)
-    except environments.NotMade as error:
-        raise Failed(str(error)) from error
     try:
         result = engines.get(name).version()
     except engines.EngineMissing as error:

@@ -7,7 +7,7 @@ import click
 from cross_checks.robots import RobotError
 from cross_checks.robots.parity import Difference, Dynamics, Parity, parity
 from reports import inputs
-from reports.terminal.console import Failed, NothingSelected, echo_json, number, show_table
+from reports.terminal.console import Failed, NothingSelected, answer, number, reported_as, show_table
 
 
 @click.command(name="parity", epilog="Example: mbs-ref parity ur5.urdf --poses 5")
@@ -22,14 +22,10 @@ def command(file: Path, poses: int, seed: int, as_json: bool) -> None:
     Before any integrator runs, parsers may see another robot in the same file, and say nothing. Exit code 1 where they
     do.
     """
-    try:
+    with reported_as(click.UsageError, RobotError):
         result = parity(file, poses, seed)
-    except RobotError as error:
-        raise click.UsageError(str(error)) from error
-    if as_json:
-        echo_json(result._asdict() | {"differences": [one._asdict() for one in result.differences]})
-    else:
-        _show(result)
+    facts = result._asdict() | {"differences": [one._asdict() for one in result.differences]}
+    answer(facts, None, as_json, lambda _: _show(result))
     if len(result.read) < 2:
         raise NothingSelected(f"fewer than two readers read {file}")
     if result.differences:

@@ -6,16 +6,15 @@ from typing import Any
 import click
 
 from reports import inputs
-from reports.terminal import console
-from reports.terminal.console import Failed, progress, show_table
+from reports.terminal.console import ONLY, Failed, answer, named, progress, show_table, table_file
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 
 
 @click.command(name="repeatability", epilog="Example: mbs-ref repeatability")
 @inputs.ENGINES
-@console.ONLY
-@console.table_file("repeatability")
+@ONLY
+@table_file("repeatability")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
     """Repeat runs in several ways and compare their bits.
@@ -27,11 +26,11 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     from cross_checks.conformance import repeatability
     from cross_checks.conformance.cases import BLAS, cases
 
-    wanted = console.named(cases(inputs.engine_names(chosen), BLAS), only)
+    wanted = named(cases(inputs.engine_names(chosen), BLAS), only)
     with progress("repeatability") as report:
         result = repeatability.measured(wanted, report)
     facts = {"methods": repeatability.by_method(result), "runs": result}
-    console.answer(facts, target, as_json, _show)
+    answer(facts, target, as_json, _show)
     ours = [one for one in result if one["engine"] == "mbs_ref" and any(one["differs"].get(x) for x in SAME_MACHINE)]
     if ours:
         raise Failed("mbs_ref gives other bits: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))

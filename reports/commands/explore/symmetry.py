@@ -6,14 +6,13 @@ from typing import Any
 import click
 
 from reports import inputs
-from reports.terminal import console
-from reports.terminal.console import Failed, interruptible, progress, show_table
+from reports.terminal.console import ONLY, Failed, answer, interruptible, named, progress, show_table, table_file
 
 
 @click.command(name="symmetry", epilog="Example: mbs-ref symmetry")
 @inputs.ENGINES
-@console.ONLY
-@console.table_file("symmetry")
+@ONLY
+@table_file("symmetry")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_json: bool) -> None:
     """Transform scenes; the motions must follow.
@@ -26,14 +25,14 @@ def command(chosen: tuple[str, ...], only: str | None, target: Path | None, as_j
     from cross_checks.conformance.symmetry import by_method, isolated
     from cross_checks.isolation.parent import Isolated
 
-    wanted = console.named(cases(inputs.engine_names(chosen)), only)
+    wanted = named(cases(inputs.engine_names(chosen)), only)
     result: list[dict[str, Any]] = []
     with interruptible(lambda: f"{len(result)} cases"), progress("symmetry") as report, Isolated() as call:
         for case in wanted:
             report(len(result), len(wanted), case.name)
             result.append(isolated(case, call))
     facts = {"methods": by_method(result), "cases": result}
-    console.answer(facts, target, as_json, _show)
+    answer(facts, target, as_json, _show)
     ours = [one for one in result if one["engine"] == "mbs_ref" and any(x["exceeds_error"] for x in one["broken"])]
     if ours:
         raise Failed("mbs_ref breaks a symmetry: " + ", ".join(f"{one['method']} on {one['scene']}" for one in ours))

@@ -11,7 +11,7 @@ from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import Scene, scenes
 from reports import inputs
-from reports.terminal.console import Failed, NothingSelected, echo_json, number, progress, show_table
+from reports.terminal.console import Failed, NothingSelected, answer, number, progress, show_table
 
 
 @click.command(name="certify", epilog="Example: mbs-ref certify pendulum_chain -p links=10")
@@ -30,10 +30,7 @@ def command(scene: str | None, parameters: tuple[str, ...], write: bool, as_json
         for done, built in enumerate(chosen):
             report(done, len(chosen), built.name)
             rows.append(_examined(built, write))
-    if as_json:
-        echo_json(rows)
-    else:
-        _show(rows)
+    answer(rows, None, as_json, _show)
     if all(row["verdict"] == "no truth" for row in rows):
         raise NothingSelected("no truth is known of the scenes requested")
     departed = [row["file"] for row in rows if row["verdict"] == "departs"]

@@ -13,7 +13,8 @@ from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from reports import inputs
 from reports.query import SCHEDULER, STORE, open_runs, reporting
-from reports.terminal.console import Failed, Incomplete, NothingSelected, echo_json, number, progress, show_table
+from reports.terminal import console
+from reports.terminal.console import Failed, Incomplete, NothingSelected, number, progress, show_table
 
 MOST_REASONS = 5  # printed where nothing runs
 
@@ -57,10 +58,8 @@ def command(
         interrupted = True
     best = [known[question] for question in wanted if question in known]
     cells = [answer.cell for answer in best]
-    if as_json:
-        echo_json([answer.cell.to_dict() | {"settled": answer.is_settled} for answer in best])
-    else:
-        _show(cells)
+    facts = [answer.cell.to_dict() | {"settled": answer.is_settled} for answer in best]
+    console.answer(facts, None, as_json, lambda _: _show(cells))
     if interrupted:
         settled = sum(answer.is_settled for answer in best)
         raise Incomplete(f"interrupted after {settled} of {len(wanted)} cells. {_best(best)}")

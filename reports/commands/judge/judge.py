@@ -8,7 +8,7 @@ from cross_checks import metrics
 from cross_checks.records.plots.plot import FLOOR, new_figure
 from cross_checks.trajectory_files.judgement import Judgement
 from mbs_ref import Scene
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from reports import inputs
 from reports.query import STORE, open_runs
 from reports.terminal import console
@@ -55,7 +55,7 @@ def command(
         chosen = chosen.model_copy(update={"duration": t_end})
     limit = inputs.relative_error(wanted, chosen)
     drawing = inputs.output(plot, (".html",))
-    try:
+    with console.reported_as(click.UsageError, FileError):
         if write_map is not None:
             return _begin_map(Path(file), chosen, write_map)
         with open_runs([chosen], store) as runs, console.progress(f"reading rows of {file}") as report:
@@ -67,8 +67,6 @@ def command(
                 files = (Path(file), map_file), (Path(against), against_map or map_file)
                 ours, theirs = in_common(chosen, files, report)
                 result = judgement(chosen, *as_truth(chosen, ours, theirs, Path(against).name), limit)
-    except FileError as error:
-        raise click.UsageError(str(error)) from error
     if drawing is not None:
         _draw(result, drawing)
     _answer(result, as_json)
@@ -89,10 +87,7 @@ def _begin_map(file: Path, scene: Scene, target: str) -> None:
 
 
 def _answer(result: Judgement, as_json: bool) -> None:
-    if as_json:
-        console.echo_json(result.to_dict())
-    else:
-        _show(result)
+    console.answer(result.to_dict(), None, as_json, lambda _: _show(result))
     if result.verdict == "departs":
         raise console.Failed(f"{result.verdict}: {result.reason}")
     if result.verdict == "not-judged":

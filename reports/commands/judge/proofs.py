@@ -10,7 +10,7 @@ from mbs_ref.scene.scales import scales_of
 from reports import inputs
 from reports.commands.judge.certify import every_truth
 from reports.commands.judge.prove import LIMIT, RADIUS, bound, need_flint
-from reports.terminal.console import Failed, echo_json, number, progress, show_table
+from reports.terminal.console import Failed, echo_json, number, progress, reported_as, show_table
 
 NUMBERS = ("t_end", "reached", "radius", "steps", "prover_s", "checker_s", "log_bytes")
 COLUMNS = (*NUMBERS, "distance", "turned", "uncertainty")
@@ -44,13 +44,11 @@ def command(
     from cross_checks.truths.proofs.checker.formulas import Refused
 
     folder = default_path().parent / "proofs"
-    try:
+    with reported_as(Failed, Refused):
         given = [] if again else _covered() if scene is None else [inputs.scene(scene, parameters)]
         built = given if seed is None else [varied(made, seed) for made in given]
         aims = [(made, ladder.grid(made), radius * max(1.0, scales_of(made).length)) for made in built]
         chosen = inputs.shard(kept(folder) if again else aims, shard)
-    except Refused as error:
-        raise Failed(str(error)) from error
     rows = []
     with progress("prove") as report:
         for done, (made, times, aim) in enumerate(chosen):

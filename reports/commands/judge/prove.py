@@ -2,7 +2,7 @@
 
 import math
 import time
-from functools import partial, reduce
+from functools import reduce
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -53,10 +53,10 @@ def command(
         _check(Path(log_file), as_json)
         return
     assert scene is not None
+    from cross_checks.truths.proofs.certified import write_log
     from cross_checks.truths.proofs.checker.formulas import Refused
     from cross_checks.truths.proofs.derivation import NotCovered
     from cross_checks.truths.proofs.integrate import prove, prove_family
-    from cross_checks.truths.proofs.log import write_log
 
     made = inputs.scene(scene, parameters)
     end = made.duration if t_end is None else t_end
@@ -73,8 +73,10 @@ def command(
             if vary is None:
                 proofs = [prove(made, times, radius, reading, limit, reached)]
             else:
-                member = partial(_member, scene, parameters, name)
-                proofs = prove_family(member, low, high, times, reading, limit, reached)
+                proofs = prove_family(
+                    lambda value: inputs.scene(scene, (*parameters, f"{name}={value!r}")), low, high, times, reading,
+                    limit, reached,
+                )  # fmt: skip
         except NotCovered as error:
             raise NothingSelected(f"{made.name}: no proof covers it: {error}") from error
         except (Refused, ValueError) as error:
@@ -104,10 +106,6 @@ def _interval(text: str) -> tuple[str, float, float]:
     return name, middle - half, middle + half
 
 
-def _member(scene: str, parameters: tuple[str, ...], name: str, value: float) -> Any:
-    return inputs.scene(scene, (*parameters, f"{name}={value!r}"))
-
-
 def _hull(parts: tuple[Any, ...]) -> Any:
     """Return balls that contain those of all parts."""
     if isinstance(parts[0], list):
@@ -122,9 +120,9 @@ def need_flint() -> None:
 
 
 def _check(file: Path, as_json: bool) -> None:
+    from cross_checks.truths.proofs.certified import read_log
     from cross_checks.truths.proofs.checker.formulas import Refused
     from cross_checks.truths.proofs.checker.proof import check
-    from cross_checks.truths.proofs.log import read_log
 
     began = time.process_time()
     try:

@@ -15,7 +15,7 @@ MOST_ABOVE = 10.0  # median of estimate over error
 
 
 @click.command(name="calibrate", epilog="Example: mbs-ref calibrate -n 20")
-@click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Random runs.")
+@click.option("-n", "count", type=click.IntRange(min=1), default=500, show_default=True, help="Number of random runs.")
 @click.option("--first", type=click.IntRange(min=0), default=0, show_default=True, help="The first run's seed.")
 @inputs.SHARD
 @click.option("--keep", type=inputs.NEW_FILE, help="JSON lines: runs that it holds are not repeated, others are added.")
@@ -53,7 +53,10 @@ def command(
         echo_json({"table": rows, "runs": [calibration.to_dict(one) for one in result]})
     else:
         _show(rows)
-        _show_below(below)
+        if below:
+            head = ("seed", "scene", "method", "setting", "error", "estimate")
+            rows_below = ((o.seed, o.scene, o.method, o.setting, number(o.error), number(o.estimate)) for o in below)
+            show_table("\nAbove their estimate", head, rows_below)
     _judge(rows[0])
 
 
@@ -72,10 +75,3 @@ def _show(rows: list[dict[str, Any]]) -> None:
     keys = ("overestimate_1", "overestimate_median", "overestimate_90", "cost_median")
     shown = ([*(row[word] for word in words), *(number(row[key]) for key in keys)] for row in rows)
     show_table("Estimate over error", (*words[:3], "above their estimate", *over, "cost, loops"), shown)
-
-
-def _show_below(result: list[Any]) -> None:
-    if not result:
-        return
-    rows = ((o.seed, o.scene, o.method, o.setting, number(o.error), number(o.estimate)) for o in result)
-    show_table("\nAbove their estimate", ("seed", "scene", "method", "setting", "error", "estimate"), rows)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.option("--only", metavar="TEXT", default="", help="Only the cases whose name holds this.")
 @click.option("--slowed", type=click.FloatRange(0.0, 1000.0), metavar="PERCENT",
               help="Take as B a copy of this tree whose planar kernel is slower on the first case.")  # fmt: skip
-@click.option("--rates", is_flag=True, help="Time single right-hand sides instead, in turns; no verdict.")
+@click.option("--rates", is_flag=True, help="Time right-hand sides instead, A and B in turns, without a verdict.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(baseline: str, current: str, only: str, slowed: float | None, rates: bool, as_json: bool) -> None:
     """Time version B against version A at equal error. Both run in this one job.
@@ -83,10 +83,8 @@ def findings_of(
             sentence = f"B takes {share:.1%} longer on {cases[0].name}, by {turns} square roots a right-hand side"
             click.echo(sentence, err=True)
         report = stack.enter_context(console.progress(title))
-        try:
-            return list(regression.regressions(before, after, cases, report))
-        except ValueError as error:
-            raise click.UsageError(str(error)) from error
+        stack.enter_context(console.reported_as(click.UsageError, ValueError))
+        return list(regression.regressions(before, after, cases, report))
 
 
 def end(findings: "Sequence[Finding]", worse: int = 0) -> None:

@@ -9,7 +9,7 @@ from benchmarks import history
 from benchmarks.history import Entry
 from cross_checks.records import lines
 from cross_checks.records.plots.plot import new_figure
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from reports import inputs
 from reports.terminal.console import NothingSelected, complain, echo_json, number, show_table
 

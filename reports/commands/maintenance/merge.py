@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from cross_checks.records.store import Store, default_path
+from cross_checks.records.store import Store
 from reports import inputs
-from reports.query import STORE
+from reports.query import STORE, store_path
 
 
 @click.command(name="merge", epilog="Example: mbs-ref merge part-1.sqlite part-2.sqlite")
@@ -14,6 +14,6 @@ from reports.query import STORE
 @STORE
 def command(others: tuple[Path, ...], store: str | None) -> None:
     """Add the runs of other stores to the store. They are of shards or other machines."""
-    with Store(Path(store) if store else default_path()) as stored:
+    with Store(store_path(store)) as stored:
         added = sum(stored.merge(other) for other in others)
         click.echo(f"{added} runs added; {stored.path} holds {len(stored)}")

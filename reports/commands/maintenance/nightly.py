@@ -3,10 +3,8 @@
 import json
 import platform
 import shutil
-import tomllib
 import uuid
 from datetime import UTC, datetime
-from importlib.resources import files
 from pathlib import Path
 
 import click
@@ -17,6 +15,7 @@ from benchmarks.record_changes import Move
 from benchmarks.trees import regression
 from cross_checks.records import lines as record_file
 from mbs_ref import scenes
+from mbs_ref.files import package_data
 from reports import inputs
 from reports.commands.maintenance.compare import end, findings_of
 from reports.commands.maintenance.history import write_trends
@@ -24,7 +23,7 @@ from reports.facts.environment import environment
 from reports.query import sweep_records
 from reports.terminal.console import NothingSelected, complain
 
-SWEPT = tomllib.loads((files("reports") / "scenes.toml").read_text(encoding="utf-8"))["nightly"]
+SWEPT = package_data("reports", "scenes.toml")["nightly"]
 ERROR = 1e-6  # of the scene, at which the cheapest loop times are followed
 Where = tuple[str, str, str, str]  # job, time, commit, machine
 
@@ -87,7 +86,7 @@ def _sweep(folder: Path, only: str, where: Where) -> tuple[list[Entry], list[rec
 
 
 def _report_history(file: Path, trends: Path | None) -> None:
-    """Print which series reached a new level these nights, and draw them all."""
+    """Print the series whose level changed in the last nights, and draw all series."""
     entries, problems = record_file.read(file, Entry)
     complain(problems)
     result = history.series(entries)

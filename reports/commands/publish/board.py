@@ -12,7 +12,7 @@ import click
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, WRONG, Cell
 from cross_checks.records.numbers import short
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from reports import inputs
 from reports.commands.publish.show import last_report
 from reports.facts.cheapest import standings

@@ -16,7 +16,7 @@ from reports import inputs
 from reports.query import isolated
 from reports.studies.study import every as studies
 from reports.studies.study import measure
-from reports.terminal.console import Failed, echo_json, number, show_table
+from reports.terminal.console import Failed, answer, echo_json, number, show_table
 
 
 @click.command(name="rerun", epilog="Example: mbs-ref rerun pendulum_chain,links=3/mujoco/rk4")
@@ -61,10 +61,7 @@ def _judge(cell: str, as_json: bool) -> None:
     with isolated((scene,)) as call:
         runs = Runs(Store(), call)
         results, _ = judged(runs, scene, engine, chosen, truth_of(runs, scene))
-    if as_json:
-        echo_json(results.to_dict())
-    else:
-        _tables(results)
+    answer(results.to_dict(), None, as_json, lambda _: _tables(results))
     if results.is_wrong:
         raise Failed(f"{cell}: {results.verdict}")
 

@@ -7,9 +7,9 @@ import click
 
 from cross_checks import writers
 from cross_checks.engines import EngineMissing
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed
+from reports.terminal.console import EngineAbsent, Failed, reported_as
 
 
 @click.command(name="write", epilog="Example: mbs-ref write n_four_bar --as exudyn -o loops.py")
@@ -35,7 +35,12 @@ def command(
     """
     target = None if output is None else inputs.output(output, (_form(form).suffix,))
     chosen = inputs.scene(scene, parameters, keep_rates)
-    text = _written(chosen, form, inputs.settings(**options))
+    settings = inputs.settings(**options)
+    with (
+        reported_as(click.UsageError, ValueError), reported_as(Failed, writers.NotWritable),
+        reported_as(EngineAbsent, EngineMissing),
+    ):  # fmt: skip
+        text = writers.write(chosen, _form(form).name, settings)
     if target is None:
         click.echo(text, nl=False)
         return
@@ -48,14 +53,3 @@ def _form(name: str) -> writers.Form:
     if name not in known:
         raise click.UsageError(f"--as {name}: unknown; allowed: {', '.join(known)}")
     return known[name]
-
-
-def _written(scene: Any, form: str, settings: Any) -> str:
-    try:
-        return writers.write(scene, _form(form).name, settings)
-    except EngineMissing as error:
-        raise EngineAbsent(str(error)) from error
-    except writers.NotWritable as error:
-        raise Failed(str(error)) from error
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error

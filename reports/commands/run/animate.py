@@ -6,9 +6,9 @@ import click
 
 from cross_checks.engine import Engine
 from mbs_ref import Scene, Settings, Trajectory
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed, progress
+from reports.terminal.console import EngineAbsent, Failed, progress, reported_as
 
 
 @click.command(name="animate", epilog="Example: mbs-ref animate slider_crank --engine mbs_ref -o crank.gif")
@@ -40,10 +40,8 @@ def command(
 
     from reports.film.files import as_gif, as_mp4, as_page, beside, filmstrip, video_library
 
-    try:
+    with reported_as(EngineAbsent, ImportError):
         library = video_library() if video else None
-    except ImportError as error:
-        raise EngineAbsent(str(error)) from error
 
     with progress(f"animate {built.name}") as report:
         report(0, 3, "runs")
@@ -70,10 +68,8 @@ def _run(solver: Engine, scene: Scene, settings: Settings) -> Trajectory:
     """Return a run that has at least two samples to draw."""
     from mbs_ref.simulate import InconsistentScene
 
-    try:
+    with reported_as(Failed, InconsistentScene):
         path = solver.run(scene, settings)
-    except InconsistentScene as error:
-        raise Failed(str(error)) from error
     if len(path.times) < 2:
         raise Failed(f"nothing to draw: {solver.name}: {path.status}: {path.message}")
     return path

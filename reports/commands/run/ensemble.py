@@ -8,7 +8,7 @@ import click
 import numpy as np
 from rich.table import Table
 
-from mbs_ref.atomic_file import write_atomic
+from mbs_ref.files import write_atomic
 from mbs_ref.simulate.many import ensemble as ensembles
 from mbs_ref.simulate.many.ensemble import Design, Ensemble, Law, Source, Statistics, Variants, coordinates
 from reports import inputs
@@ -16,7 +16,17 @@ from reports.poses_file import FORMATS, write_ensemble
 from reports.query import SCHEDULER, cluster
 from reports.scene_summary import summary
 from reports.shared_ensemble import shared_ensemble
-from reports.terminal.console import Failed, Incomplete, compiling, echo_json, number, progress, show, table
+from reports.terminal.console import (
+    Failed,
+    Incomplete,
+    compiling,
+    echo_json,
+    number,
+    progress,
+    reported_as,
+    show,
+    table,
+)  # fmt: skip
 
 
 @click.command(name="ensemble", epilog="Example: mbs-ref ensemble double_pendulum --vary angle_2=+-5% -n 500")
@@ -54,7 +64,7 @@ def command(
     target, drawn = inputs.output(output, tuple(FORMATS)), inputs.output(plot, (".html",))
     base = inputs.scene(scene, parameters)
     chosen = inputs.settings(**options)
-    try:
+    with reported_as(click.UsageError, ValueError):
         variants, design = _planned(Source(base, inputs.rebuilder(scene, base)), varied, keep_rates, count, seed)
         if not as_json:
             click.echo(summary(base).sentence())
@@ -67,8 +77,6 @@ def command(
                 built = ensembles.run_ensemble(variants, design, chosen, threads, shown)
             else:
                 built = shared_ensemble(variants, design, chosen, call, shown)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
     _write(built, target, drawn)
     if as_json:
         echo_json(ensembles.to_dict(built))
@@ -139,8 +147,7 @@ def end_table(ensemble: Ensemble, result: list[Statistics | None]) -> tuple[Tabl
         listing = table(title, *grids, "body", "", *columns)
     else:
         rows = list(_ends(ensemble, result))
-        listing = table(title, *grids, "body", *(("x, m", "y, m", "z, m")[: ensemble.scene.dimension]),
-                        *(["angle, rad"] if ensemble.scene.dimension == 2 else []))  # fmt: skip
+        listing = table(title, *grids, "body", *dict.fromkeys(f"{x.name}, {x.unit}" for x in coordinates(ensemble)))
     for row in rows[:MOST_ROWS]:
         listing.add_row(*row)
     return listing, max(0, len(rows) - MOST_ROWS)

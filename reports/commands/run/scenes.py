@@ -7,7 +7,7 @@ import click
 from mbs_ref import scenes
 from mbs_ref.scene.toml import SceneFileError, write_scene
 from reports import inputs
-from reports.terminal.console import Failed, echo_json, show_table
+from reports.terminal.console import Failed, echo_json, reported_as, show_table
 
 
 @click.command(name="scenes", epilog="Example: mbs-ref scenes pendulum slider_crank --files scenes")
@@ -25,7 +25,8 @@ def command(
         from reports import scene_file
 
         return echo_json(scene_file.schema()) if form == "schema" else click.echo(scene_file.page(), nl=False)
-    result = [_described(name) for name in names or scenes.names()]
+    with reported_as(click.UsageError, ValueError):
+        result = [scenes.describe(name) for name in names or scenes.names()]
     if parameters and not (folder and len(names) == 1):
         raise click.UsageError("-p belongs to --files and the name of one scene")
     if folder is not None:
@@ -36,13 +37,6 @@ def command(
         return
     rows = ((one.name, " ".join(f"{k}={v}" for k, v in one.parameters.items()), one.summary) for one in result)
     show_table("", ("scene", "parameters (default)", "about"), rows)
-
-
-def _described(name: str):
-    try:
-        return scenes.describe(name)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
 
 
 def _write(names: list[str], parameters: tuple[str, ...], folder: Path) -> None:

@@ -79,9 +79,7 @@ def _costs(data: ReportData, scene: str, engine: str, base: float) -> list[tuple
     return [(loop_time(run) / base, known_error(run)) for run in own]
 
 
-def frontier_context(data: ReportData) -> dict[str, Any]:
-    absent = [name for name in data.engines if name in data.missing]
-    return {"plot": frontier_plot(data), "absent": absent, "counted": counted(data)}
-
-
-FRONTIER = Section("frontier", "What accuracy costs, over all scenes", frontier_context)
+FRONTIER = Section("frontier", "What accuracy costs, over all scenes", lambda data: {
+    "plot": frontier_plot(data), "counted": counted(data),
+    "absent": [name for name in data.engines if name in data.missing],
+})  # fmt: skip

@@ -1,8 +1,6 @@
 """The androids under the papers' integrators and others: compliance, work, stable steps, convergence, engines."""
 
-import tomllib
 from functools import cache, partial
-from importlib.resources import files
 from importlib.util import find_spec
 from itertools import product
 
@@ -21,6 +19,7 @@ from cross_checks.records.numbers import ABSENT, in_words, order_of, setting, sh
 from cross_checks.records.store import Store, default_path
 from cross_checks.truths import truth_for
 from mbs_ref import Scene, Settings, Status, Trajectory, scenes
+from mbs_ref.files import package_data
 from mbs_ref.integrators import integrators
 from mbs_ref.observables import constraint_residual
 from mbs_ref.observables.distance import distances
@@ -30,7 +29,7 @@ from reports.facts.curves import Curves, Measured, Row, curves, plain
 from reports.studies.crash import IMPACTS, NAMES, PAPER, SIMPLIFIED, with_test
 
 PAPER_CRASH = f"{SIMPLIFIED}, front"
-RUNS = tomllib.loads((files(__package__) / "runs.toml").read_text(encoding="utf-8"))
+RUNS = package_data(__name__, "runs.toml")
 FINE = 1e-9  # rtol at which two unlike methods are compared
 MOST_STEPS = 20_000  # of a run; the longest that is meant to end takes 8 000
 TESTED = ("rk4", "euler", "lsodar")  # the papers' methods, whose compliance test is run, too

@@ -1,30 +1,84 @@
-"""Ladders of models, each rung run by the same method: what it costs and what it buys."""
+"""Ladders of models, each rung run by the same method: what it costs, what it buys, and which is enough."""
 
-import tomllib
+import math
 from collections.abc import Callable, Sequence
-from importlib.resources import files
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from cross_checks.metrics.metric import off_truth
 from cross_checks.prices.timing import Sample, least_times
+from cross_checks.records.numbers import duration, short
 from mbs_ref import Scene, Settings, Trajectory, scenes
 from mbs_ref.crash.results import crash_results
+from mbs_ref.files import package_data
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.simulate import simulate
-from reports.facts.curves import Measured
+from reports.facts.curves import Measured, Row
 from reports.studies.crash import deepest, finished, largest_gap
-from reports.studies.models.choice import Ladder, Rung
 from reports.studies.sky import observed
 
-LADDERS: dict[str, Any] = tomllib.loads((files(__package__) / "ladders.toml").read_text(encoding="utf-8"))
+LADDERS: dict[str, Any] = package_data(__name__, "ladders.toml")
 Model = tuple[str, Scene, Settings]
 # what is shown of a rung, and its accuracy: from its scene and path, and those of the last one
 Rule = Callable[[Scene, Trajectory, Scene, Trajectory], tuple[dict[str, float], float | None]]
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One model of a scene."""
+
+    name: str
+    loop_s: float  # least of interleaved runs
+    work: int  # right-hand sides
+    shown: dict[str, float]  # what the model changes: words with a unit -> value
+    accuracy: float | None = None  # what a reader asks for: significant figures, or -log10 of a relative error
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """The models of one family, from least to most."""
+
+    title: str
+    note: str
+    method: str  # and its setting, the same on every rung
+    measure: str  # what `accuracy` counts
+    rungs: tuple[Rung, ...]
+    reference: str = ""  # the rung that the others are compared with, where no truth is known
+
+    def cheapest(self) -> list[str]:
+        """Return the cheapest model of each whole figure of accuracy, where it changes."""
+        reached = [rung.accuracy for rung in self.rungs if rung.accuracy is not None]
+        most: dict[str, int] = {}
+        for figures in range(1, math.floor(max(reached, default=0)) + 1):
+            rung = self.least(figures)
+            if rung is not None:
+                most[rung.name] = figures
+        return [f"up to {figures}: {name}" for name, figures in most.items()]
+
+    def rows(self) -> tuple[Row, ...]:
+        """Return what a page shows of each model."""
+        return tuple(self._row(rung) for rung in self.rungs)
+
+    def _row(self, rung: Rung) -> Row:
+        accuracy = {} if rung.accuracy is None else {self.measure: f"{rung.accuracy:.1f}"}
+        shown = {name: short(rung.shown.get(name), 3) for name in self.rungs[0].shown}
+        return {
+            "model": rung.name, "time": duration(rung.loop_s),
+            "over the first": f"{rung.loop_s / self.rungs[0].loop_s:.3g}", "right-hand sides": str(rung.work),
+            self.measure: None, **accuracy, **shown,
+        }  # fmt: skip
+
+    def least(self, accuracy: float) -> Rung | None:
+        """Return the cheapest model that is at least so accurate, the reference included; None where none is."""
+        exact = {self.reference: math.inf} if self.reference else {}
+        reached = [exact.get(rung.name, rung.accuracy) for rung in self.rungs]
+        enough = [rung for rung, has in zip(self.rungs, reached, strict=True) if has is not None and has >= accuracy]
+        return min(enough, key=lambda rung: rung.loop_s, default=None)
 
 
 def measure() -> Measured:
@@ -133,3 +187,35 @@ def _method(first: Settings, models: Sequence[Model]) -> str:
     if any(settings != first for _, _, settings in models):
         return ""
     return f"{first.method}, " + (f"h = {first.step:g} s" if first.step else f"rtol = {first.rtol:g}")
+
+
+@dataclass(frozen=True)
+class ModelChoice:
+    """What is enough, and why nothing less is."""
+
+    error: float  # largest, relative, as requested
+    ladder: Ladder
+    best: Rung | None
+    lesser: Rung | None  # the most accurate of the cheaper models, none of which is enough
+    sentence: str
+
+
+def choose(ladder: Ladder, error: float) -> ModelChoice:
+    """Return the cheapest model of a ladder whose relative error is at most `error`."""
+    wanted = -math.log10(error)
+    best = ladder.least(wanted)
+    if best is None:
+        known = [rung for rung in ladder.rungs if rung.accuracy is not None]
+        nearest = max(known, key=lambda rung: rung.accuracy or 0.0, default=None)
+        least = "" if nearest is None else f"; {nearest.name!r} comes closest with {_accuracy(nearest)}"
+        return ModelChoice(error, ladder, None, nearest, f"{ladder.title}: no model reaches {error:.3g}{least}.")
+    cheaper = [rung for rung in ladder.rungs if rung.loop_s < best.loop_s]
+    lesser = max(cheaper, key=lambda rung: rung.accuracy or -math.inf, default=None)
+    less = "" if lesser is None else f"; of the cheaper ones {lesser.name!r} comes closest with {_accuracy(lesser)}"
+    text = f"{ladder.title}: {best.name!r} is enough for {error:.3g}: {_accuracy(best)}, {duration(best.loop_s)}{less}."
+    by = f" Errors are counted from {ladder.reference!r}, which is no truth." if ladder.reference else ""
+    return ModelChoice(error, ladder, best, lesser, text + by)
+
+
+def _accuracy(rung: Rung) -> str:
+    return "the model that the others are compared with" if rung.accuracy is None else f"{10.0**-rung.accuracy:.2g}"

@@ -6,12 +6,10 @@ the sky are compared with the ephemeris that Astropy contains, without any downl
 """
 
 import importlib
-import tomllib
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -29,11 +27,11 @@ from cross_checks.records.numbers import duration, metres, setting, short
 from cross_checks.records.record import Record, is_busy, loop_time
 from cross_checks.records.store import Store, default_path
 from mbs_ref import Scene, Settings, scenes
+from mbs_ref.files import package_data
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.simulate import simulate
-from reports.facts import cheapest
-from reports.facts.cheapest import Entry, entries, near, reaching
+from reports.facts.cheapest import NEAR, Entry, entries, near, reaching
 from reports.facts.curves import Curves, Measured, Row, Value
 from reports.facts.report_data import ReportData
 
@@ -114,9 +112,7 @@ class Request:
         return tasks((OURS, *self.rivals))
 
 
-PAIRS = TypeAdapter(tuple[Request, ...]).validate_python(
-    tomllib.loads((files(__package__) / "pairs.toml").read_text(encoding="utf-8"))["pairs"]
-)
+PAIRS = TypeAdapter(tuple[Request, ...]).validate_python(package_data(__name__, "pairs.toml")["pairs"])
 
 
 @dataclass(frozen=True)
@@ -227,7 +223,7 @@ def _cells(runs: Runs, scene: Scene, engine: str, request: Request) -> list[Cell
     truth, best, cells = runs.truth(scene), dict.fromkeys(request.targets, np.inf), list[Cell]()
     own = [method for name, method in request.entrants() if name == engine]
     for method in sorted(own, key=lambda one: -((one and one.order) or 0)):
-        limited = replace(runs, longest=min(runs.longest, cheapest.NEAR * max(best.values())))
+        limited = replace(runs, longest=min(runs.longest, NEAR * max(best.values())))
         most = WORK // len(scene.bodies)
         cells.append(judged(limited, scene, engine, method, truth, request.targets, most, settle=False)[0])
         for result in cells[-1].targets:

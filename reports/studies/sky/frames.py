@@ -1,10 +1,8 @@
 """Frames, light time, clocks and velocities by short formulas, compared with Astropy's complete ones."""
 
 import time
-import tomllib
 from collections.abc import Callable, Iterator
 from importlib import import_module
-from importlib.resources import files
 from importlib.util import find_spec
 from typing import Any
 
@@ -12,6 +10,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from mbs_ref import Settings, ephemeris, scenes
+from mbs_ref.files import package_data
 from mbs_ref.scene.celestial import C_SI
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Row
@@ -19,7 +18,7 @@ from reports.facts.curves import Row
 START, J2000, DAY, CENTURY = 2_450_814.5, 2_451_545.0, 86_400.0, 36_525.0  # JD TDB, JD TDB, s, days
 TAI_UTC = 31.0  # s, then
 ARC = np.radians(1.0 / 3600.0)  # rad
-SERIES = tomllib.loads((files(__package__) / "frames.toml").read_text(encoding="utf-8"))
+SERIES = package_data(__name__, "frames.toml")
 TRACKS = (("rotation angle alone", 0, False), ("and precession", 1, False), ("and four terms of nutation", 2, False),
           ("and UT1 - UTC", 2, True))  # fmt: skip
 STATION, MASK = (np.radians(11.28), np.radians(48.09)), np.radians(10.0)  # longitude, latitude; least elevation, rad

@@ -1,9 +1,8 @@
 """The tables that `mbs-ref calibrate`, `symmetry` and `repeatability` write with --table, as they stand in the tree."""
 
-import json
-from importlib.resources import files
 from typing import Any
 
+from mbs_ref.files import package_data
 from reports.facts.curves import Measured, Row
 
 ABOUT = ("engine", "method", "scene")
@@ -25,7 +24,7 @@ def measure() -> Measured:
 
 def table(name: str) -> dict[str, Any]:
     """Return what a command wrote."""
-    return json.loads((files("benchmarks") / f"{name}.json").read_text(encoding="utf-8"))
+    return package_data("benchmarks", f"{name}.json")
 
 
 def _violations(case: dict[str, Any]) -> list[Row]:

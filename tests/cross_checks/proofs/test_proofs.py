@@ -20,16 +20,14 @@ from flint import arb, fmpq  # pyright: ignore[reportMissingImports]
 
 from cross_checks.truths import seek_truth, stored_poses
 from cross_checks.truths.proofs import integrate
-from cross_checks.truths.proofs.certified import as_truth, examine, kept, varied
+from cross_checks.truths.proofs.certified import as_truth, examine, kept, read_log, varied, write_log
 from cross_checks.truths.proofs.checker.formulas import Formulas, Refused, precision
 from cross_checks.truths.proofs.checker.impacts import Impacts
 from cross_checks.truths.proofs.checker.mechanics import Mechanics
 from cross_checks.truths.proofs.checker.model import root
 from cross_checks.truths.proofs.checker.proof import Proof, check
 from cross_checks.truths.proofs.derivation import NotCovered
-from cross_checks.truths.proofs.integrate import prove, prove_family
-from cross_checks.truths.proofs.log import read_log, write_log
-from cross_checks.truths.proofs.taylor import propose, rescaled
+from cross_checks.truths.proofs.integrate import propose, prove, prove_family, rescaled
 from cross_checks.truths.truth import Truth
 from mbs_ref import Settings, scenes, simulate
 from mbs_ref.observables.distance import farthest, relative, unmasked_distances

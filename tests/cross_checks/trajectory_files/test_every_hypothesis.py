@@ -15,9 +15,9 @@ from scipy.spatial.transform import Rotation
 from cross_checks.trajectory_files.column_map import ColumnMap, blank_map, read_map
 from cross_checks.trajectory_files.columns import columns_of
 from cross_checks.trajectory_files.formats import FileError
+from cross_checks.trajectory_files.mistakes import integration_errors
 from cross_checks.trajectory_files.mistakes.case import Case, Hypothesis
 from cross_checks.trajectory_files.mistakes.frames import clocks, conventions, frames, signs
-from cross_checks.trajectory_files.mistakes.integration import integration_errors
 from cross_checks.trajectory_files.mistakes.terms import terms
 from cross_checks.trajectory_files.motion import described_motion
 from cross_checks.truths.truth import Truth

@@ -217,7 +217,7 @@ def test_wanted_times_are_as_near_in_any_unit(tmp_path):
 
 def test_a_change_is_small_over_the_scene_and_a_factor_may_be_negative():
     scene = scenes.make("torque_free_top").model_copy(update={"duration": 1e5})
-    case: Any = SimpleNamespace(scene=scene, planar=False, comparable_turns=False)
+    case: Any = SimpleNamespace(scene=scene, comparable_turns=False)
     world, turning = frames(case)
     assert not turning.is_none(np.array([0.0, 0.5 * NONE, 0.0]))  # rad/s: over 1e5 s it is large
     assert turning.is_none(np.array([0.0, 0.9e-5 * NONE, 0.0]))

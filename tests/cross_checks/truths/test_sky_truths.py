@@ -54,7 +54,7 @@ def test_two_unlike_solutions_agree_and_the_solver_agrees_with_them(name, parame
 
 # data and words, with the values of signals (mbs_ref.scene.signals), files, a compiler, and the distance of two motions
 ALLOWED = (
-    "mbs_ref.scene", "mbs_ref.scenes", "mbs_ref.atomic_file", "mbs_ref.kernels.jit",
+    "mbs_ref.scene", "mbs_ref.scenes", "mbs_ref.files", "mbs_ref.kernels.jit",
     "mbs_ref.observables.distance",
 )  # fmt: skip
 

@@ -138,5 +138,5 @@ def test_a_bounce_in_space_agrees_with_the_reference(settings):
 
 @pytest.mark.parametrize("settings", [{"method": "generalized_alpha", "step": 1e-3}, {"method": "dassl"}])
 def test_sticking_in_space_is_refused_by_name(settings):
-    with pytest.raises(ValueError, match=r"cannot run ground: where contacts stick in space"):
+    with pytest.raises(ValueError, match=r"cannot run 'rolling_sphere': contacts 'ground' stick in space"):
         simulate(scenes.make("rolling_sphere"), Settings(**settings))

@@ -14,7 +14,7 @@ from cross_checks.prices import sweep
 from cross_checks.records.lines import read
 from reports import query
 from reports.cli import main
-from reports.studies.models import choice
+from reports.studies import models
 from tests.reports.commands.test_trade_cli import PENDULUM, RECORD
 
 
@@ -28,7 +28,7 @@ def run(*words: str) -> Any:
     (("pick", "pendulum_chain", "-p", "links=2", "--models", "--error", "1e-3"), "without parameters of their own"),
 ])  # fmt: skip
 def test_an_option_that_would_do_nothing_is_refused(monkeypatch, words, message):
-    monkeypatch.setattr(choice, "choose", lambda *given: 1 / 0)  # which would take minutes
+    monkeypatch.setattr(models, "choose", lambda *given: 1 / 0)  # which would take minutes
     done = run(*words)
     assert done.exit_code == 2, done.output
     assert message in " ".join(done.stderr.split())

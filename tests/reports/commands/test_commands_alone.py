@@ -130,7 +130,7 @@ def test_stores_are_merged_and_what_was_added_is_counted(monkeypatch, tmp_path, 
             return 77
 
     monkeypatch.setattr(merge, "Store", lambda path: nullcontext(Held(path)))
-    monkeypatch.setattr(merge, "default_path", lambda: Path("usual"))
+    monkeypatch.setattr("reports.query.default_path", lambda: Path("usual"))
     done = run("merge", *map(str, files), *(["--store", "own"] if named else []))
     assert done.stdout == f"6 runs added; {'own' if named else 'usual'} holds 77\n"
     assert asked == files

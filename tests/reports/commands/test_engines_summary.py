@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from reports.facts.capability_tables import summary
+from cross_checks.judge.capabilities import summary
 
 
 def test_part_types_that_lack_are_listed_once():

@@ -291,7 +291,7 @@ CASES = {one.words: one for one in (
     )),
     Case("pick pendulum --error 1e-2", {
         "reports.studies.models:of_family": "a family",
-        "reports.commands.choose.pick:sweep_records": END, "reports.studies.models.choice:choose": END,
+        "reports.commands.choose.pick:sweep_records": END, "reports.studies.models:choose": END,
     }, rows(("--models", "choose.error choose of_family sweep_records", None, 1e-2),
             ("--models --error 1e-4", "choose.error choose of_family sweep_records", None, 1e-4))),
     Case("contact --rebound 0.5 --friction 0.7 --stiffness 1e5 --mass 2", {

@@ -164,7 +164,7 @@ def test_ends_of_single_runs(monkeypatch):
     rng, count = np.random.default_rng(4), 61
     scene = scenes.make("pendulum")
     means = rng.normal(size=(count, 5, 3))
-    places = [SimpleNamespace(body="rod", name=name) for name in ("x", "y", "angle")]
+    places = [SimpleNamespace(body="rod", name=name, unit="m") for name in ("x", "y", "angle")]
     design = SimpleNamespace(points=rng.normal(size=(count, 1)), grids={"g": 1}, is_random=False)
     made: Any = SimpleNamespace(scene=scene, times=np.array([0.0, 0.7]), statuses=["stopped"] * count, design=design)
     monkeypatch.setattr(ensemble, "coordinates", lambda built: places)

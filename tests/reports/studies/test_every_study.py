@@ -21,8 +21,8 @@ from mbs_ref.scene.celestial import AU_M
 from mbs_ref.trajectory import Status, Timing, Trajectory
 from reports.facts.cheapest import Entry
 from reports.facts.curves import Measured
-from reports.studies import androids, claims, contact, crash, crashes, document, models, pairs, sky, space, study, trust
-from reports.studies.models.choice import Ladder, Rung, choose
+from reports.studies import androids, contact, crash, crashes, document, models, pairs, sky, space, study, trust
+from reports.studies.models import Ladder, Rung, choose
 from reports.studies.papers import crash_figures, lessons
 from reports.studies.sky import frames
 
@@ -488,14 +488,14 @@ def test_rows_of_trust_and_figures_of_claims():
     assert row == {"engine": "e", "method": "m", "runs": 4, "at once": "3: 2e-05", "two threads": "2: 0",
                    "another order": "none"}  # fmt: skip
     given = (999.4, 1000.4, 54321.0, 999999.0, 1e6, 0.01234, "words")
-    assert [claims.figure(x) for x in given] == ["999", "1000", "54321", "999999", "1.00e6", "0.0123", "words"]
-    assert [claims.figure(-x) for x in given[:-1]] == [f"-{claims.figure(x)}" for x in given[:-1]]
+    assert [document.figure(x) for x in given] == ["999", "1000", "54321", "999999", "1.00e6", "0.0123", "words"]
+    assert [document.figure(-x) for x in given[:-1]] == [f"-{document.figure(x)}" for x in given[:-1]]
 
 
 def test_plots_of_a_page_have_their_titles_and_labels(monkeypatch):
     line = contact._line({str(n): 1.0 / n for n in contact.STEPS})
     monkeypatch.setattr(document, "_named", lambda held, wanted, figures: {"the name": ("The title", line)})
-    (shown,) = document._plots(Measured(), {"plots": ()}, None)  # type: ignore[arg-type]
+    (shown,) = document.KINDS["plots"](Measured(), {"plots": ()}, None)  # type: ignore[arg-type]
     assert (shown["title"], shown["label"]) == ("The title", "the name")
 
 

@@ -11,8 +11,7 @@ from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from reports.cli import main
 from reports.page.render import render
-from reports.studies.models import built, ladder, shown
-from reports.studies.models.choice import Ladder, Rung, choose
+from reports.studies.models import Ladder, Rung, built, choose, ladder, shown
 from tests.reports.page.synthetic_report import report_data
 
 

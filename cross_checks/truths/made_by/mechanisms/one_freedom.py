@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.truths.made_by import Formulation, agree
-from cross_checks.truths.made_by.numerics import jet
-from cross_checks.truths.made_by.numerics.jet import Jet
+from cross_checks.truths.made_by.numerics.jet import Jet, parameter
 from cross_checks.truths.truth import Truth
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import from_matrix
@@ -28,7 +27,7 @@ class OneFreedom:
 
     def at(self, s):
         """Return J, J' / 2, V and V' at s."""
-        place, turn = self.poses(jet.parameter(s))
+        place, turn = self.poses(parameter(s))
         if self.inertia.ndim == 1:
             spin, more, momentum = turn.first, turn.second, self.inertia * turn.first
         else:
@@ -37,13 +36,13 @@ class OneFreedom:
             momentum = np.einsum("kij,kj->ki", self.inertia, spin)
         size = np.sum(self.mass[:, None] * place.first**2) + np.sum(spin * momentum)
         half_slope = np.sum(self.mass[:, None] * place.first * place.second) + np.sum(more * momentum)
-        weight, stored = self.mass[:, None] * self.gravity, self.stored(jet.parameter(s))
+        weight, stored = self.mass[:, None] * self.gravity, self.stored(parameter(s))
         height, pull = -np.sum(place.value * weight), -np.sum(place.first * weight)
         return size, half_slope, height + stored.value, pull + stored.first
 
     def world(self, s) -> tuple[np.ndarray, np.ndarray]:
         """Return centres (n, d), and Euler parameters (n, 4) or angles (n,)."""
-        place, turn = self.poses(jet.parameter(s))
+        place, turn = self.poses(parameter(s))
         return place.value, turn.value if self.inertia.ndim == 1 else np.array([from_matrix(a) for a in turn.value])
 
 

@@ -3,20 +3,19 @@
 `d` (m,) is days of TDB from J2000; every direction is (m, 3).
 """
 
-import tomllib
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
 from cross_checks.truths.made_by.sky import PI, real
 from mbs_ref import Scene
+from mbs_ref.files import package_data
 from mbs_ref.scene.celestial import DAY_S, J2000_JD, Epoch
 
 CENTURY = 36_525  # days
 OBLIQUITY = 84_381.406  # seconds of arc, of the ecliptic of J2000: IAU 2006
 
-SERIES = {name: real(rows) for name, rows in tomllib.loads(Path(__file__).with_suffix(".toml").read_text()).items()}
+SERIES = {name: real(rows) for name, rows in package_data(__name__, "directions.toml").items()}
 
 
 def date_of(scene: Scene) -> Callable[[np.ndarray], np.ndarray]:

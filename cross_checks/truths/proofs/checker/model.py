@@ -222,7 +222,7 @@ def _rates(body: Any) -> list[float]:
 
 
 def newton(formulas: Formulas, y: Sequence[Number], z: Sequence[Number], wide: Sequence[Number]) -> list[arb]:
-    """Return the change of z by Newton's method, with the slopes of g on balls that may be wider than z."""
+    """Return Newton's correction of z; the slopes of g are those on balls, which may be wider than z."""
     right = formulas.run(formulas.g, [*y, *z])
     rows = matrix_of(formulas.slopes(formulas.g, [*y, *wide]), len(y) + len(z))
     return solve(arb_mat([row[formulas.n :] for row in rows]), arb_mat(formulas.m, 1, [-x for x in right])).entries()

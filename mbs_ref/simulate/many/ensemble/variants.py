@@ -16,10 +16,9 @@ from pydantic import ValidationError
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import Poses
 from mbs_ref.scene import Scene
-from mbs_ref.scene import messages as problems
 from mbs_ref.scene.base.part import Part, Role, fields_of
 from mbs_ref.scene.euler_parameters import product
-from mbs_ref.scene.messages import suggest
+from mbs_ref.scene.messages import sentences, suggest
 from mbs_ref.simulate.start.consistent import RATES, InconsistentScene, fitted_rates
 
 Place = tuple[str | int, ...]  # fields and places in lists, from the scene down to a number
@@ -148,7 +147,7 @@ class Source:
             place = place_of(self.scene, name)
         except ValueError as error:
             listed = f"; parameters of {self.scene.name}: {', '.join(parameters)}" if parameters else ""
-            hint = problems.suggest(name, parameters) if "." not in name else ""
+            hint = suggest(name, parameters) if "." not in name else ""
             raise ValueError(f"{error}{listed}{hint}") from None
         return Target(name, value_at(self.scene, place), place)
 
@@ -195,7 +194,7 @@ class Variants:
         try:
             scene = with_values(scene, places) if places else scene
         except ValidationError as error:
-            raise ValueError(problems.sentences(error, Scene, {})) from None
+            raise ValueError(sentences(error, Scene, {})) from None
         return fitted_rates(scene, self.fixed, self.tolerance) if self.fixed else scene
 
     def start(self, scene: Scene, values: np.ndarray) -> Poses:

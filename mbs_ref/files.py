@@ -1,7 +1,17 @@
-"""Write a file whole or not at all."""
+"""Files: data of a package are read, and results are written whole or not at all."""
 
+import json
 import os
+import tomllib
+from importlib.resources import files
 from pathlib import Path
+from typing import Any
+
+
+def package_data(module: str, *path: str) -> Any:
+    """Return what a .toml or .json file holds, by its path from a package or from the folder of a module."""
+    text = files(module).joinpath(*path).read_text(encoding="utf-8")
+    return tomllib.loads(text) if path[-1].endswith(".toml") else json.loads(text)
 
 
 def write_atomic(path: str | Path, content: bytes) -> None:
