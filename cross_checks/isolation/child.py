@@ -3,12 +3,13 @@
 import ctypes
 import os
 import resource
+import select
 import signal
 import sys
+from contextlib import suppress
 from multiprocessing.connection import Connection, Pipe
 from typing import Any
 
-from cross_checks.isolation.environments import INSIDE
 from cross_checks.isolation.messages import COMPILED, COMPILING, NOTES, compiling_reported, receive, send
 
 STOPS = [signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if name in signal.Signals.__members__]
@@ -47,6 +48,8 @@ def _copied(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> None
     here, there = Pipe(duplex=False)
     copy = os.fork()
     if copy == 0:
+        if sys.platform == "linux":
+            ctypes.CDLL(None).prctl(SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
         pipe.close()  # its end of the file must come when the original goes
         send(there, _answer(there, function, arguments))
         os._exit(0)
@@ -70,13 +73,26 @@ def _answer(pipe: Connection, function: Any, arguments: tuple[Any, ...]) -> tupl
         return False, error
 
 
+def end_with_caller(handle: int) -> None:
+    """Let a small process end this one once the caller is gone, even by SIGKILL: a native loop runs no handler."""
+    if sys.platform != "linux":
+        return
+    caller, own = os.pidfd_open(os.getppid()), os.pidfd_open(os.getpid())
+    if os.fork() == 0:
+        os.close(handle)  # its end of the file must come when this process goes
+        select.select([caller, own], [], [])
+        with suppress(ProcessLookupError):
+            signal.pidfd_send_signal(own, signal.SIGKILL)
+        os._exit(0)
+    os.close(caller)
+    os.close(own)
+
+
 def main() -> None:
-    if INSIDE in os.environ and sys.platform == "linux":
-        # an adapter asks, perhaps itself a child that is killed: a native loop must not outlive it
-        ctypes.CDLL(None).prctl(SET_PARENT_DEATH_SIGNAL, signal.SIGKILL)
     for stop in STOPS:  # are the caller's to handle; it ends this process
         signal.signal(stop, signal.SIG_IGN)
     handle, memory = int(sys.argv[1]), int(sys.argv[2])
+    end_with_caller(handle)
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     most = memory + ROOM
     resource.setrlimit(resource.RLIMIT_AS, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import threading
 import time
 from functools import partial
@@ -168,3 +170,35 @@ def _alive(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+CALLER = """
+from cross_checks.isolation.parent import Isolated
+from tests.cross_checks.isolation import troubles
+import os
+
+with Isolated(timeout=60.0) as isolated:
+    print(isolated(os.getpid), flush=True)
+    (isolated{})(troubles.announced_hang)
+"""
+
+
+@pytest.mark.parametrize("way", ["", ".apart"])
+def test_a_child_in_native_code_ends_with_a_caller_that_is_killed(way, tmp_path):
+    """Such a caller closes nothing, and the child runs no handler: it would compute to its end, for an hour."""
+    log = tmp_path / "log"
+    with subprocess.Popen(
+        [sys.executable, "-c", CALLER.format(way)], stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[3],
+        env=os.environ | {"HANG_LOG": str(log)},
+    ) as caller:  # fmt: skip
+        assert caller.stdout is not None
+        child = int(caller.stdout.readline())
+        end = time.monotonic() + troubles.PATIENCE
+        while not log.is_file() or not log.read_text():
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        caller.kill()
+    for process in {child, int(log.read_text())}:
+        while _alive(process):
+            assert time.monotonic() < end
+            time.sleep(0.01)

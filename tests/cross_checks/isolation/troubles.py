@@ -8,6 +8,7 @@ import signal
 import threading
 import time
 from contextlib import suppress
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -104,6 +105,12 @@ def native_hang() -> None:
     """Hold the interpreter's lock in native code, deaf to every signal but SIGKILL."""
     signal.pthread_sigmask(signal.SIG_BLOCK, set(signal.Signals) - {signal.SIGKILL, signal.SIGSTOP})
     ctypes.PyDLL(None).sleep(60)
+
+
+def announced_hang() -> None:
+    """Write this process's number to the file HANG_LOG before that."""
+    Path(os.environ["HANG_LOG"]).write_text(str(os.getpid()))
+    native_hang()
 
 
 def abort() -> None:
