@@ -44,8 +44,7 @@ SOUND = [name for name, each in integrators().items()
          if each.locates_events and each.kind == "adaptive" and not each.weakness]  # fmt: skip
 
 
-def _has_events(name: str) -> bool:
-    scene = scenes.make(name)
+def _has_events(scene: Scene) -> bool:
     return bool(scene.contacts or scene.events or any(getattr(load, "tension_only", False) for load in scene.loads))
 
 
@@ -58,10 +57,12 @@ def _takes(scene: Scene, settings: Settings) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*filter(_has_events, scenes.names())])
+@pytest.mark.parametrize("name", scenes.names())
 def test_events_do_not_multiply(name):
     """Every method that takes the scene has about as many events as DOP853 at 1e-11."""
     scene, off = scenes.make(name), {}
+    if not _has_events(scene):
+        return
     settings = Settings(method="dop853", rtol=1e-11, max_steps=200_000, samples=11, estimate="off", reactions=False,
                         t_end=scene.duration * SHORT.get(name, 1.0))  # fmt: skip
     exact = simulate(scene, settings)

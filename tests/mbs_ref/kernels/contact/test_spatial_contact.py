@@ -28,7 +28,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
 
-FINE = Settings(method="dop853", rtol=1e-12)
+FINE = Settings(method="dop853", rtol=1e-12, estimate="off")
 LAWS = {
     "spring_damper": {}, "spring_damper_force": {}, "progressive": {"damping": 3e4},
     "hunt_crossley": {"stiffness": 1e6, "damping": 3e5}, "lankarani_nikravesh": {"stiffness": 1e6},
