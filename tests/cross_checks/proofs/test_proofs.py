@@ -437,7 +437,8 @@ def test_a_wrong_equation_of_the_checker_is_detected(what, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("name", "parameter", "value"), [("pendulum", "length", 1.0), ("double_pendulum", "mass_2", 0.6)]
+    ("name", "parameter", "value"),
+    [("pendulum", "length", 1.0), pytest.param("double_pendulum", "mass_2", 0.6, marks=pytest.mark.slow)],
 )
 def test_a_family_holds_its_members(name, parameter, value):
     def make(x: float) -> Any:

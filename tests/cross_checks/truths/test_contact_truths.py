@@ -53,7 +53,9 @@ def test_the_reference_solver_meets_the_exact_motion(name, parameters, tolerance
     assert np.abs(truth.orientation - run.orientation).max() < 10.0 * tolerance
 
 
-@pytest.mark.parametrize("parameters", [{}, {"law": "progressive", "damping": 1e3}, {"offset": 0.48}])
+@pytest.mark.parametrize(
+    "parameters", [{}, pytest.param({"law": "progressive", "damping": 1e3}, marks=pytest.mark.slow), {"offset": 0.48}]
+)
 def test_the_moving_seat_meets_its_converged_motion(parameters):
     """At 0.48 m the ball meets the seat's round end, which throws it aside."""
     scene = scenes.make("ball_on_moving_seat", **parameters)

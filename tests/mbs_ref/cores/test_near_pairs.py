@@ -16,7 +16,7 @@ from mbs_ref.simulate import simulate
 @pytest.mark.parametrize("space", [False, True])
 def test_results_are_the_same_to_the_last_bit(monkeypatch, space, events):
     scene = scenes.make("granular_column", grains=16, across=2, space=space)
-    settings = Settings(method="rk4", step=2e-4, t_end=0.2, samples=11, events=events, estimate="off")
+    settings = Settings(method="rk4", step=2e-4, t_end=0.12, samples=11, events=events, estimate="off")
     monkeypatch.setattr(broad_phase, "FROM_PAIRS", 10**9)
     every = simulate(scene, settings)
     monkeypatch.setattr(broad_phase, "FROM_PAIRS", 1)
