@@ -32,9 +32,10 @@ def test_a_joined_interpolant_takes_the_value_and_slope_of_its_beginning_and_kee
     assert (between(end) - between(end - tiny))[0] / tiny == pytest.approx(inside.deriv()(end), abs=1e-4)
 
 
-@pytest.mark.parametrize(("name", "rtol"), [("painleve_rod", 1e-4), ("rocking_block", 1e-3)])
-def test_a_contact_just_left_or_reached_is_not_found_again_without_end(name, rtol):
-    run = simulate(scenes.make(name), Settings(method="lsodar", rtol=rtol, estimate="off", reactions=False))
+@pytest.mark.parametrize(("name", "rtol", "t_end"), [("painleve_rod", 1e-4, 0.0275), ("rocking_block", 1e-3, None)])
+def test_a_contact_just_left_or_reached_is_not_found_again_without_end(name, rtol, t_end):
+    settings = Settings(method="lsodar", rtol=rtol, t_end=t_end, estimate="off", reactions=False)
+    run = simulate(scenes.make(name), settings)
     assert run.ok, run.message
     assert run.events < 100
 
