@@ -37,6 +37,7 @@ def test_shards_of_the_extremes_are_disjoint_and_complete():
     assert CliRunner().invoke(main, [*asked, "4/3"], prog_name="mbs-ref").exit_code == 2
 
 
+@pytest.mark.slow  # test_stopped.py and test_interrupt.py stop quicker commands
 def test_ctrl_c_keeps_the_cells_and_leaves_no_process_behind(tmp_path: Path):
     kept = tmp_path / "cells.jsonl"
     words = ["extremes", "--engine", "rebound", "--only", "orbits", "-o", str(kept)]

@@ -39,6 +39,7 @@ QUICK = [
     ("solar_system", {"model": "gr_sun"}, 1e5, GAUSS),
     ("solar_system", {"model": "gr"}, 1e5, GAUSS),
 ]
+FURTHER = {"newtons_cradle", "oblique_disc", "spatial_chain"}  # of QUICK, whose parts others have, too: slow
 UNITS = {"other units", "other mass and length"}
 # (engine, method, scene): symmetries that the engine breaks by more than it errs. MuJoCo's loop closures are soft
 # within an absolute width, which no choice of units changes: 4e-5 m and 7e-5 m are left in 0.3 s.
@@ -70,7 +71,7 @@ def left_of(engine: str, case: tuple) -> list[Violation]:
 
 
 @pytest.mark.parametrize("place", [
-    pytest.param(place, id=f"{name}-{chosen['method']}", marks=[pytest.mark.slow] * (name == "newtons_cradle"))
+    pytest.param(place, id=f"{name}-{chosen['method']}", marks=[pytest.mark.slow] * (name in FURTHER))
     for place, (name, _, _, chosen) in enumerate(QUICK)
 ])  # fmt: skip
 def test_our_solver_breaks_no_symmetry(place):
