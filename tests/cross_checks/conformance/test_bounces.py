@@ -29,7 +29,15 @@ def test_a_restitution_that_is_a_hundredth_off_fails(kind: str, dimension: int, 
         assert [finding.outcome for finding in findings if finding.question == "contact"] == [outcome]
 
 
-@pytest.mark.parametrize("times", [[0.0, 0.15], [0.03], [0.0, 0.0515], [0.0, 0.06], [0.0, 0.05, 0.1], [0.04, 0.3]])
+@pytest.mark.parametrize(
+    "times",
+    [
+        [0.0, 0.15],
+        [0.03],
+        [0.0, 0.0515],
+        *(pytest.param(times, marks=pytest.mark.slow) for times in ([0.0, 0.06], [0.0, 0.05, 0.1], [0.04, 0.3])),
+    ],
+)
 def test_a_bounce_does_not_depend_on_the_other_outputs(times: list[float]):
     """Outputs before, within or after the contact alone; the last one within it."""
     for scene in (scene for scene in probes().values() if scene.contacts):
