@@ -26,7 +26,7 @@ ROUNDOFF = (
     1e-12  # of the largest number: the same arithmetic by the same libraries, and the sums of angles ordered anew
 )
 BETWEEN = "--- what the next script prints"
-DATA = Path(__file__).parents[3] / "data"
+DATA = Path(__file__).parents[2] / "data"
 SHORT = {"t_end": 0.1, "samples": 3}
 # one run through every template, and those that need a part of it that no other does, are quick
 QUICK = [
