@@ -469,21 +469,25 @@ def test_residuals_in_the_plane_are_those_of_both_equations(monkeypatch, along, 
             assert t == 0.0
 
         def initial_state(self) -> np.ndarray:
-            return np.zeros(6)
+            return np.arange(6.0)
 
         def applied_forces(self, t: float, y: np.ndarray) -> np.ndarray:
+            assert (t, y.tolist()) == (0.0, list(range(6)))
             return force[None]
 
         def derivative(self, t: float, y: np.ndarray) -> np.ndarray:
+            assert (t, y.tolist()) == (0.0, list(range(6)))
             return np.array([7.0, 8.0, 9.0, *a])
 
         def mass_matrix(self) -> np.ndarray:
             return mass
 
         def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
+            assert (t, y.tolist()) == (0.0, list(range(6)))
             return jacobian
 
         def multipliers(self, t: float, y: np.ndarray) -> np.ndarray:
+            assert (t, y.tolist()) == (0.0, list(range(6)))
             return np.array([multiplier])
 
         def right_side(self) -> np.ndarray:
