@@ -12,31 +12,39 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.spatial.transform import Rotation
 
-from cross_checks.conformance import broken_engines, ladder
+from cross_checks.conformance import apart, broken_engines, ladder, probes, symmetry
+from cross_checks.conformance.symmetry.placement import Placement
+from cross_checks.extremes import fate
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import Cell, Verdict
+from cross_checks.prices.pick import Choice
 from cross_checks.records import lines
+from cross_checks.records.plots import of_runs
 from cross_checks.records.record import Error, Record
 from cross_checks.trajectory_files.formats import OWN, FileError, parts
 from cross_checks.trajectory_files.mistakes import case
 from cross_checks.trajectory_files.motion import read_motion
-from mbs_ref import scenes
+from mbs_ref import Settings, scenes
+from mbs_ref.observables.attachment import Motion
 from mbs_ref.trajectory import Trajectory
 from reports import inputs
 from reports.cli import main
+from reports.commands.choose import pick as pick_command
 from reports.commands.judge import check
 from reports.commands.maintenance import nightly
 from reports.commands.publish import show
 from reports.commands.run import inspect
 from reports.facts.report_data import ReportData
+from reports.film import drawing
 from reports.page import files
 from reports.page.sections import plots, prices
 from reports.page.sections.extremes import _index
 from reports.page.slug import command
 from reports.site import links
-from reports.studies import crash
-from reports.studies.papers import track_figures
+from reports.studies import crash, models
+from reports.studies.papers import formulations, track_figures
 
 RECORD = Record("pendulum", {}, "exudyn", "rk4", {"step": 0.25, "rtol": 1e-6, "samples": 11}, "success")
 
@@ -243,3 +251,121 @@ def test_columns_of_another_program_need_a_map(tmp_path):
     np.savez(tmp_path / "own.npz", times=np.arange(2.0), bodies=np.array(["a"]), **arrays)
     (whole,) = parts(tmp_path / "own.npz")
     assert {"t", "a.x", "a.y"} <= whole.values.keys()
+
+
+def test_marks_below_a_resting_surface_are_a_pitch_apart_and_slant():
+    """At whole multiples of the pitch along the surface; a surface that moves, or is a point, has none."""
+    ends = np.array([[0.5, 1.0], [3.2, 1.0]])
+    moving = np.stack((ends, ends + 0.1))
+    found = drawing._hatching([np.stack((ends, ends)), moving, np.zeros((2, 2, 2))], 1.0)
+    assert [line.shape for line in found] == [(2, 2, 2)] * 3
+    assert np.array([line[0] for line in found]) == pytest.approx(
+        np.array([[[x, 1.0], [x - 0.3, 0.7]] for x in (1.0, 2.0, 3.0)])
+    )
+
+
+@pytest.mark.parametrize(("turned", "count"), [(3.0, 0), (3.3, drawing.SPOKES)])
+def test_spokes_are_of_wheels_that_turn_by_more_than_half_a_turn(turned, count):
+    scene, still = scenes.make("rolling_disc"), np.zeros((2, 1, 2))
+    place = still + np.array(scene.bodies[0].position)
+    path = Trajectory(np.arange(2.0), place, np.array([[0.0], [turned]]), still, still[..., 0])
+    assert len(drawing._turning(Motion(scene, path))) == count
+
+
+def test_a_rectangle_in_space_is_drawn_with_its_own_size():
+    scene = scenes.make("rolling_sphere")
+    (contact,) = scene.contacts
+    plate: Any = contact.model_copy(update={"size": (4.0, 2.0), "edge": (1.0, 0.0, 0.0), "extent": "rectangle"})
+    start = np.array([scene.bodies[0].position])
+    path = Trajectory(np.zeros(1), start[None], np.array([[[1.0, 0.0, 0.0, 0.0]]]), *np.zeros((2, 1, 1, 3)))
+    sides = drawing._sides(Motion(scene, path), [plate])
+    assert [float(np.linalg.norm(side[0, 1] - side[0, 0])) for side in sides] == pytest.approx([2.0, 4.0, 2.0, 4.0])
+    assert np.mean([side[0] for side in sides], axis=(0, 1)) == pytest.approx(np.array(plate.point))
+
+
+def test_rates_of_euler_angles_turn_a_body_at_its_angular_velocity():
+    """About z by the precession, then about x by the nutation, then about z by the spin; by differences."""
+    angles, rates, step = np.array([0.4, 0.9, -1.3]), np.array([0.7, -0.2, 1.1]), 1e-6
+    one, other = (Rotation.from_euler("ZXZ", angles + sign * 0.5 * step * rates) for sign in (-1.0, 1.0))
+    spin = (other * one.inv()).as_rotvec() / step
+    assert formulations._rate_matrix(angles[0], angles[1]) @ spin == pytest.approx(rates[[0, 1, 2]], abs=1e-8)
+
+
+def test_a_curve_of_runs_has_a_linear_axis_of_time_and_leaves_out_the_start():
+    run = replace(RECORD, times={"loop_s": 1.0}, error=Error(1e-7, "exact", 0.0, None),
+                  history={"t": [0.0, 1.0, 2.0], "error": [0.0, 1e-9, 2e-9]})  # fmt: skip
+    other = replace(run, engine="mujoco", history={})
+    shown = of_runs._history([run, other], "error", "error of the scene")
+    assert shown
+    (line,) = shown["data"]
+    assert (line["x"], line["y"]) == ([1.0, 2.0], [1e-9, 2e-9])
+    assert shown["layout"]["xaxis"].get("type", "-") != "log"
+    assert of_runs._history([replace(run, history={})], "error", "") is None
+
+
+@pytest.mark.parametrize("form", [[], ["--json"]])
+def test_cells_of_the_extremes_are_lines_or_a_table(monkeypatch, form):
+    cell = fate.Cell("overflow", "numbers", "mbs_ref", "rk4", False, fate.Fate.SURVIVED, 1.0, (), "why")
+    tables: list[Any] = []
+    monkeypatch.setattr("cross_checks.extremes.run.matrix", lambda *given, **more: iter([cell]))
+    monkeypatch.setattr("reports.commands.explore.extremes._show", tables.append)
+    done = CliRunner().invoke(main, ["extremes", "--only", "overflow", "--engine", "mbs_ref", *form])
+    assert done.exit_code == 0, done.output
+    assert len([line for line in done.stdout.splitlines() if '"overflow"' in line]) == len(form)
+    assert len(tables) == 1 - len(form)
+
+
+def test_a_sweep_is_written_as_a_table_of_columns(monkeypatch, tmp_path):
+    monkeypatch.setattr(inputs, "_has_pyarrow", lambda: True)
+    monkeypatch.setattr("reports.commands.choose.sweep.sweep_records", lambda *given, **more: [RECORD])
+    monkeypatch.setattr("reports.poses_file.parquet_table", lambda columns: repr(sorted(columns)).encode())
+    done = CliRunner().invoke(main, ["sweep", "pendulum", "-o", str(tmp_path / "a.parquet")])
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "a.parquet").read_bytes() == repr(sorted(files.record_columns([RECORD]))).encode()
+
+
+def test_an_engine_is_called_by_its_name_where_it_runs_apart(monkeypatch):
+    asked: list[Any] = []
+    solver = SimpleNamespace(run=lambda *given: asked.append(given) or "path")
+    monkeypatch.setattr(apart.engines, "get", {"toy": solver}.__getitem__)
+    given: Any = ("scene", "settings", "times")
+    found = apart._call_by_name("toy", *given)
+    assert (asked, found.settings, found.path) == ([given], "settings", "path")
+
+
+def test_names_of_vectors_stand_for_their_first_components():
+    name, vector = next((name, own) for name, own in probes.WORLDS["vectors"].items() if len(own) == 3)
+    given = {"a": name, "b": [name, 2.0, "word"], "c": {"d": name}}
+    for d in (2, 3):
+        short = vector[:d]
+        assert probes._resolved(given, d) == {"a": short, "b": [short, 2.0, "word"], "c": {"d": short}}
+
+
+@pytest.mark.parametrize("margin", [None, 1.01])
+def test_a_choice_without_a_runner_up_is_confirmed_by_no_duel(monkeypatch, margin):
+    choice = Choice(RECORD, None if margin else RECORD, margin, "the sentence")
+    monkeypatch.setattr(pick_command.pick, "duel", None)
+    assert pick_command._confirmed(scenes.make("pendulum"), choice, True) == (choice, None)
+
+
+def test_a_ladder_of_models_has_the_words_that_are_stated(monkeypatch):
+    stated = models.LADDERS["planets"] | {"models": []}
+    monkeypatch.setitem(models.LADDERS, "planets", stated)
+    monkeypatch.setattr(models, "ladder", lambda *given: given)
+    found: Any = models.built("planets")
+    words = (stated["title"], stated["note"], stated["measured"])
+    assert found == (*words, [], models.SHOWS[stated["shows"]], stated.get("by_last", False))
+
+
+def test_an_image_is_run_for_as_long_as_its_clock_says(monkeypatch):
+    """Lengths twice, times thrice as large: the end and the step are thrice as far."""
+    scene, asked = scenes.make("double_pendulum"), []
+    placed = Placement(np.eye(2), np.zeros(2), length=2.0, time=3.0)
+    monkeypatch.setattr(symmetry, "_run", lambda engine, own, settings, times: asked.append((settings, times)) or "run")
+    monkeypatch.setattr(symmetry, "_gap", lambda own, run, wanted: np.array([5.0, 9.0]))
+    monkeypatch.setattr(symmetry, "moved", lambda plain, own: (plain.position,))
+    plain: Any = SimpleNamespace(times=np.array([0.0, 0.5, 1.0]), position=np.zeros((3, 2, 2)))
+    settings = Settings(method="rk4", step=0.25, t_end=1.0)
+    assert symmetry._seen(lambda own: placed)("engine", scene, settings, plain) == 2.5
+    ((chosen, times),) = asked
+    assert (chosen.step, chosen.t_end, times.tolist()) == (0.75, 3.0, [0.0, 1.5, 3.0])
