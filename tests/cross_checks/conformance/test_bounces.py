@@ -19,7 +19,9 @@ def off(scene: Scene) -> Scene:
     return scene.model_copy(update={"contacts": (touch.model_copy(update={"law": law}),)})
 
 
-@pytest.mark.parametrize("kind", ["rigid_law", "lankarani_nikravesh_law", "flores_law"])
+@pytest.mark.parametrize("kind", [
+    "rigid_law", pytest.param("lankarani_nikravesh_law", marks=pytest.mark.slow), "flores_law",
+])  # fmt: skip
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize(("change", "outcome"), [(off, "failed"), (lambda scene: scene, "passed")])
 def test_a_restitution_that_is_a_hundredth_off_fails(kind: str, dimension: int, change: Change, outcome: str):

@@ -18,6 +18,7 @@ from reports.cli import main
 pytest.importorskip("rebound")
 
 
+@pytest.mark.slow  # the forms of the answer: test_small_statements.py; its judge: test_extremes.py
 def test_a_small_extreme_prints_a_line_of_json_a_cell():
     asked = ["extremes", "--json", "--only", "plunge", "--engine", "rebound"]
     found = CliRunner().invoke(main, asked, prog_name="mbs-ref")

@@ -39,7 +39,7 @@ def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
 
 def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
     monkeypatch.setenv("MADE", str(tmp_path))
-    monkeypatch.setattr(study, "every", lambda: STUDIES)
+    monkeypatch.setattr(study, "every", lambda: {name: STUDIES[name] for name in ("space", "contact")})
     monkeypatch.setattr(study, "parts", lambda name: ["one", "two"] if name == "contact" else [])
     monkeypatch.setattr(study, "make", part_made)
     monkeypatch.setattr(study, "measure", what_was_made)
@@ -47,7 +47,7 @@ def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
     with Store() as store:
         assert study.measure_all(store, found, (), lambda done, total, what: None) == []
     assert found["contact"].figures == {"one": 1, "two": 1}
-    assert found.keys() == STUDIES.keys()
+    assert found.keys() == {"space", "contact"}
 
 
 def test_parts_are_measured_once_stored_and_joined(tmp_path, monkeypatch):
