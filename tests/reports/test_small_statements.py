@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
-from cross_checks.conformance import apart, broken_engines, ladder, probes, symmetry
+from cross_checks.conformance import apart, broken_engines, ladder, loading, probes, symmetry
 from cross_checks.conformance.symmetry.placement import Placement
 from cross_checks.extremes import fate
 from cross_checks.judge.bounds import TARGETS
@@ -369,3 +369,31 @@ def test_an_image_is_run_for_as_long_as_its_clock_says(monkeypatch):
     assert symmetry._seen(lambda own: placed)("engine", scene, settings, plain) == 2.5
     ((chosen, times),) = asked
     assert (chosen.step, chosen.t_end, times.tolist()) == (0.75, 3.0, [0.0, 1.5, 3.0])
+
+
+@pytest.mark.parametrize(("engine", "where"), [("toy", "set"), ("toy_.py", "rename the file to other_.py, or set")])
+def test_a_class_of_another_name_is_told_to_change_it(monkeypatch, engine, where):
+    """Only who named a file may rename it."""
+    made: Any = SimpleNamespace(name="other", package="numpy", part_types=frozenset())
+    monkeypatch.setattr(loading, "name_of", lambda given: "toy")
+    with pytest.raises(loading.NoEngine, match=re.escape(f"its class is named 'other'; {where} name = 'toy'")):
+        loading._named(made, engine)
+
+
+def test_a_run_that_ends_with_other_samples_is_named_by_its_setting(monkeypatch):
+    lost: Any = SimpleNamespace(path=SimpleNamespace(ok=False, message="it stops"))
+    monkeypatch.setattr(ladder, "called", lambda *given: lost)
+    run = SimpleNamespace(setting="step=0.1", settings=Settings(step=0.1), path="a path")
+    question = SimpleNamespace(scene=scenes.make("pendulum"), times=np.linspace(0.0, 1.0, 41))
+    rising: Any = SimpleNamespace(runs=[run], question=question)
+    assert ladder._other_end(None, rising) == "step=0.1: with other samples the run ends: it stops"  # type: ignore[arg-type]
+
+
+def test_points_of_errors_are_of_runs_that_have_one(monkeypatch):
+    seen: list[Any] = []
+    monkeypatch.setattr(
+        of_runs.plot, "add_series", lambda figure, engine, method, style, x, y, **more: seen.append((x, y))
+    )
+    runs = [replace(RECORD, times={"loop_s": 0.5 * k}, error=Error(10.0**-k, "exact", 0.0, None)) for k in (1, 2)]
+    of_runs._add(None, "exudyn", "rk4", None, runs)  # type: ignore[arg-type]
+    assert seen == [([500.0, 1000.0], [0.1, 0.01])]

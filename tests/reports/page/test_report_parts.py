@@ -38,7 +38,8 @@ def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
 
 
 def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
-    monkeypatch.setenv("MADE", str(tmp_path))
+    (tmp_path / "made").mkdir()
+    monkeypatch.setenv("MADE", str(tmp_path / "made"))
     monkeypatch.setattr(study, "every", lambda: {name: STUDIES[name] for name in ("space", "contact")})
     monkeypatch.setattr(study, "parts", lambda name: ["one", "two"] if name == "contact" else [])
     monkeypatch.setattr(study, "make", part_made)
@@ -48,6 +49,7 @@ def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
         assert study.measure_all(store, found, (), lambda done, total, what: None) == []
     assert found["contact"].figures == {"one": 1, "two": 1}
     assert found.keys() == {"space", "contact"}
+    assert sorted((tmp_path / "measured.txt").read_text().split()) == ["contact", "space"], "each is measured once"
 
 
 def test_parts_are_measured_once_stored_and_joined(tmp_path, monkeypatch):
