@@ -8,12 +8,15 @@ import shlex
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import click
 import pytest
 import yaml
 
+from cross_checks.judge.capabilities import capabilities
+from mbs_ref import scenes
 from mbs_ref.scene.toml import loads
 from reports.cli import main
 from reports.site import gallery as trade
@@ -85,6 +88,8 @@ def test_every_published_problem_names_a_test_that_exists():
 
 def test_made_pages_show_a_scene_and_who_can_run_it(tmp_path, monkeypatch):
     monkeypatch.setattr(trade, "entrants", lambda: ["mbs_ref"])
+    few = {name: scenes.make(name) for name in ("pendulum", "n_four_bar")}
+    monkeypatch.setattr("reports.site.__main__.capabilities", partial(capabilities, few))
     write_sources(tmp_path / "site", lambda text: None, ["pendulum"])
     assert "](CONTRIBUTING.md)" in (tmp_path / "site" / "architecture.md").read_text(encoding="utf-8")
     gallery = (tmp_path / "site" / "gallery.md").read_text(encoding="utf-8")

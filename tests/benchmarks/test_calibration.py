@@ -15,6 +15,7 @@ from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.integrators import integrators
 from mbs_ref.scene.scales import free_fall_time, scales_of, tolerance_unit
+from mbs_ref.settings import Settings
 
 
 def made(error: float | None, estimate: float | None, uncertainty: float = 0.0, method: str = "m") -> Trial:
@@ -64,7 +65,7 @@ def test_a_run_of_a_proven_scene_is_judged_by_its_proof():
 
 def test_settings_are_drawn_over_their_ranges():
     """A tolerance of 1e-11 to 1e-2 with the scene's own unit; steps of a share of its fall, 20 of them at least."""
-    scene, met = scenes.make("double_pendulum", length_1=3.0), set()
+    scene, met = scenes.make("double_pendulum", length_1=0.03, length_2=0.02), set()
     for seed in range(60):
         t_end = scene.duration * (0.5 + seed % 3)
         method, settings = calibration._settings(np.random.default_rng(seed), scene, t_end)
@@ -109,6 +110,43 @@ def test_a_proven_truth_is_known_to_the_worst_of_radius_rounding_and_rates():
         if rates is not None:
             worst = max(worst, 3e-6 / (scales.length / scales.time), 3e-6 * scales.time)
         assert calibration._rounding(scene, truth) == pytest.approx(worst, rel=1e-9)
+
+
+def test_runs_last_for_twenty_durations_of_a_mechanism_and_for_one_of_a_scene_at_most(monkeypatch):
+    """Drawn evenly between the bounds; half of the scenes are mechanisms of a seed."""
+    mechanism, library = (scenes.make("pendulum").model_copy(update={"duration": t}) for t in (1.0, 100.0))
+    monkeypatch.setattr(calibration, "random_scene", lambda seed, most: mechanism if (seed, most) == (7, 12) else None)
+    monkeypatch.setattr(calibration, "scenes", SimpleNamespace(make=lambda name: library, names=lambda: ["a", "b"]))
+    found = [calibration._scene(np.random.default_rng(seed), 7) for seed in range(400)]
+    for scene, low, high in ((mechanism, 1.0, 20.0), (library, 5.0, 100.0)):
+        spans = [end for own, end in found if own is scene]
+        assert 150 < len(spans) < 250
+        assert low <= min(spans) < low + 0.05 * (high - low) < high - 0.05 * (high - low) < max(spans) <= high
+    monkeypatch.setattr(calibration, "HEAVY", {"a": 0.5, "b": 0.5})
+    halved = [calibration._scene(np.random.default_rng(seed), 7)[1] for seed in range(400)]
+    assert sum(halved) == pytest.approx(sum(end if own is mechanism else 0.5 * end for own, end in found))
+
+
+@pytest.mark.parametrize("fails", [None, "dop853", "lsodar"])
+def test_a_truth_is_the_tightest_run_as_far_as_another_method_agrees(monkeypatch, fails):
+    scene, asked = scenes.make("pendulum"), []
+
+    def run(own: object, settings: Settings, times: object) -> SimpleNamespace:
+        asked.append((own, settings, times))
+        return SimpleNamespace(ok=settings.method != fails, method=settings.method)
+
+    monkeypatch.setattr(calibration, "simulate", run)
+    monkeypatch.setattr(calibration, "_gap", lambda own, first, second: (own, first.method, second.method))
+    found = calibration._truth(scene, "times")  # type: ignore[arg-type]
+    tight = {"reactions": False, "estimate": "off", "max_steps": 10**6}
+    wanted = [Settings(method=name, rtol=rtol, atol=rtol * tolerance_unit(scene), **tight)
+              for name, rtol in (("dop853", 1e-13), ("lsodar", 1e-12))]  # fmt: skip
+    assert asked == [(scene, settings, "times") for settings in wanted]
+    if fails:
+        assert found is None
+        return
+    assert found is not None
+    assert (found[0].method, found[1]) == ("dop853", (scene, "dop853", "lsodar"))
 
 
 @pytest.mark.slow

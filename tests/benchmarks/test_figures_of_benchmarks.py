@@ -141,9 +141,16 @@ def test_slow_calls_are_timed_once_more_and_quick_ones_thrice(monkeypatch, first
 def test_right_hand_sides_of_two_trees_are_compared_pair_by_pair(monkeypatch):
     """The second tree takes thrice the first's time of the same round; rounds differ ten thousandfold."""
     rounds = 10 ** np.random.default_rng(3).uniform(-2, 2, 15)
-    monkeypatch.setattr(regression, "interleaved", lambda runs, count: [rounds, 3.0 * rounds])
-    tree: Any = SimpleNamespace(rate=lambda **given: 1.0)
+    asked: list[Any] = []
+
+    def interleaved(runs: list[Any], count: int) -> list[Any]:
+        asked.append(([run() for run in runs], count))
+        return [rounds, 3.0 * rounds]
+
+    monkeypatch.setattr(regression, "interleaved", interleaved)
+    tree: Any = SimpleNamespace(rate=lambda **given: given)
     found = regression.rate_of(tree, tree, "andrews", {})
+    assert asked == [([{"scene": "andrews", "parameters": {}, "seconds": regression.SECONDS}] * 2, 15)]
     assert found.ratio == pytest.approx(3.0)
     assert (found.old_ns_per_body, found.new_ns_per_body) == pytest.approx((rounds.min(), 3.0 * rounds.min()))
 

@@ -57,7 +57,9 @@ def test_ours_is_held_against_the_fastest_peer(monkeypatch):
 @pytest.mark.parametrize("kind", ["adaptive", "fixed"])
 def test_peers_are_tried_at_eight_settings_a_decade(kind):
     method: Any = SimpleNamespace(name="m", kind=kind)
-    made = [chosen.rtol if kind == "adaptive" else chosen.step for chosen in bench_peers.settings(method)]
+    tried = bench_peers.settings(method)
+    assert {chosen.method for chosen in tried} == {"m"}
+    made = [chosen.rtol if kind == "adaptive" else chosen.step for chosen in tried]
     assert made == sorted(made, reverse=True)
     if kind == "adaptive":
         assert (made[0], made[8]) == pytest.approx((3e-4, 3e-6))
@@ -103,6 +105,7 @@ def test_the_first_call_of_a_growth_compiles_and_is_left_out(monkeypatch):
         monkeypatch.setattr(bench_growth, name, lambda *given: None)
     found = bench_growth.times("pendulum_chain", 3, Settings())
     spans = np.diff(seen)[::2]
+    assert len(spans) == 2 * (1 + bench_growth.TURNS)
     assert found == pytest.approx((median(spans[2::2]), median(spans[3::2])))
 
 

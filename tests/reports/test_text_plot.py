@@ -33,6 +33,7 @@ def test_every_mark_stands_where_its_point_is(seed, log_x, log_y):
     rows = field(plot)
     assert {(i, j): mark for i, row in enumerate(rows) for j, mark in enumerate(row) if mark != " "} == drawn
     texts = plot.splitlines()
+    assert len({text.index("|") for text in texts[1 : HEIGHT + 1]} | {texts[HEIGHT + 1].index("+")}) == 1
     xs, ys = [x for _, x, _ in points], [y for *_, y in points]
     assert texts[0] == "up"
     assert [texts[1].split("|")[0].strip(), texts[HEIGHT].split("|")[0].strip()] == [f"{max(ys):.3g}", f"{min(ys):.3g}"]

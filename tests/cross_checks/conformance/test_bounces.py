@@ -19,7 +19,9 @@ def off(scene: Scene) -> Scene:
     return scene.model_copy(update={"contacts": (touch.model_copy(update={"law": law}),)})
 
 
-@pytest.mark.parametrize("kind", ["rigid_law", "lankarani_nikravesh_law", "flores_law"])
+@pytest.mark.parametrize("kind", [
+    "rigid_law", pytest.param("lankarani_nikravesh_law", marks=pytest.mark.slow), "flores_law",
+])  # fmt: skip
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize(("change", "outcome"), [(off, "failed"), (lambda scene: scene, "passed")])
 def test_a_restitution_that_is_a_hundredth_off_fails(kind: str, dimension: int, change: Change, outcome: str):
@@ -29,7 +31,15 @@ def test_a_restitution_that_is_a_hundredth_off_fails(kind: str, dimension: int, 
         assert [finding.outcome for finding in findings if finding.question == "contact"] == [outcome]
 
 
-@pytest.mark.parametrize("times", [[0.0, 0.15], [0.03], [0.0, 0.0515], [0.0, 0.06], [0.0, 0.05, 0.1], [0.04, 0.3]])
+@pytest.mark.parametrize(
+    "times",
+    [
+        [0.0, 0.15],
+        [0.03],
+        [0.0, 0.0515],
+        *(pytest.param(times, marks=pytest.mark.slow) for times in ([0.0, 0.06], [0.0, 0.05, 0.1], [0.04, 0.3])),
+    ],
+)
 def test_a_bounce_does_not_depend_on_the_other_outputs(times: list[float]):
     """Outputs before, within or after the contact alone; the last one within it."""
     for scene in (scene for scene in probes().values() if scene.contacts):

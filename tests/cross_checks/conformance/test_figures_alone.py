@@ -245,3 +245,22 @@ def test_velocities_are_judged_by_what_most_samples_show(monkeypatch):
     assert asked == {"velocities miss the slope of positions by": ladder.typical}
     misses = np.array([[0.1, -0.2], [9.0, 0.0], [0.3, 0.1]])
     assert ladder.typical(misses) == 0.3
+
+
+@pytest.mark.parametrize(("error", "floor", "falling", "odds"), [
+    (1e-3, 1e-6, False, (0.4, 0.3)), (1e-3, 1e-6, False, (0.2, 0.3)), (1e-3, 1e-6, True, (0.4, 0.3)),
+    (1e-6, 1e-6, False, (0.4, 0.3)), (1e-5, 0.9e-5, False, (0.4, 0.3)),
+])  # fmt: skip
+def test_runs_fail_to_converge_by_the_odds_beyond_a_part_of_their_error(error, floor, falling, odds):
+    """That of a limit and that of a stall beyond the floor, or beyond the error over its scatter."""
+    bars: list[float] = []
+    shown: Any = SimpleNamespace(
+        ladder=SimpleNamespace(errors=np.array([1.0, error]), is_falling=falling),
+        odds_of_limit=lambda bar: bars.append(bar) or odds[0], odds_of_stall=lambda bar: bars.append(bar) or odds[1],
+    )  # fmt: skip
+    found = ladder._failing(shown, floor)
+    if falling or error <= floor:
+        assert found == ("", 0.0)
+        return
+    assert found == ("converge to another limit" if odds[0] > odds[1] else "do not fall", pytest.approx(sum(odds)))
+    assert bars == [pytest.approx(max(floor, error / ladder.SCATTER))] * 2

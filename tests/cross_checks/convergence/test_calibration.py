@@ -13,7 +13,7 @@ from tests.cross_checks.convergence.measure import evaluate, report
 from tests.cross_checks.convergence.searched import Searched, classify
 from tests.cross_checks.convergence.synthetic import HELD_OUT, draw
 
-METHODS = 60  # of seeds that the kept calibration does not hold
+METHODS = 40  # of seeds that the kept calibration does not hold
 FIRST = 100_000
 
 

@@ -85,8 +85,9 @@ def test_exudyn_follows_bricard_and_mujoco_bends_it():
     [
         ("torque_free_top", {"turns": 10.0, "axis": 1}, 1e-10),
         ("torque_free_top", {"turns": 10.0, "axis": 2}, 2e-10),
-        ("torque_free_top", {"turns": 10.0, "axis": 3}, 2e-10),
-        ("torque_free_top", {"turns": 10.0, "spin": 1e4}, 2e-10),
+        ("torque_free_top", {"turns": 10.0, "axis": 3, "spin": 1e4}, 2e-10),
+        pytest.param("torque_free_top", {"turns": 10.0, "axis": 3}, 2e-10, marks=pytest.mark.slow),
+        pytest.param("torque_free_top", {"turns": 10.0, "spin": 1e4}, 2e-10, marks=pytest.mark.slow),
         ("torque_free_top", {"turns": 10.0, "tilt": 0.0, "axis": 3}, 1e-10),
         ("torque_free_top", {"turns": 10.0, "inertia_1": 3.0, "inertia_3": 2.0, "inertia_2": 4.0}, 1e-10),
         ("heavy_top", {"motion": "steady"}, 1e-11),
@@ -99,7 +100,7 @@ def test_exudyn_follows_bricard_and_mujoco_bends_it():
 def test_exact_motions_and_the_reference_agree(name, parameters, bound):
     """Two independent ways to one motion: elliptic functions, and Euler parameters integrated."""
     scene = scenes.make(name, **parameters)
-    record = evaluate(scene, "mbs_ref", Settings(rtol=1e-13, samples=21))
+    record = evaluate(scene, "mbs_ref", Settings(rtol=1e-13, samples=21, estimate="off"))
     assert record.status == "success"
     assert record.error is not None, record.notes
     assert record.error.value < bound  # m, at a radius of gyration
@@ -109,7 +110,7 @@ def test_exact_motions_and_the_reference_agree(name, parameters, bound):
 
 def test_a_free_top_for_a_hundred_turns():
     scene = scenes.make("torque_free_top", turns=100.0)
-    record = evaluate(scene, "mbs_ref", Settings(rtol=1e-13))
+    record = evaluate(scene, "mbs_ref", Settings(rtol=1e-13, estimate="off"))
     assert record.measure("orientation_error") is not None
     assert record.measure("orientation_error") < 1e-9  # rad
     truth = seek_truth(scene, np.array([0.0, scene.duration]))

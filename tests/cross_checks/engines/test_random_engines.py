@@ -93,7 +93,7 @@ LOADED = (61, 68, 131, 172, 262, 292)  # MuJoCo takes these, and their springs m
     ("name", "seeds", "least", "loaded"),
     [
         ("pinocchio", range(30), 8, 3),
-        ("mujoco", (*range(30), *LOADED), 11, 6),
+        ("mujoco", (*range(12), *LOADED), 8, 6),
         ("exudyn", range(14), 5, 2),
         pytest.param("exudyn", range(30), 13, 5, marks=pytest.mark.slow),
     ],

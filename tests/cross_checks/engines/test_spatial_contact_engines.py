@@ -33,8 +33,8 @@ FINE = 1e-4  # s
 def test_an_engine_without_events_equals_our_rk4_without_events(name, method, scene, parameters):
     pytest.importorskip(name)
     built = scenes.make(scene, **parameters)
-    theirs = engines.get(name).run(built, Settings(method=method, step=2e-4))
-    ours = simulate(built, Settings(method="rk4", step=2e-4, events="none"))
+    theirs = engines.get(name).run(built, Settings(method=method, step=2e-4, reactions=False))
+    ours = simulate(built, Settings(method="rk4", step=2e-4, events="none", estimate="off", reactions=False))
     assert theirs.ok, theirs.message
     assert np.abs(theirs.position - ours.position).max() < SAME_SCHEME
     assert np.abs(ours.velocity[-1] - ours.velocity[0]).max() > 0.1  # touch-down and lift-off lie behind

@@ -28,7 +28,7 @@ def apart(scene, name: str, settings: Settings, t_end: float) -> float:
 @pytest.mark.parametrize("model", MODELS, ids=["rolling", "sprung"])
 def test_pinocchio_starts_to_drive_the_track(model):
     scene = scenes.make("tracked_vehicle", **model)
-    assert apart(scene, "pinocchio", Settings(method="rk4", step=1e-4, reactions=False), 0.1) < agreed
+    assert apart(scene, "pinocchio", Settings(method="rk4", step=1e-4, reactions=False), 0.05) < agreed
 
 
 @pytest.mark.slow

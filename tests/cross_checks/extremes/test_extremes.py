@@ -246,7 +246,8 @@ def standing(case: Case) -> Trajectory:
     return Trajectory(case.times, place, np.tile(turned, (n,) + (1,) * turned.ndim), still, spin)
 
 
-LONG = {"chain-length", "chain-going-taut"}  # whose truths take ten seconds
+# whose truths take ten seconds, and further ones of the androids and of satellites
+LONG = {"chain-length", "chain-going-taut", "android-belts", "android-mass", "satellite-dive"}
 
 
 @pytest.mark.parametrize("extreme", [

@@ -11,8 +11,8 @@ from mbs_ref.settings import Settings
 from tests.cross_checks.isolation import troubles
 
 CASES = [(troubles.native_hang, "timeout"), (troubles.segfault, "crashed"), (troubles.abort, "crashed"),
-         (troubles.eat_memory, "out-of-memory"),
-         pytest.param(troubles.hang, "timeout", marks=pytest.mark.slow)]  # fmt: skip
+         *(pytest.param(*case, marks=pytest.mark.slow) for case in (
+             (troubles.eat_memory, "out-of-memory"), (troubles.hang, "timeout")))]  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -142,7 +142,7 @@ def test_a_closed_child_takes_its_copy_along():
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize("apart", [False, True])
+@pytest.mark.parametrize("apart", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_memory_that_an_earlier_call_holds_fails_no_later_one(apart):
     """After one hungry call every later one of the same child raised MemoryError."""
     with Isolated(timeout=troubles.PATIENCE, memory=300 * 2**20) as isolated:

@@ -435,7 +435,8 @@ def test_a_wrong_equation_of_the_checker_is_detected(what, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("name", "parameter", "value"), [("pendulum", "length", 1.0), ("double_pendulum", "mass_2", 0.6)]
+    ("name", "parameter", "value"),
+    [("pendulum", "length", 1.0), pytest.param("double_pendulum", "mass_2", 0.6, marks=pytest.mark.slow)],
 )
 def test_a_family_holds_its_members(name, parameter, value):
     def make(x: float) -> Any:
@@ -656,3 +657,18 @@ def test_the_command_proves_and_checks(tmp_path):
     assert checked.exit_code == 0, checked.output
     (tmp_path / "log.gz").write_bytes(b"nothing")
     assert CliRunner().invoke(main, ["prove", "--check", file]).exit_code == 1
+
+
+def test_a_radius_above_the_requested_one_fails_unless_a_family_is_enclosed(monkeypatch):
+    """The prover reaches 1e-15 here, whatever is requested."""
+    words = ["prove", "pendulum", "--t-end", "0.1", "--samples", "2"]
+    family = CliRunner().invoke(main, [*words, "--radius", "1e-60", "--vary", "length=1+-1e-9"])
+    assert family.exit_code == 0, family.output
+    real = integrate.prove
+    monkeypatch.setattr(integrate, "prove", lambda made, times, radius, *more: real(made, times, 1e-15, *more))
+    assert CliRunner().invoke(main, words).exit_code == 0
+    done = CliRunner().invoke(main, [*words, "--radius", "1e-60"])
+    assert (done.exit_code, "above the requested 1.0e-60" in done.output) == (1, True)
+    for end in ("0", "-1"):
+        refused = CliRunner().invoke(main, ["prove", "pendulum", "--t-end", end])
+        assert (refused.exit_code, f"--t-end {end}: a proof needs a duration > 0" in refused.output) == (2, True)

@@ -32,7 +32,8 @@ def named(fault: str) -> bool:
     return bool(suspicions) and all(word in suspicions[0] for word in words)
 
 
-@pytest.mark.parametrize(("scene", "tool"), [(TWO, two_rods), (SPRING, on_a_spring), (TOP, top)],
+@pytest.mark.parametrize(("scene", "tool"), [
+    pytest.param(TWO, two_rods, marks=pytest.mark.slow), (SPRING, on_a_spring), (TOP, top)],
                          ids=lambda one: getattr(one, "name", ""))  # fmt: skip
 def test_the_tools_without_a_fault_agree(scene, tool):
     result = cross_checks.judge(scene, tool())

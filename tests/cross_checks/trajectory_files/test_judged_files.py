@@ -154,7 +154,7 @@ def test_a_length_in_another_unit_is_named(scale, word):
     assert f"the position columns look like {word}; m is stated" in suspicions(case, ASKED)[0]
 
 
-@pytest.mark.parametrize("lag", [1e-3, 2e-2, -5e-3])
+@pytest.mark.parametrize("lag", [1e-3, *(pytest.param(lag, marks=pytest.mark.slow) for lag in (2e-2, -5e-3))])
 def test_a_clock_that_lags_is_named_with_its_size(lag):
     times = np.linspace(0.1, PENDULUM.duration - 0.1, 41)
     truth = truth_at("pendulum_chain", tuple((times - lag).tolist()))

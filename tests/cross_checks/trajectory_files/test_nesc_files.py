@@ -144,7 +144,7 @@ def test_axes_that_turn_with_the_earth_are_named_with_their_rate():
         )
 
 
-@pytest.mark.parametrize("lag", [1e-3, 0.02])
+@pytest.mark.parametrize("lag", [1e-3, pytest.param(0.02, marks=pytest.mark.slow)])
 def test_a_lag_is_named_with_its_size(lag):
     _, brick = maps()
     columns = tumbled(times=TIMES[4:-4] - lag) | {"time": TIMES[4:-4]}

@@ -34,9 +34,10 @@ def truth_of(scene) -> Truth:
 @pytest.mark.parametrize(
     "parameters",
     [
-        {"impact": "rear"}, {"seat": "driven"}, BARE | {"law": "spring_damper"}, BARE | {"pulse": "table"},
+        {"impact": "rear", "seat": "driven"}, BARE | {"law": "spring_damper", "pulse": "table"},
         *(pytest.param(one, marks=pytest.mark.slow) for one in (
-            {}, BARE, BARE | {"impact": "rear"}, BARE | {"lift": 0.05})),
+            {}, {"impact": "rear"}, {"seat": "driven"}, BARE, BARE | {"impact": "rear"}, BARE | {"lift": 0.05},
+            BARE | {"law": "spring_damper"}, BARE | {"pulse": "table"})),
     ],
     ids=str,
 )  # fmt: skip

@@ -22,7 +22,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status, Trajectory
 
-FINE = Settings(method="dop853", rtol=1e-12, samples=41)
+FINE = Settings(method="dop853", rtol=1e-12, samples=41, estimate="off")
 EXACT = [
     ("newtons_cradle", {}, 1e-12),
     ("newtons_cradle", {"restitution": 0.6}, 1e-12),
@@ -53,7 +53,9 @@ def test_the_reference_solver_meets_the_exact_motion(name, parameters, tolerance
     assert np.abs(truth.orientation - run.orientation).max() < 10.0 * tolerance
 
 
-@pytest.mark.parametrize("parameters", [{}, {"law": "progressive", "damping": 1e3}, {"offset": 0.48}])
+@pytest.mark.parametrize(
+    "parameters", [{}, pytest.param({"law": "progressive", "damping": 1e3}, marks=pytest.mark.slow), {"offset": 0.48}]
+)
 def test_the_moving_seat_meets_its_converged_motion(parameters):
     """At 0.48 m the ball meets the seat's round end, which throws it aside."""
     scene = scenes.make("ball_on_moving_seat", **parameters)
@@ -114,7 +116,7 @@ def test_no_contact_claims_an_impulse_that_it_shares():
     ball = scenes.make("bouncing_ball")
     twice = ball.contacts[0].model_copy(update={"name": "other"})
     shared = ball.model_copy(update={"contacts": (*ball.contacts, twice)})
-    found = contact_figures(shared, simulate(shared, FINE.model_copy(update={"samples": 501, "estimate": "off"})))
+    found = contact_figures(shared, simulate(shared, FINE.model_copy(update={"samples": 501})))
     assert {"floor: restitution", "other: restitution"} <= found.keys()
     assert not [name for name in found if "impulse" in name]
 

@@ -31,8 +31,8 @@ from mbs_ref.simulate import simulate
     [
         ("figure_eight", {}),
         ("satellite", {"orbit": "geo"}),
-        ("satellite", {"orbit": "gps", "days": 0.2, "zonals": True}),
-        ("satellite", {"days": 0.01, "third_bodies": True, "drag": True}),
+        pytest.param("satellite", {"orbit": "gps", "days": 0.2, "zonals": True}, marks=pytest.mark.slow),
+        pytest.param("satellite", {"days": 0.01, "third_bodies": True, "drag": True}, marks=pytest.mark.slow),
         ("satellite", {"days": 0.01, "radiation": True}),
         ("nesc_sphere_in_air", {}),
         ("solar_system", {"model": "newton", "days": 20.0}),

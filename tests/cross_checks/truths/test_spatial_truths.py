@@ -21,8 +21,8 @@ from mbs_ref.simulate import simulate
     [
         ("bricard", {}, 0.2, 1e-11),
         ("spatial_slider_crank", {}, 0.2, 1e-10),
-        ("spatial_chain", {"links": 3}, 0.1, 1e-10),
-        ("double_gyroscope", {}, 0.1, 1e-11),
+        pytest.param("spatial_chain", {"links": 3}, 0.1, 1e-10, marks=pytest.mark.slow),
+        pytest.param("double_gyroscope", {}, 0.1, 1e-11, marks=pytest.mark.slow),
         ("flyball_governor", {}, 0.05, 1e-9),
     ],
 )

@@ -64,7 +64,9 @@ SMALLER = {  # quicker to solve, or slow enough to be differenced
     "spatial_chain": {"links": 3},
     "double_gyroscope": {"spin": 20.0, "second_spin": -10.0},
 }
-SLOW = {"bricard", "cardan_joint", "double_gyroscope", "spatial_chain", "spatial_slider_crank"}  # to solve
+SLOW = {  # to solve
+    "bricard", "cardan_joint", "double_gyroscope", "four_bar_with_spring", "spatial_chain", "spatial_slider_crank",
+}  # fmt: skip
 
 IN_CONTACT = {  # judged in test_contact_truths.py and test_spatial_contact.py: speeds jump, energy is lost
     "ball_on_driven_seat", "bouncing_ball", "box_stack", "disc_between_walls", "incline", "newtons_cradle",

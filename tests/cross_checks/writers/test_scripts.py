@@ -6,6 +6,7 @@ import ast
 import csv
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,8 @@ OURS = {"mbs_ref", "cross_checks", "benchmarks", "reports", "tests"}
 ROUNDOFF = (
     1e-12  # of the largest number: the same arithmetic by the same libraries, and the sums of angles ordered anew
 )
-DATA = Path(__file__).parents[3] / "data"
+BETWEEN = "--- what the next script prints"
+DATA = Path(__file__).parents[2] / "data"
 SHORT = {"t_end": 0.1, "samples": 3}
 # one run through every template, and those that need a part of it that no other does, are quick
 QUICK = [
@@ -54,20 +56,24 @@ ALL = [
 ]  # fmt: skip
 
 
-def printed(text: str, folder: Path) -> tuple[list[str], np.ndarray]:
-    """Run a script where nothing of ours can be imported; return the header and the rows that it prints."""
-    file = folder / "script.py"
+Printed = tuple[list[str], np.ndarray]  # header and rows
+
+
+def printed(texts: Sequence[str], folder: Path) -> list[Printed]:
+    """Run scripts where nothing of ours can be imported, in one interpreter; return what each of them prints."""
     # no import of our packages succeeds, however they are installed
-    guard = f"import sys\nsys.modules.update(dict.fromkeys({sorted(OURS)}))\n"
-    (folder / "alone.py").write_text(guard + f"import runpy\nrunpy.run_path({str(file)!r}, run_name='__main__')\n")
-    file.write_text(text)
+    alone = f"import runpy, sys\nsys.modules.update(dict.fromkeys({sorted(OURS)}))\n"
+    for k, text in enumerate(texts):
+        (folder / f"script{k}.py").write_text(text)
+        alone += f"print({BETWEEN!r})\nrunpy.run_path({str(folder / f'script{k}.py')!r}, run_name='__main__')\n"
+    (folder / "alone.py").write_text(alone)
     done = subprocess.run([sys.executable, "-I", "alone.py"], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    header, *rows = csv.reader(done.stdout.splitlines())
-    return header, np.array(rows, dtype=float)
+    parts = [list(csv.reader(part.splitlines())) for part in done.stdout.split(f"{BETWEEN}\n")[1:]]
+    return [(header, np.array(rows, dtype=float)) for header, *rows in parts]
 
 
-def of_adapter(solver: Engine, scene: Scene, settings: Settings, folder: Path) -> tuple[list[str], np.ndarray]:
+def of_adapter(solver: Engine, scene: Scene, settings: Settings, folder: Path) -> Printed:
     """Return the same of our adapter."""
     path = solver.run(scene, settings)
     assert path.ok, path.message
@@ -76,28 +82,30 @@ def of_adapter(solver: Engine, scene: Scene, settings: Settings, folder: Path) -
     return header, np.array(rows, dtype=float)
 
 
-def assert_alike(solver: Engine, scene: Scene, settings: Settings, folder: Path) -> None:
-    text = writers.write(scene, solver.name, settings)
-    tree = ast.parse(text)
-    imports = [name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names]
-    imports += [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
-    assert not {name.split(".")[0] for name in imports} & OURS
-    head, rows = printed(text, folder)
-    expected_head, expected = of_adapter(solver, scene, settings, folder)
-    assert head == expected_head
-    assert np.abs(rows - expected).max() <= ROUNDOFF * np.abs(expected).max()
-    assert np.abs(rows[-1] - rows[0]).max() > 1e-3  # it moves
+def assert_alike(solver: Engine, cases: Sequence[tuple[Scene, Settings]], folder: Path) -> None:
+    texts = [writers.write(scene, solver.name, settings) for scene, settings in cases]
+    for text in texts:
+        tree = ast.parse(text)
+        imports = [name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names]
+        imports += [node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+        assert not {name.split(".")[0] for name in imports} & OURS
+    for (scene, settings), (head, rows) in zip(cases, printed(texts, folder), strict=True):
+        expected_head, expected = of_adapter(solver, scene, settings, folder)
+        assert head == expected_head
+        assert np.abs(rows - expected).max() <= ROUNDOFF * np.abs(expected).max(), (scene.name, settings)
+        assert np.abs(rows[-1] - rows[0]).max() > 1e-3  # it moves
 
 
-@pytest.mark.parametrize(("name", "scene", "chosen"), QUICK)
-def test_a_script_alone_prints_our_adapters_figures(name, scene, chosen, tmp_path):
-    assert_alike(engine(name), scenes.make(scene), Settings(**SHORT, **chosen), tmp_path)
+@pytest.mark.parametrize("name", dict.fromkeys(name for name, *_ in QUICK))
+def test_scripts_alone_print_our_adapters_figures(name, tmp_path):
+    cases = [(scenes.make(scene), Settings(**SHORT, **chosen)) for own, scene, chosen in QUICK if own == name]
+    assert_alike(engine(name), cases, tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "scene", "chosen"), ALL)
 def test_every_kind_of_scene_and_method_as_a_script(name, scene, chosen, tmp_path):
-    assert_alike(engine(name), scenes.make(scene), Settings(t_end=0.3, samples=4, **chosen), tmp_path)
+    assert_alike(engine(name), [(scenes.make(scene), Settings(t_end=0.3, samples=4, **chosen))], tmp_path)
 
 
 @pytest.mark.slow
@@ -107,7 +115,7 @@ def test_a_robot_as_a_script(name, tmp_path):
     from cross_checks.robots.pinocchio_ import read_urdf
 
     robot = read_urdf(DATA / "two_links_and_a_slider.urdf").scene
-    assert_alike(engine(name), robot.model_copy(update={"loads": ()}), Settings(t_end=0.3, samples=4), tmp_path)
+    assert_alike(engine(name), [(robot.model_copy(update={"loads": ()}), Settings(t_end=0.3, samples=4))], tmp_path)
 
 
 @pytest.mark.slow
@@ -116,7 +124,7 @@ def test_contact_that_mujoco_has_itself_as_a_script(tmp_path):
     (floor,) = scene.contacts
     pushing = floor.model_copy(update={"law": floor.law.model_copy(update={"release": "force"})})
     hopping = scene.model_copy(update={"contacts": (pushing,)})
-    assert_alike(engine("mujoco"), hopping, Settings(t_end=0.3, samples=4), tmp_path)
+    assert_alike(engine("mujoco"), [(hopping, Settings(t_end=0.3, samples=4))], tmp_path)
 
 
 def test_a_script_that_stops_is_refused_with_its_last_line():

@@ -12,11 +12,13 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 
 
-@pytest.mark.parametrize("events", ["located", "none"])
-@pytest.mark.parametrize("space", [False, True])
+@pytest.mark.parametrize(("space", "events"), [
+    (False, "located"), (True, "none"),
+    *(pytest.param(*case, marks=pytest.mark.slow) for case in ((False, "none"), (True, "located"))),
+])  # fmt: skip
 def test_results_are_the_same_to_the_last_bit(monkeypatch, space, events):
     scene = scenes.make("granular_column", grains=16, across=2, space=space)
-    settings = Settings(method="rk4", step=2e-4, t_end=0.2, samples=11, events=events, estimate="off")
+    settings = Settings(method="rk4", step=2e-4, t_end=0.12, samples=11, events=events, estimate="off")
     monkeypatch.setattr(broad_phase, "FROM_PAIRS", 10**9)
     every = simulate(scene, settings)
     monkeypatch.setattr(broad_phase, "FROM_PAIRS", 1)

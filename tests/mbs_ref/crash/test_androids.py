@@ -26,7 +26,7 @@ def bare(name, **parameters):
 
 
 def run(scene, **settings):
-    found = simulate(scene, Settings(**({"rtol": 1e-8, "samples": 401} | settings)))
+    found = simulate(scene, Settings(**({"rtol": 1e-8, "samples": 401, "estimate": "off"} | settings)))
     assert found.ok, found.message
     return found
 

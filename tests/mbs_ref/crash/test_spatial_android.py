@@ -79,7 +79,7 @@ def test_a_crash_from_the_rear_needs_stops():
         scenes.make("android_spatial", impact="rear", **BARE)
 
 
-@pytest.mark.parametrize("parameters", [{}, BARE])
+@pytest.mark.parametrize("parameters", [pytest.param({}, marks=pytest.mark.slow), BARE])
 def test_a_straight_crash_meets_the_planar_truth_lifted_into_space(parameters):
     """Positions, Euler parameters and rates; an oblique pulse has no truth."""
     scene, times = scenes.make("android_spatial", oblique=0.0, **parameters), np.linspace(0.0, 0.1, 11)

@@ -17,7 +17,7 @@ from tests.mbs_ref.hidden_events.roots import Undecided, roots
 from tests.mbs_ref.hidden_events.world import Contact, Length, Level, Mark, Watch, World
 from tests.mbs_ref.hidden_events.write_scene import Units, write_scene
 
-SEEDS = [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 6))]
+SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 6))]
 PER_TURN, AT_LEAST = 200, 2000  # samples of a scan
 MOST_SAMPLES = 200_000
 

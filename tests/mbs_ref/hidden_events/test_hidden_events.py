@@ -24,7 +24,7 @@ def _failures(family: str, method: str, seeds: range, outputs: tuple[int, ...]) 
 
 @pytest.mark.parametrize(("family", "method"), QUICK)
 def test_no_event_of_a_few_scenes_is_missed_or_invented(family, method):
-    assert _failures(family, method, range(2), (2, 101)) == {}
+    assert _failures(family, method, range(1), (2, 101)) == {}
 
 
 @pytest.mark.parametrize(("family", "seed"), HARD)

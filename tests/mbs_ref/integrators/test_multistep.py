@@ -32,9 +32,10 @@ def test_a_joined_interpolant_takes_the_value_and_slope_of_its_beginning_and_kee
     assert (between(end) - between(end - tiny))[0] / tiny == pytest.approx(inside.deriv()(end), abs=1e-4)
 
 
-@pytest.mark.parametrize(("name", "rtol"), [("painleve_rod", 1e-4), ("rocking_block", 1e-3)])
-def test_a_contact_just_left_or_reached_is_not_found_again_without_end(name, rtol):
-    run = simulate(scenes.make(name), Settings(method="lsodar", rtol=rtol, estimate="off", reactions=False))
+@pytest.mark.parametrize(("name", "rtol", "t_end"), [("painleve_rod", 1e-4, 0.0275), ("rocking_block", 1e-3, None)])
+def test_a_contact_just_left_or_reached_is_not_found_again_without_end(name, rtol, t_end):
+    settings = Settings(method="lsodar", rtol=rtol, t_end=t_end, estimate="off", reactions=False)
+    run = simulate(scenes.make(name), settings)
     assert run.ok, run.message
     assert run.events < 100
 
@@ -44,8 +45,7 @@ SOUND = [name for name, each in integrators().items()
          if each.locates_events and each.kind == "adaptive" and not each.weakness]  # fmt: skip
 
 
-def _has_events(name: str) -> bool:
-    scene = scenes.make(name)
+def _has_events(scene: Scene) -> bool:
     return bool(scene.contacts or scene.events or any(getattr(load, "tension_only", False) for load in scene.loads))
 
 
@@ -58,10 +58,12 @@ def _takes(scene: Scene, settings: Settings) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*filter(_has_events, scenes.names())])
+@pytest.mark.parametrize("name", scenes.names())
 def test_events_do_not_multiply(name):
     """Every method that takes the scene has about as many events as DOP853 at 1e-11."""
     scene, off = scenes.make(name), {}
+    if not _has_events(scene):
+        return
     settings = Settings(method="dop853", rtol=1e-11, max_steps=200_000, samples=11, estimate="off", reactions=False,
                         t_end=scene.duration * SHORT.get(name, 1.0))  # fmt: skip
     exact = simulate(scene, settings)

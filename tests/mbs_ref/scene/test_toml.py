@@ -92,7 +92,7 @@ scene_strategy = st.builds(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(scene_strategy)
 def test_what_is_written_reads_back_equal(scene):
     again = loads(dumps(scene))

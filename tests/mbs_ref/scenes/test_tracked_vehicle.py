@@ -137,9 +137,9 @@ def test_a_slope_pitches_the_hull_by_its_angle():
 
 
 def test_a_vehicle_without_torque_rests():
-    """Ground bears the weight, both runs of the track are tight, and nothing moves for ten seconds."""
+    """Ground bears the weight, both runs of the track are tight, and nothing moves for five seconds."""
     scene = scenes.make("tracked_vehicle", torque=0.0)
-    path = simulate(scene, Settings(t_end=10.0, samples=11, estimate="off"))
+    path = simulate(scene, Settings(t_end=5.0, samples=11, estimate="off"))
     assert path.ok, path.message
     assert np.abs(path.position - path.position[:1]).max() < 1e-9  # m
     feet = sum(path.contacts[part.name][0, 2] for part in scene.contacts if part.body_b == "ground")

@@ -127,7 +127,9 @@ def test_a_near_collision_is_not_off_by_more_than_it_says(method, gap, rtol):
 
 
 @pytest.mark.parametrize("method", ["dop853", "lsodar", "radau"])
-@pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("rtol", [
+    1e-2, pytest.param(1e-4, marks=pytest.mark.slow), 1e-6, pytest.param(1e-8, marks=pytest.mark.slow), 1e-10,
+])  # fmt: skip
 def test_a_tolerance_is_not_taken_at_its_word(method, rtol):
     scene = scenes.make("slider_crank")
     path = simulate(scene, Settings(method=method, rtol=rtol, t_end=2.0))

@@ -18,6 +18,7 @@ from reports.cli import main
 pytest.importorskip("rebound")
 
 
+@pytest.mark.slow  # the forms of the answer: test_small_statements.py; its judge: test_extremes.py
 def test_a_small_extreme_prints_a_line_of_json_a_cell():
     asked = ["extremes", "--json", "--only", "plunge", "--engine", "rebound"]
     found = CliRunner().invoke(main, asked, prog_name="mbs-ref")
@@ -37,6 +38,7 @@ def test_shards_of_the_extremes_are_disjoint_and_complete():
     assert CliRunner().invoke(main, [*asked, "4/3"], prog_name="mbs-ref").exit_code == 2
 
 
+@pytest.mark.slow  # test_stopped.py and test_interrupt.py stop quicker commands
 def test_ctrl_c_keeps_the_cells_and_leaves_no_process_behind(tmp_path: Path):
     kept = tmp_path / "cells.jsonl"
     words = ["extremes", "--engine", "rebound", "--only", "orbits", "-o", str(kept)]

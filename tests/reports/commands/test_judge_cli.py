@@ -106,8 +106,11 @@ def test_what_cannot_be_read_is_a_sentence(tmp_path):
     assert "line 2, column 'x': 'a' is no number" in done.output
 
 
+@pytest.mark.slow  # test_consensus.py shows what is agreed on, by engines that a script plays
 def test_a_scene_of_the_users_own_is_judged_by_what_engines_agree_on(tmp_path):
-    text = dumps(scenes.make("driven_pendulum").model_copy(update={"name": "mine", "gravity": (0.1, -9.0)}))
+    text = dumps(
+        scenes.make("driven_pendulum").model_copy(update={"name": "mine", "gravity": (0.1, -9.0), "duration": 0.4})
+    )
     (tmp_path / "mine.toml").write_text(text)
     scene = read_scene(str(tmp_path / "mine.toml"))
     path = simulate(scene, Settings(method="dop853", rtol=1e-12, samples=7, estimate="off"))

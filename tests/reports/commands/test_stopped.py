@@ -49,7 +49,8 @@ WORDS = {"check": ["check", "pendulum", "--json"], "pick": ["pick", "pendulum", 
 @pytest.mark.parametrize(
     ("command", "stop", "words"),
     [
-        ("check", signal.SIGTERM, "agrees"), ("pick", signal.SIGINT, "second step="),
+        ("check", signal.SIGTERM, "agrees"),
+        pytest.param("pick", signal.SIGINT, "second step=", marks=pytest.mark.slow),
         pytest.param("check", signal.SIGHUP, "agrees", marks=pytest.mark.slow),
     ],
 )  # fmt: skip

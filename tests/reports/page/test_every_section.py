@@ -440,6 +440,8 @@ def test_lines_of_several_curves_on_one_figure():
     shown = curves.overlay({"one": first, "two": second, "": second})
     assert [line["name"] for line in shown["data"]] == ["one: a", "one: b", "two", "c"]
     assert [line["x"][0] for line in shown["data"]] == [0.0, 0.0, 4.0, 4.0]
+    assert [line["marker"]["color"] for line in shown["data"]] == [line["line"]["color"] for line in shown["data"]]
+    assert len({line["marker"]["symbol"] for line in shown["data"]}) == 4
     assert shown["data"][1]["y"] == [curves.FLOOR, 1.0, 2.0]
     assert shown["data"][2]["y"] == [0.0, 3.0, 6.0]
     assert [line["mode"] for line in shown["data"]] == ["lines", "lines", "markers", "markers"]

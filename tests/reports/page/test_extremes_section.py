@@ -17,7 +17,7 @@ from cross_checks.records.numbers import short
 from cross_checks.records.store import Store
 from reports.facts.report_data import ReportData
 from reports.gather import Gathering
-from reports.page.sections.extremes import LEFT, WIDTH, context, place
+from reports.page.sections.extremes import LEFT, WIDTH, _reach, context, place
 from tests.reports.page.synthetic_report import report_data
 
 
@@ -125,3 +125,12 @@ def test_parts_kept_by_several_nights_are_shown_together_and_full_cells_before_q
     with Store(tmp_path / "runs.sqlite") as store:
         found = Gathering(store, files=(first, second)).extreme_cells()
     assert {c.extreme: c.reason for c in found} == {"a": "full", "b": "quick"}
+
+
+def test_a_method_that_is_right_between_two_listed_values_reaches_farther():
+    extreme = next(one for one in every() if len(one.values(True)) > len(one.values(False)))
+    listed, fine = (extreme.values(full) for full in (False, True))
+    between = next(value for value in fine if value not in listed)
+    first, second = (fate.Cell(extreme.name, extreme.family, "mbs_ref", "m", True, Fate.DEGRADED, last, (), "")
+                     for last in (fine[fine.index(between) - 1], between))  # fmt: skip
+    assert _reach(extreme, second) == _reach(extreme, first) + 1.0 == fine.index(between) + 1.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from math import sqrt
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,9 +15,9 @@ from reports.page import build
 from reports.page.render import render
 from reports.studies import study
 from tests.cross_checks.conftest import Swing, register
+from tests.reports.page.measured_by_children import FOUND, made_up, part_made, what_was_made
 
 STUDIES = {name: study.every()[name] for name in ("space", "sky", "contact")}
-FOUND = Measured({"answer": 7})
 
 
 def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
@@ -39,8 +38,9 @@ def test_a_study_that_raises_or_crashes_leaves_the_others(monkeypatch):
 
 
 def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
-    monkeypatch.setenv("MADE", str(tmp_path))
-    monkeypatch.setattr(study, "every", lambda: STUDIES)
+    (tmp_path / "made").mkdir()
+    monkeypatch.setenv("MADE", str(tmp_path / "made"))
+    monkeypatch.setattr(study, "every", lambda: {name: STUDIES[name] for name in ("space", "contact")})
     monkeypatch.setattr(study, "parts", lambda name: ["one", "two"] if name == "contact" else [])
     monkeypatch.setattr(study, "make", part_made)
     monkeypatch.setattr(study, "measure", what_was_made)
@@ -48,7 +48,8 @@ def test_a_study_is_measured_after_its_parts(tmp_path, monkeypatch):
     with Store() as store:
         assert study.measure_all(store, found, (), lambda done, total, what: None) == []
     assert found["contact"].figures == {"one": 1, "two": 1}
-    assert found.keys() == STUDIES.keys()
+    assert found.keys() == {"space", "contact"}
+    assert sorted((tmp_path / "measured.txt").read_text().split()) == ["contact", "space"], "each is measured once"
 
 
 def test_parts_are_measured_once_stored_and_joined(tmp_path, monkeypatch):
@@ -72,27 +73,10 @@ def test_parts_are_measured_once_stored_and_joined(tmp_path, monkeypatch):
     assert measured == ["two", "one", "one", "two"]
 
 
-def part_made(name: str, part: str, full: bool) -> None:
-    (Path(os.environ["MADE"]) / part).touch()
-    if part == "two":
-        raise RuntimeError("a part that fails costs nothing by itself")
-
-
-def what_was_made(name: str, full: bool) -> Measured:
-    return Measured({file.name: 1 for file in sorted(Path(os.environ["MADE"]).iterdir())})
-
-
 def test_the_page_says_why_a_section_is_missing():
     page = render(ReportData((), (), incomplete="section space: <no root>"))["space.html"].decode()
     assert "Missing: section space: &lt;no root&gt;." in page
     assert "a quick one does not" in render(ReportData((), (), quick=True))["space.html"].decode()
-
-
-def made_up(name: str, full: bool) -> object:
-    """Importable by name, as a child process needs it."""
-    if name == "sky":
-        os.abort()
-    return sqrt(-1.0) if name == "space" else FOUND
 
 
 def test_pages_grow_while_verdicts_come_and_an_interrupt_while_one_is_written_keeps_them(tmp_path, monkeypatch):

@@ -135,8 +135,10 @@ def test_a_tooth_pushes_a_pin_across_its_flank(flank, side):
     pin = (pitch + OUT) * radial + side * WIDTH * across
     line = pitch * radial + side * ROOT * (math.cos(flank) * across) - ROOT * math.sin(flank) * radial
     direction = math.cos(flank) * radial + side * math.sin(flank) * across
-    wall = line + np.linspace(-0.1, 0.1, 2_000_001)[:, None] * direction
-    nearest = wall[np.argmin(np.sum((wall - pin) ** 2, axis=1))]
+    nearest = line
+    for reach in (0.1, 1e-4, 1e-7):  # m, about the nearest so far
+        wall = nearest + np.linspace(-reach, reach, 4001)[:, None] * direction
+        nearest = wall[np.argmin(np.sum((wall - pin) ** 2, axis=1))]
     inward = nearest - pin
     bodies = (
         PlanarBody(name="pin", mass=1.0, inertia=1.0, position=tuple(pin)),

@@ -19,7 +19,7 @@ from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 
 G = 9.81  # m/s^2
-FINE = Settings(method="dop853", rtol=1e-12)
+FINE = Settings(method="dop853", rtol=1e-12, estimate="off")
 WIDTH, HEIGHT = 0.2, 0.8  # m, of a slender box
 
 

@@ -83,8 +83,12 @@ def test_ctrl_c_keeps_what_was_computed():
 
 def test_ctrl_c_ends_a_large_run_inside_its_compiled_loop():
     scene = scenes.make("pendulum_chain", links=20)
-    Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
-    path = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e4, samples=3, estimate="off"))
+    timer = Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        path = simulate(scene, Settings(method="dop853", rtol=1e-10, t_end=1e4, samples=3, estimate="off"))
+    finally:
+        timer.cancel()  # a run that ends before it leaves no signal to a later test
     assert path.status is Status.INTERRUPTED, path.message
     assert path.steps < CHUNK
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
