@@ -18,6 +18,7 @@ from mbs_ref.simulate.plan import ON_GRID, Plan
 from mbs_ref.trajectory import Status
 
 EPS = float(np.finfo(float).eps)
+READ = b"\0"  # no signal's number
 GOLDEN = 0.5 * (3.0 - 5.0**0.5)  # of an interval: the golden section
 
 
@@ -30,7 +31,7 @@ class Interrupts:
     """
 
     def __init__(self, run: Progress, max_steps: int) -> None:
-        self.received = False
+        self.received = self._signalled = False
         self._run, self._max_steps, self._steps_before = run, max_steps, 0
         self._previous: Any = None
         self._descriptor = -1
@@ -45,18 +46,24 @@ class Interrupts:
         in_main_thread = threading.current_thread() is threading.main_thread()
         if in_main_thread and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             self._previous = signal.signal(signal.SIGINT, self._receive)
-            descriptor, entered = _waiting_thread()
-            entered.append(self)
-            self._descriptor = signal.set_wakeup_fd(descriptor, warn_on_full_buffer=False)
+            waiting = _waiting_thread()
+            waiting.entered.append(self)
+            self._descriptor = signal.set_wakeup_fd(waiting.target, warn_on_full_buffer=False)
         return self
 
     def __exit__(self, *_: object) -> None:
         if self._previous is not None:
             signal.set_wakeup_fd(self._descriptor)
-            _waiting_thread()[1].remove(self)
+            waiting = _waiting_thread()
+            waiting.entered.remove(self)
             signal.signal(signal.SIGINT, self._previous)
+            if self._signalled:  # the next run is not to be stopped by a number that is read late
+                os.write(waiting.target, READ)
+                waiting.has_read.wait()
+                waiting.has_read.clear()
 
     def _receive(self, _number: int, _frame: FrameType | None) -> None:
+        self._signalled = True
         self.stop()
         signal.signal(signal.SIGINT, self._previous)
 
@@ -67,20 +74,30 @@ class Interrupts:
             self._run.steps = self._max_steps
 
 
+class _Waiting(NamedTuple):
+    """A thread that waits for numbers of signals, for the whole life of the process."""
+
+    target: int  # where Python is to write them, a file's descriptor
+    entered: list[Interrupts]  # what SIGINT stops
+    has_read: threading.Event  # set once READ, and so whatever was written before, is read
+
+
 @cache
-def _waiting_thread() -> tuple[int, list[Interrupts]]:
-    """Start a thread that waits for numbers of signals; return where Python is to write them, and what SIGINT stops."""
+def _waiting_thread() -> _Waiting:
+    """Start the thread."""
     source, target = os.pipe()
     os.set_blocking(target, False)
-    entered: list[Interrupts] = []
+    waiting = _Waiting(target, [], threading.Event())
 
     def wait() -> None:
         while number := os.read(source, 1):
-            for one in tuple(entered) if number[0] == signal.SIGINT else ():
+            if number == READ:
+                waiting.has_read.set()
+            for one in tuple(waiting.entered) if number[0] == signal.SIGINT else ():
                 one.stop()
 
     threading.Thread(target=wait, daemon=True).start()
-    return target, entered
+    return waiting
 
 
 class Counts(NamedTuple):

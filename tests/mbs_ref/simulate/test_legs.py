@@ -1,13 +1,17 @@
 """Legs between breakpoints: what a run reports does not depend on where its outputs and breakpoints lie."""
 
 import itertools
+import signal
+import time
 
 import numpy as np
 import pytest
 
 from mbs_ref import scenes
+from mbs_ref.integrators.loop.leg import progress
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
+from mbs_ref.simulate.legs import Interrupts
 
 STEP = 1e-2  # s
 
@@ -35,3 +39,15 @@ def test_a_breakpoint_on_an_output_loses_no_sample():
     run = simulate(scene, Settings(rtol=1e-6, estimate="off"), times)
     assert np.array_equal(run.times, times)
     assert np.isfinite(run.position).all()
+
+
+def test_ctrl_c_of_one_run_does_not_stop_the_next():
+    """The thread may read a signal's number after the run that it stopped has ended."""
+    for _ in range(200):
+        first, second = progress(0.0), progress(0.0)
+        with Interrupts(first, 10) as stopped:
+            signal.raise_signal(signal.SIGINT)
+        assert stopped.received
+        with Interrupts(second, 10) as other:
+            time.sleep(1e-4)
+        assert not other.received
