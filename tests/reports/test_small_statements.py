@@ -137,7 +137,9 @@ def test_a_head_that_starts_free_leaves_after_the_start():
 def test_angles_that_are_wrong_are_so_since_the_start():
     scene, times, turn = scenes.make("double_pendulum"), np.arange(3.0), np.array([[1.0, 2.0], [3.0, 2.0], [5.0, 0.0]])
     path = Trajectory(times, np.zeros((3, 2, 2)), turn, np.zeros((3, 2, 2)), 2.0 * turn)
-    found = broken_engines._angles_off(scene, path)
+    (mistake,) = [one for one in broken_engines.mistakes() if one.name == "angles wrong, positions right"]
+    assert mistake.spoil is not None
+    found = mistake.spoil(scene, path)
     assert found.orientation == pytest.approx(np.array([[1.0, 2.0], [3.02, 2.0], [5.04, -0.02]]))
     assert found.angular_velocity == pytest.approx(2.02 * turn)
 

@@ -75,9 +75,7 @@ def euler_angles(tilt: float) -> dict[str, float | str]:
     spin = np.array([1.0, 0.0, 0.0])  # rad/s, world; the body's third axis starts at -1 rad from the pole
 
     def rates(_: float, angles: np.ndarray) -> np.ndarray:
-        """Return the angles' rates, without bound at nutation = 0."""
-        (s, sn, _), (c, cn, _) = np.sin(angles), np.cos(angles)
-        return np.array([[-s * cn / sn, c * cn / sn, 1.0], [c, s, 0.0], [s / sn, -c / sn, 0.0]]) @ spin
+        return _rate_matrix(angles[0], angles[1]) @ spin
 
     def pole(_: float, angles: np.ndarray) -> float:
         return abs(np.sin(angles[1])) - GIMBAL
@@ -92,6 +90,12 @@ def euler_angles(tilt: float) -> dict[str, float | str]:
         "status": SINGULAR if stopped else "success", "until": float(path.t[-1]), "calls": float(path.nfev),
         "parameters_calls": float(turned.nfev), "parameters_norm": float(abs(np.linalg.norm(turned.y[:, -1]) - 1.0)),
     }  # fmt: skip
+
+
+def _rate_matrix(precession: float, nutation: float) -> np.ndarray:
+    """Return the matrix (3, 3) from the world's angular velocity to the angles' rates; infinite at nutation = 0."""
+    c, s, sn, cn = np.cos(precession), np.sin(precession), np.sin(nutation), np.cos(nutation)
+    return np.array([[-s * cn / sn, c * cn / sn, 1.0], [c, s, 0.0], [s / sn, -c / sn, 0.0]])
 
 
 def _left(w: np.ndarray) -> np.ndarray:
