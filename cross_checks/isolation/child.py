@@ -77,7 +77,10 @@ def end_with_caller(handle: int) -> None:
     """Let a small process end this one once the caller is gone, even by SIGKILL: a native loop runs no handler."""
     if sys.platform != "linux":
         return
-    caller, own = os.pidfd_open(os.getppid()), os.pidfd_open(os.getpid())
+    try:
+        caller, own = os.pidfd_open(os.getppid()), os.pidfd_open(os.getpid())
+    except OSError:  # before Linux 5.3
+        return
     if os.fork() == 0:
         os.close(handle)  # its end of the file must come when this process goes
         select.select([caller, own], [], [])

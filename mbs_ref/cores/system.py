@@ -60,7 +60,7 @@ class System(ABC):
         scene, scratch = (core.connected(self.CORE, handle, groups) for handle in handles)
         return scene, scratch
 
-    @property
+    @cached_property
     def answered(self) -> tuple[str, ...]:
         """The groups of questions that the scene makes necessary (mbs_ref.kernels.answers)."""
         events = core.EVENTS if self.event_sources else core.UNEVENTFUL
