@@ -114,8 +114,8 @@ def _answers(core: str, group: str) -> dict[str, Callable[..., Any]]:
     """Return the answers of a core to the questions of a group."""
     words, modules = _OWN[core.removesuffix(IN_LANES)]
     words = ("lanes", *words) if core.endswith(IN_LANES) else words
-    is_absent = group == UNEVENTFUL or group.startswith(NO)
-    known = {name: item for one in modules for name, item in vars(one).items() if not is_absent}
+    modules = () if group == UNEVENTFUL or group.startswith(NO) else modules
+    known = {name: item for one in modules for name, item in vars(one).items()}
     absent, end = {} if group in (EVENTS, *FEATURES) else _ABSENT, "_open" if group == OPEN else ""
     names = {question: [f"{word}_{question}{end}" for word in words] for question in GROUPS[group].split()}
     found = {q: next((known[name] for name in own if name in known), absent.get(q)) for q, own in names.items()}

@@ -53,8 +53,8 @@ EXPECTED = {  # the question that must notice each mistake; others may too
 }
 
 FEW = ("pendulum", "double_pendulum", "torque_free_top", "spatial_n_four_bar", "bouncing_ball")
-# A weld in plane and space, a joint that slides, a load; `test_a_good_engine_raises_no_alarm` has all parts.
-PROBED = (("weld", 2), ("weld", 3), ("prismatic", 3), ("spring_damper", 3))
+# A joint, a load, a drive and a bushing, a weld in plane and space; `test_a_good_engine_raises_no_alarm` has all parts.
+PROBED = (("weld", 2), ("weld", 3), ("bushing", 3), ("prismatic", 3), ("spring_damper", 3), ("rotation_drive", 3))
 CLOCKS = {"a clock beyond the call", "a clock that counts two fifths"}  # further ones: slow, see test_clocks.py, too
 SHOWN_BY = {  # the scene of each mistake that the double pendulum does not show
     "inertia in wrong axes": "torque_free_top",
@@ -187,9 +187,9 @@ def test_every_part_that_an_engine_declares_is_asked_or_told(few):
     asked = questions(solver)
     names = {question.scene.name for question in asked}
     assert names >= {"weld_in_plane", "weld_in_space", "prismatic_in_space", "spring_damper_in_space"}
-    told = uncovered(solver, asked)
-    assert "pin_on_sprocket" in told
-    assert not {"weld", "prismatic", "spring_damper"} & {*told}
+    unprobed = uncovered(solver, asked)
+    assert "pin_on_sprocket" in unprobed
+    assert not {"weld", "bushing", "prismatic", "spring_damper", "rotation_drive"} & {*unprobed}
 
 
 @pytest.mark.parametrize("mistake", [
