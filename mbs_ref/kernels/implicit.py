@@ -2,7 +2,7 @@
 
 One correction solves [M + g C_t + b K_t, C_q^T; C_q, 0][d_v'; d_lambda] = [f - M v' - C_q^T lambda; -C/b]
 with b = dq/dv' and g = dv/dv' of the method. The cheap correction keeps M alone and runs along the
-joint tree in O(N); the full one forms the tangent by differences, and is dense.
+joint tree in O(N); the full one forms K_t and C_t by differences, and is dense.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rows import largest_entry
 
 PROXIMAL = 1e-12  # weight on the multipliers' diagonal: dependent rows then share, instead of failing
-DIFFERENCE = 1e-7  # of an acceleration, for the tangent's columns
+DIFFERENCE = 1e-7  # m or rad, and m/s or rad/s: for the tangent's columns
 
 
 @jit
@@ -58,15 +58,19 @@ def factor_tangent(model, work, t, y, lam, by_position, by_velocity, row_slot, r
             lu[k, n + r] = lu[n + r, k]
         lu[n + r, n + r] = -PROXIMAL
     for j in range(n):
-        move[j] = DIFFERENCE * by_position
-        ask.displace(model, y, move, state)
-        state[start + j] = y[start + j] + DIFFERENCE * by_velocity
-        ask.force_balance(model, work, t, state, lam, shifted)
         move[j] = 1.0
         ask.times_mass(model, move, lu[j, :n])  # a column of the symmetric M, stored as a row until the end
+        move[j] = DIFFERENCE
+        ask.displace(model, y, move, state)
+        ask.force_balance(model, work, t, state, lam, shifted)
         for i in range(n):
-            lu[j, i] -= (shifted[i] - base[i]) / DIFFERENCE
+            lu[j, i] -= by_position * (shifted[i] - base[i]) / DIFFERENCE
         move[j] = 0.0
+        ask.displace(model, y, move, state)
+        state[start + j] += DIFFERENCE
+        ask.force_balance(model, work, t, state, lam, shifted)
+        for i in range(n):
+            lu[j, i] -= by_velocity * (shifted[i] - base[i]) / DIFFERENCE
         state[start + j] = y[start + j]
     for i in range(n):
         for j in range(i):

@@ -15,9 +15,9 @@ from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop.events import EVENT, RETRY, event_tables, has_events, settle_at
 from mbs_ref.integrators.loop.exclusion import step_ends
-from mbs_ref.integrators.loop.step import accept, close_attempt, next_attempt, stands_still
+from mbs_ref.integrators.loop.step import PROJECTION_ITERATIONS, accept, close_attempt, next_attempt, stands_still
 from mbs_ref.kernels.answers import FORM
-from mbs_ref.kernels.border.questions import derivative, displace, multipliers, position_count
+from mbs_ref.kernels.border.questions import derivative, displace, multipliers, position_count, project
 from mbs_ref.kernels.implicit import dense_correction, factor_tangent, tree_correction
 from mbs_ref.kernels.jit import inlined, jit, loop_jit
 
@@ -33,6 +33,7 @@ RATIO = (1.0 - ALPHA_F) / (1.0 - ALPHA_M)  # of a new acceleration, what the alg
 TREE_ITERATIONS, DENSE_ITERATIONS = 14, 12
 ATTEMPTS = 5  # renewals of the tangent at the latest iterate
 SLOW = 0.25  # contraction of the mass-only iteration above which the full tangent pays
+SHORT = 1e-3  # of the usual step: rounding of positions is 1 / h in the rates, and a shorter step is explicit
 ROUNDOFF = 1e-13  # of the state's size: what a Newton correction may leave
 
 
@@ -146,7 +147,7 @@ def _renew_tangent(model, work, run, attempt, motion, iterate, tangent):
         tangent.row_slot, tangent.row_row, tangent.lu, tangent.pivots,
     )  # fmt: skip
     if regular:
-        run.rhs_calls += motion.qdd.shape[0]
+        run.rhs_calls += 2 * motion.qdd.shape[0]
         tangent.step[0] = h
     return regular
 
@@ -185,6 +186,23 @@ def _start(model, work, t, y, motion):
 
 
 @inlined
+def _is_short(options, run, attempt, outputs):
+    """Return whether an event, or what it leaves of an output interval, cuts the step to SHORT of the usual one."""
+    last, following = outputs.times[run.next_output - 1], outputs.times[run.next_output]
+    return attempt.h < SHORT * min(options.step, following - last)
+
+
+@inlined
+def _take_short(model, work, options, run, attempt, y, motion, iterate):
+    """End a short step where the accelerations at its start lead."""
+    _start(model, work, attempt.t, y, motion)
+    run.rhs_calls += 1
+    iterate.old_lam[:], iterate.qdd[:] = motion.lam, motion.qdd
+    _predict(model, attempt.h, y, motion, iterate)
+    project(model, work, attempt.t_new, iterate.y, options.projection_tolerance, PROJECTION_ITERATIONS)
+
+
+@inlined
 def _begin(model, work, options, run, y, motion, table):
     """Settle the modes; where that moved anything, start anew. Return a status code."""
     t, before = run.t, run.events
@@ -211,7 +229,10 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
         attempt = next_attempt(options.step, run, outputs.times[run.next_output], False, search)
         if stands_still(attempt):
             return leg.STEP_TOO_SMALL
-        if not _solve(model, work, run, attempt, y, motion, iterate, tangent):
+        short = _is_short(options, run, attempt, outputs)
+        if short:
+            _take_short(model, work, options, run, attempt, y, motion, iterate)
+        elif not _solve(model, work, run, attempt, y, motion, iterate, tangent):
             return leg.NOT_CONVERGED
         ends.known[:] = 0
         code, verdict = close_attempt(model, work, options, run, attempt, span, ends, search, table)
@@ -221,7 +242,8 @@ def advance_generalized_alpha(model, work, options, run, y, motion, tangent, out
         if code == leg.RUNNING:
             motion.qdd[:], motion.a[:] = iterate.qdd, iterate.a
             code = accept(model, work, options, run, attempt, verdict, y, iterate.y, table, outputs)
-        if code == leg.RUNNING and verdict == EVENT:
+        if code == leg.RUNNING and (short or verdict == EVENT):
+            project(model, work, attempt.t_new, y, options.projection_tolerance, PROJECTION_ITERATIONS)
             _start(model, work, attempt.t_new, y, motion)
             tangent.step[0] = 0.0
     return code

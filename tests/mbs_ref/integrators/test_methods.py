@@ -335,6 +335,21 @@ def test_rounding_of_the_clock_leaves_no_step_of_nearly_nothing():
     assert run.steps == 28 * 1875
 
 
+@pytest.mark.parametrize("step", [5e-3, 1.25e-3, 6.25e-4])
+def test_generalized_alpha_reaches_the_end_of_a_stiff_crash(step):
+    """Steps that its contacts cut to almost nothing leave no rounding of 1 / h in the rates."""
+    scene = scenes.make("android_vertebral")
+    run = simulate(scene, Settings(method="generalized_alpha", step=step, estimate="off", max_steps=5000))
+    assert run.ok, run.message
+
+
+def test_the_tangent_of_generalized_alpha_serves_stiff_beams():
+    """Its differences are of positions and of rates, not of accelerations, which move neither by enough."""
+    scene = scenes.make("flexible_slider_crank")
+    run = simulate(scene, Settings(method="generalized_alpha", step=scene.duration / 1000, estimate="off"))
+    assert run.ok, run.message
+
+
 @pytest.mark.parametrize("method", ["generalized_alpha", "radau"])
 def test_implicit_methods_bear_stiff_springs(method):
     """A slow swing on a spring of 1e9 N/m: the step follows the swing, not the spring."""
