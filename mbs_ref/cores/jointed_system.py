@@ -151,6 +151,10 @@ class JointedSystem(ContactSystem):
         return result
 
     @property
+    def prunes_pairs(self) -> bool:
+        return bool(self.groups.near_pairs.skin[0])
+
+    @property
     def n_closure_rows(self) -> int:
         return int(self.groups.loops.count.sum())
 

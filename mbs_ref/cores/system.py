@@ -80,6 +80,7 @@ class System(ABC):
             core.GRIPS: any(contact.friction and contact.friction.STICKS for contact in scene.contacts),
             core.HELD: any(contact.holds for contact in scene.contacts),
             core.SWITCHES: len(self.event_sources) > len(scene.contacts),
+            core.PRUNED: self.prunes_pairs,
             core.REFINED: bool(self.n_closure_rows or self.event_sources),
         }  # fmt: skip
         return {name for name, is_there in has.items() if is_there}
@@ -307,6 +308,11 @@ class System(ABC):
     def n_constraints(self) -> int:
         """Constraint rows."""
         return 0
+
+    @property
+    def prunes_pairs(self) -> bool:
+        """Whether pairs of shapes that are far from each other are not examined."""
+        return False
 
     @property
     def n_closure_rows(self) -> int:

@@ -32,13 +32,14 @@ EVENTS, UNEVENTFUL = "events", "uneventful"  # of contacts, one-sided springs an
 LOOPS, OPEN = "loops", "open"  # of closed loops, rows of contacts among them; of trees
 NO = "no "  # before a feature, of scenes without it
 LOADS, ROWS, GRIPS, HELD = "loads", "rows", "grips", "held"
-SWITCHES, GRANULES, REFINED = "switches", "granules", "refined"
+SWITCHES, PRUNED, GRANULES, REFINED = "switches", "pruned", "granules", "refined"
 FEATURES = {  # each with its questions
     LOADS: "apply_given_loads",  # but gravity, contacts and granules
     ROWS: "fill_further_rows",  # of joints, but those of shared points and rods
     GRIPS: "settle_grips slip_velocities",  # of contacts that can stick
     HELD: "settle_held fill_contact_rows",  # of contacts that are constraints
     SWITCHES: "switch_roots switch_transition start_switches",  # of tension-only springs and declared events
+    PRUNED: "find_near",  # of pairs of shapes, of which the near ones alone are examined
     GRANULES: "apply_granules",  # of many bodies that may all touch
     REFINED: "refine",  # of solutions that elimination alone may spoil: with loops or contacts
 }
@@ -102,6 +103,7 @@ _ABSENT: dict[str, Callable[..., Any]] = {
     "switch_roots": jit(lambda model, work, table: None),
     "switch_transition": jit(lambda model, g: False),
     "start_switches": jit(lambda model, work, located: None),
+    "find_near": jit(lambda model, work, duration: False),
     "apply_granules": jit(lambda model, work: None),
     "refine": jit(lambda model, work, forces: None),
     "fill_contact_rows": jit(lambda model, work: None),

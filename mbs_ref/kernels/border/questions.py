@@ -67,6 +67,8 @@ apply_loads = question("apply_loads(model, work, t)")
 apply_given_loads = question("apply_given_loads(model, work, t)")
 # Add the forces of every contact that is closed.
 apply_contacts = question("apply_contacts(model, work)")
+# Let the list of near pairs cover the last `duration` (s) before the pose in `work`; return whether it is new.
+find_near = question("find_near(model, work, duration)", FLAG)
 # Add the forces of granules on each other and on walls.
 apply_granules = question("apply_granules(model, work)")
 # Evaluate the rows of contacts as constraints; an open contact's are empty.

@@ -32,7 +32,7 @@ def contact_roots(model, work, t, y, duration, table):
         store_solved(work, t, y)  # the step that goes on from here need not ask again
     else:
         core.load_state(model, work, y)
-    is_new = duration >= 0.0 and forces.find_near(model, work, duration)
+    is_new = duration >= 0.0 and ask.find_near(model, work, duration)
     for place in range(near.count[0]):
         k = near.pair[place]
         touch = contact_geometry(model, work, k)

@@ -7,6 +7,7 @@ together; the contact pushes with its negative.
 
 import numpy as np
 
+from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.contact.near_pairs import refresh
 from mbs_ref.kernels.jit import bare, jit
@@ -48,8 +49,7 @@ def ahead(model, work, k, touch):
 
 
 @jit
-def find_near(model, work, duration):
-    """Let the list of near pairs cover the last `duration` (s) before the pose in `work`; return whether it is new."""
+def rigid_find_near(model, work, duration):
     near = model.near_pairs
     for s in range(near.body.shape[0]):
         body = near.body[s]
@@ -77,7 +77,7 @@ def rigid_apply_contacts(model, work):
         return
     laws, modes, near = model.contact_laws, model.contact_modes, model.near_pairs
     if modes.roots[0] == 0 or near.stale[0] == 1:  # while modes are frozen, what touches is in the list already
-        find_near(model, work, 0.0)
+        ask.find_near(model, work, 0.0)
     for place in range(near.count[0]):
         k = near.pair[place]
         if modes.mode[k] != law.MODE_CLOSED and modes.mode[k] != law.MODE_PLAIN:

@@ -6,7 +6,7 @@ import pytest
 from mbs_ref import Settings, scenes
 from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import System
-from mbs_ref.kernels.answers import FEATURES
+from mbs_ref.kernels.answers import FEATURES, PRUNED
 from mbs_ref.simulate.one_run import run_legs, start_run
 from mbs_ref.simulate.plan import make_plan
 
@@ -35,3 +35,9 @@ def test_code_of_what_a_scene_lacks_changes_nothing(name, parameters, monkeypatc
     monkeypatch.setattr(System, "features", property(lambda self: set(FEATURES)))
     for mine, whole in zip(own, moved(scene), strict=True):
         assert np.array_equal(mine, whole, equal_nan=True)
+
+
+def test_many_pairs_are_pruned_and_a_few_are_not():
+    """The motion is the same either way: what shows is the cost alone."""
+    assert PRUNED in compile_scene(scenes.make("tracked_vehicle")).features
+    assert PRUNED not in compile_scene(scenes.make("bouncing_ball")).features
