@@ -161,6 +161,8 @@ class Consensus:
 
     def _advice(self, pair: Pair) -> str:
         """Return until when a pair that is not known well enough agrees so well; empty where it is, or never does."""
+        if pair.known_to <= self._enough:
+            return ""
         runs = [(pair.first.path, pair.second.path)]
         runs += [(one.path, one.coarser) for one in (pair.first, pair.second) if one.coarser is not None]
         curves = [relative(self.scene, *both) for both in runs]

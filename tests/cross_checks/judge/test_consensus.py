@@ -22,6 +22,7 @@ from cross_checks.judge.consensus import (
     ENOUGH,
     LEVELS,
     Consensus,
+    Pair,
     Witness,
     best_methods,
     between,
@@ -231,6 +232,15 @@ def test_engines_that_part_are_told_to_agree_up_to_a_time(script, end, kind):
     assert isinstance(found, kind)
     words = found.how if isinstance(found, Truth) else found.reason
     assert f"; up to t = {TIMES[2]:.3g} s they agree within {ENOUGH:.0e} of it: a duration no longer than that" in words
+
+
+def test_a_pair_that_is_hoped_to_be_known_well_enough_needs_no_shorter_duration():
+    parting = np.array([0.0, 0.0, 0.0, 1.0, 1.0])[:, None, None]
+    rough = Witness("mujoco", "mujoco", "rk4", "", off(0.0), 1.0, coarser=off(parting))
+    fine = rough._replace(coarser=None)
+    waiting: Any = SimpleNamespace(scene=SCENE, _enough=1e-5)
+    assert "up to t" in Consensus._advice(waiting, Pair(1.0, fine, rough))
+    assert not Consensus._advice(waiting, Pair(1e-6, fine, rough))
 
 
 def test_a_truth_is_refined_until_it_shows_agreement_and_no_further(script):
