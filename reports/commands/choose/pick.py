@@ -88,7 +88,7 @@ def _swept(scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bou
 
     def best(records: Sequence[Record]) -> str:
         known = any(record.error for record in records)
-        return f"{pick.pick(records, *astuple(bounds)).sentence} {pick.basis(records)}" if known else ""
+        return f"{pick.pick(records, *astuple(bounds)).sentence.rstrip('.')}. {pick.basis(records)}" if known else ""
 
     try:
         return sweep_records(
