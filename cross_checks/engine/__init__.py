@@ -30,7 +30,8 @@ class Engine:
     2. Import the package inside the methods or at the top of this one file, nowhere else.
     3. `method_table` lists every method with its documented order; the first is the default. An engine whose methods
        are known at run time alone overrides `methods()`, one that is no installed distribution `version()`.
-    4. `part_types` names the scene parts translated (their `type` fields); everything else is refused.
+    4. `part_types` names the scene parts translated (their `type` fields); everything else is refused, as "not yet"
+       unless `no_equivalent` states why the engine has nothing for it.
     5. `refusals()` adds what depends on topology (see `traits`); it gives every reason at once.
     6. `build()` returns the engine's model of the scene, at t = 0 and ready to go.
     7. `first_call()` does what only the first call of the engine takes time for (compilation, allocation),
@@ -52,6 +53,7 @@ class Engine:
     distribution: ClassVar[str] = ""  # whose version is the engine's; the package unless given
     method_table: ClassVar[tuple[Method, ...]] = ()
     part_types: ClassVar[frozenset[str]]
+    no_equivalent: ClassVar[dict[str, str]] = {}  # part types that the engine itself has nothing for, and why
     as_shipped: ClassVar[Settings | None] = None  # the settings of a user who chooses nothing, if there are such
     default_method: ClassVar[str | None] = (
         None  # the method of one run by a user who names none; the first unless given
@@ -148,8 +150,13 @@ class Engine:
         from mbs_ref.scene.traits import part_types
 
         missing = sorted(part_types(scene) - self.part_types)
-        sentence = f"{self.name} does not yet support the part type"
-        return [Refusal(f"{sentence} {kind!r}", permanent=False) for kind in missing] + self.topology_refusals(scene)
+        reasons = []
+        for kind in missing:
+            why = self.no_equivalent.get(kind)
+            yet, because = ("yet ", "") if why is None else ("", f": {why}")
+            sentence = f"{self.name} does not {yet}support the part type {kind!r}{because}"
+            reasons.append(Refusal(sentence, permanent=why is not None))
+        return reasons + self.topology_refusals(scene)
 
     def able(self, scene: Scene) -> list[Method]:
         """Return the methods that can run the scene."""

@@ -31,6 +31,7 @@ class Method:
     stability: tuple[float, ...] = ()  # explicit fixed-step methods: coefficients of R(z), lowest power first
     wrong_limit: str = ""  # why it is known to fail or converge elsewhere ...
     weak_on: frozenset[str] = frozenset()  # ... on scenes with any of these traits: an exemption there, nowhere else
+    weak_also: tuple[tuple[str, frozenset[str]], ...] = ()  # further causes, each with its traits
     driven_from_python: bool = False  # the engine gives accelerations alone; the time loop is Python code of ours
     embedded: int | None = None  # order of the solution that a pair's estimate of errors compares with, as in 5(4)
     roundoff: float = DOUBLE  # by which a step's result is off, over its size, for want of digits
@@ -50,7 +51,8 @@ class Method:
 
     def exemption(self, scene: Scene) -> str:
         """Return why the method is known to go wrong on this very scene; empty where it is not."""
-        return self.wrong_limit if self.weak_on & traits(scene) else ""
+        causes = ((self.wrong_limit, self.weak_on), *self.weak_also)
+        return "; ".join(why for why, weak_on in causes if weak_on & traits(scene))
 
 
 def fixed(name: str, order: int | None, text: str, ladder: tuple[float, ...] = STEPS, **more: Any) -> Method:

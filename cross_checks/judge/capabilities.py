@@ -75,7 +75,7 @@ def _is_never(refusals: list[Refusal]) -> bool:
     return any(refusal.permanent for refusal in refusals)
 
 
-LACKS = re.compile(r"not yet support the part type '?(\w+)")
+LACKS = re.compile(r"not (?:yet )?support the part type '?(\w+)")
 
 
 def tables(every: Sequence[Capability]) -> Iterator[tuple[str, list[str], list[list[str]]]]:

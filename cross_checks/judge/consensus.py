@@ -36,6 +36,7 @@ from cross_checks.judge.runs import Runs, gap
 from cross_checks.judge.tried import documented_order
 from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
 from mbs_ref import Scene, Settings, Trajectory
+from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene.scales import scales_of
 
 LEVELS: tuple[dict[str, tuple[float, ...]], ...] = (
@@ -66,6 +67,7 @@ class Witness(NamedTuple):
     path: Trajectory
     moved: float  # over the scene's scales
     is_sound: bool = True  # whether no weakness on the scene is documented
+    coarser: Trajectory | None = None  # that it moved from
 
     @property
     def name(self) -> str:
@@ -147,15 +149,29 @@ class Consensus:
     def truth(self) -> Truth | NoTruth:
         """What the pair agrees on; NoTruth with its distance where that is nothing."""
         if self.pair is not None and self.pair.known_to <= WORST:
-            return _agreed(self.scene, self.pair)
+            return _agreed(self.scene, self.pair, self._advice(self.pair))
         why = "fewer than two methods run the scene to its end"
         if self.pair is not None:
             known_to, first, second, _ = self.pair
             apart = f"the closest, {first.name} and {second.name}, are {known_to:.1e} of the scene apart"
             who = "one package runs the scene, and its methods" if self.pair.packages == 1 else "engines"
-            why = f"{who} agree on nothing: {apart}"
+            why = f"{who} agree on nothing: {apart}{self._advice(self.pair)}"
         kind = "one-package" if len({one.library for one in self._witnesses.values()}) == 1 else "none"
         return NoTruth(f"{self._reason}; {why}".lstrip("; "), kind)
+
+    def _advice(self, pair: Pair) -> str:
+        """Return until when a pair that is not known well enough agrees so well; empty where it is, or never does."""
+        if pair.known_to <= self._enough:
+            return ""
+        runs = [(pair.first.path, pair.second.path)]
+        runs += [(one.path, one.coarser) for one in (pair.first, pair.second) if one.coarser is not None]
+        curves = [relative(self.scene, *both) for both in runs]
+        off = largest(np.concatenate(curves, axis=1), 1)
+        within = int(np.argmin(np.append(off <= self._enough, False)))  # samples from the start
+        if not 1 < within < len(off):
+            return ""
+        until = f"up to t = {pair.first.path.times[within - 1]:.3g} s they agree within {self._enough:.0e} of it"
+        return f"; {until}: a duration no longer than that has a better truth"
 
     def _is_known(self, distance: float) -> bool:
         """Whether the scene is known to a distance by two packages, or by one where no other can run it."""
@@ -236,10 +252,10 @@ def working_truth(runs: Runs, scene: Scene, reason: str = "", enough: float = EN
     return consensus.truth
 
 
-def _agreed(scene: Scene, pair: Pair) -> Truth:
+def _agreed(scene: Scene, pair: Pair, advice: str = "") -> Truth:
     known_to, best, other, _ = pair
     scales = scales_of(scene)
-    alone, how = pair.packages == 1, f"{best.name} and {other.name} are {known_to:.1e} of the scene apart"
+    alone, how = pair.packages == 1, f"{best.name} and {other.name} are {known_to:.1e} of the scene apart{advice}"
     how = f"{how}, and both stand on {best.library}: one package, not certified" if alone else f"not certified: {how}"
     return Truth(
         best.path.position, best.path.orientation, known_to * scales.length, "one-package" if alone else "agreed", how,
@@ -285,7 +301,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
         paths.append(path)
     moved = _distance(scene, *paths[-2:])
     library, is_sound = engines.get(engine).library, not method.exemption(scene)
-    plain = Witness(engine, library, method.name, label(settings[-1]), paths[-1], moved, is_sound)
+    plain = Witness(engine, library, method.name, label(settings[-1]), paths[-1], moved, is_sound, paths[-2])
     if len(paths) < 3 or method.order is None:
         return plain
     steps = [knob_of(one) for one in settings]
@@ -296,7 +312,7 @@ def witness_of(runs: Runs, scene: Scene, engine: str, method: Method, knobs: tup
     settled = _distance(scene, *limits[-2:])
     if settled >= moved:
         return plain
-    return plain._replace(setting=f"{plain.setting}, extrapolated,", path=limits[-1], moved=settled)
+    return plain._replace(setting=f"{plain.setting}, extrapolated,", path=limits[-1], moved=settled, coarser=limits[-2])
 
 
 def _at_own_times(runs: Runs, scene: Scene, engine: str, settings: Settings) -> Trajectory | None:

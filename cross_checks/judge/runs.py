@@ -17,7 +17,7 @@ from cross_checks.metrics.metric import Judged, figures, from_truth
 from cross_checks.records.record import BUSY, WARMED, Record, loop_time, machine
 from cross_checks.records.store import Run, Store, run_name, truth_name
 from cross_checks.truths import LIMIT_S, seek_truth
-from cross_checks.truths.truth import NoTruth, Truth, time_limit
+from cross_checks.truths.truth import NO_ERROR, NoTruth, Truth, time_limit
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.observables.distance import largest, relative, units_of
 from mbs_ref.scene.scales import scales_of
@@ -107,7 +107,7 @@ def against(scene: Scene, run: Run, truth: Truth | NoTruth) -> Record:
     """Return the run's record with its error from a truth."""
     record, path = run.record, run.path
     if path is None or not len(path.times) or isinstance(truth, NoTruth):
-        why = (f"no error: {truth.reason}",) if isinstance(truth, NoTruth) else ()
+        why = (NO_ERROR + truth.reason,) if isinstance(truth, NoTruth) else ()
         return replace(record, notes=(*record.notes, *why))
     judged = Judged(scene, path, truth)
     error, curve = error_of(judged)

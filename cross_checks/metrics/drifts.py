@@ -45,8 +45,8 @@ def energy_drift(scene: Scene, trajectory: Trajectory) -> np.ndarray | Absent:
         return Absent(balance.reason and f"no energy drift: {balance.reason}")
     drift = np.abs(balance.drift)
     if balance.resolution > max(RESOLVED * float(np.max(drift)), NEGLIGIBLE * float(np.max(np.abs(balance.energy)))):
-        resolved = f"the samples resolve the work to {balance.resolution:.1e} J only"
-        return Absent(f"no energy drift: {resolved}; ask for more samples")
+        error = f"the work integral has an error of up to {balance.resolution:.2g} J at this output interval"
+        return Absent(f"no energy drift: {error}; use more samples")
     return drift
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cross_checks.truths import truth_for
-from cross_checks.truths.truth import ONE_FIGURE, NoTruth, Truth
+from cross_checks.truths.truth import NO_ERROR, ONE_FIGURE, NoTruth, Truth
 from mbs_ref import Scene, Trajectory
 from mbs_ref.observables.distance import Motion, distances, farthest
 from mbs_ref.scene.scales import Scales, scales_of
@@ -86,7 +86,7 @@ class Judged:
     def errors(self) -> Errors | Absent:
         """How far the run is from the truth, component by component."""
         if isinstance(self.truth, NoTruth):
-            return Absent(f"no error: {self.truth.reason}")
+            return Absent(NO_ERROR + self.truth.reason)
         return from_truth(self.scene, self.path, self.truth)
 
 

@@ -13,9 +13,9 @@ from cross_checks.judge.one_run import evaluate, without_run
 from cross_checks.judge.runs import Runs
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.prices.timing import Comparison, Pace, compare, sample
-from cross_checks.records.record import Record, floor, known_error, loop_time, usable
-from cross_checks.truths.truth import NoTruth, Truth
-from mbs_ref import Scene, Settings
+from cross_checks.records.record import MISSING, Record, best_of_engines, floor, known_error, loop_time, usable
+from cross_checks.truths.truth import NO_ERROR, NoTruth, Truth
+from mbs_ref import Scene, Settings, Status
 from mbs_ref.display import facts
 
 RIVAL = 5.0  # of the cheapest loop time: one that is measured beside other runs is off by less than this factor
@@ -105,7 +105,8 @@ def pick(
     second = next(iter(others), None)
     margin = None if second is None else loop_time(second) / loop_time(best)
     limit = _limit([r for r in measured if loop_time(r) < loop_time(best)], bounds)
-    return Choice(best, second, margin, " ".join((_why(best, second, margin), _why_not_cheaper(limit))), limit)
+    sentences = [_why(best, second, margin)] + ([] if limit is None else [_why_not_cheaper(limit)])
+    return Choice(best, second, margin, " ".join(sentences), limit)
 
 
 def contenders(records: Iterable[Record], bounds: Bounds) -> list[Record]:
@@ -121,6 +122,20 @@ def basis(records: Iterable[Record]) -> str:
         return "No truth is known yet."
     best = min(errors, key=lambda error: error.uncertainty)
     return f"Errors are from a truth known to {best.uncertainty:.1e} of the scene: {best.truth}."
+
+
+def of_engines(records: Sequence[Record], bounds: Bounds) -> list[str]:
+    """Return a sentence on each installed engine: its cheapest setting within the error, its nearest, or why none."""
+    installed = [record for record in records if record.status != MISSING]
+    failures, sentences = _failures(installed), []
+    for best in best_of_engines(installed, bounds.error):
+        if not usable(best):
+            sentences.append(f"{best.engine} does not run it: {failures.get(best.engine, 'no error is known')}")
+            continue
+        price = f"{_length(best)} in {loop_time(best) * 1e3:.3g} ms"
+        missed = "" if bounds.met_by(best) else "none within the bounds; the nearest is "
+        sentences.append(f"{best.engine}: {missed}{setting(best).removeprefix(best.engine).strip()}, {price}")
+    return sentences
 
 
 def shipped(record: Record) -> str:
@@ -168,9 +183,7 @@ def _why(best: Record, second: Record | None, margin: float | None) -> str:
     return f"{text}, {margin:.3g} times cheaper than {setting(second)} ({1e3 * loop_time(second):.3g} ms)."
 
 
-def _why_not_cheaper(limit: Limit | None) -> str:
-    if limit is None:
-        return "No cheaper setting misses only one of the bounds."
+def _why_not_cheaper(limit: Limit) -> str:
     near, price = limit.cheaper, f"{1e3 * loop_time(limit.cheaper):.3g} ms"
     if limit.bound == "error":
         return f"The error limits it: for {price} the nearest is {setting(near)} with {_length(near)}."
@@ -180,12 +193,19 @@ def _why_not_cheaper(limit: Limit | None) -> str:
 
 
 def _why_nothing(records: Sequence[Record]) -> str:
-    """Return why no run was measured: the shortest message of each engine's methods."""
+    """Return why no run was measured: that no truth is known of those that succeeded, else why none did."""
+    notes = [note for r in records if r.status == Status.SUCCESS for note in r.notes if note.startswith(NO_ERROR)]
+    why = notes[-1:] or [f"{name}: {why}" for name, why in _failures(records).items()]
+    return "; ".join(["no run with a known error was measured", *why])
+
+
+def _failures(records: Iterable[Record]) -> dict[str, str]:
+    """Return the shortest message of each engine's methods that do not run the scene."""
     words: dict[str, str] = {}
     for record in records:
-        if record.status != "success" and record.message:
+        if record.status != Status.SUCCESS and record.message:
             words[record.engine] = min(words.get(record.engine, record.message), record.message, key=len)
-    return "; ".join(["no run with a known error was measured", *(f"{name}: {why}" for name, why in words.items())])
+    return words
 
 
 def _why_none(measured: Sequence[Record], reached: Sequence[Record], bounds: Bounds) -> str:

@@ -14,6 +14,7 @@ from mbs_ref.scene.euler_parameters import from_axis_angle
 
 EPS = float(np.finfo(float).eps)
 ONE_FIGURE = 10.0  # times the uncertainty: of such a difference, and of larger ones, a truth knows a figure
+NO_ERROR = "no error: "  # begins the note of a run that is compared with no truth
 # Uncertainty over the gap of two runs whose errors are of one size: their standard deviation is gap / sqrt(2), and
 # Student's t for one degree of freedom covers 95 % (JCGM 100:2008, annex G.3). Where the other run is the coarser one,
 # the gap is its error and needs no factor.

@@ -152,7 +152,7 @@ class RigidLaw(Law):
     """No penetration: at touch-down an impulse reverses the normal speed, v+ = -e v- (Newton).
 
     Bounces end in rest where e < 1. Then contact lasts as under `constraint_law`, where a constraint may stand for the
-    force.
+    force. Without friction.
     """
 
     IMPULSIVE: ClassVar[bool] = True
@@ -276,7 +276,8 @@ class ContactPart(Attached):
         if self.law.HOLDS and getattr(self, "extent", "") == "capped":
             raise ValueError(f"extent = 'capped' does not go with {self.law.type}; its ends turn the normal")
         if self.law.IMPULSIVE and self.friction is not None:
-            raise ValueError(f"law = {self.law.type!r} has no force that friction could use; leave friction out")
+            cure = "leave friction out, or take a law with a force, such as 'hunt_crossley_law'"
+            raise ValueError(f"law = {self.law.type!r} has no force that friction could use; {cure}")
         return self
 
     @property

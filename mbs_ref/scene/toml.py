@@ -16,12 +16,13 @@ from mbs_ref.files import write_atomic
 from mbs_ref.scene.base.part import Part
 from mbs_ref.scene.loads import UserForce
 from mbs_ref.scene.messages import Problem, problems
-from mbs_ref.scene.parameters import Declared, filled
+from mbs_ref.scene.parameters import VALUES, Declared, filled
 from mbs_ref.scene.scene import Scene
 from mbs_ref.scene.traits import python_parts
 
 LARGEST_FILE = 32 * 2**20  # bytes; 100 000 bodies with their joints take about 25 MiB
 PARAMETER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+FREE = ("description", "source", "parameters")  # may hold any text in a file that names no number
 USER_FORCE: str = UserForce.model_fields["type"].default
 
 
@@ -74,11 +75,13 @@ def builder(text: str, file: str = "scene") -> Callable[..., Scene]:
         raise _refusal(file, f"is not TOML: {error}") from error
     declared = [_declared(name, value, file) for name, value in _declarations(data).items()]
     signature = Signature(declared)
+    plain = {} if declared or VALUES in data else {key: data[key] for key in FREE if key in data}
+    formulas = {key: value for key, value in data.items() if key not in plain}
 
     def build(**given: Any) -> Scene:
         values = {parameter.name: parameter.default for parameter in declared} | signature.bind(**given).arguments
         try:
-            built = filled(data, values, lambda *mistake: _refusal(file, *mistake)) if declared else data
+            built = filled(formulas, values, lambda *mistake: _refusal(file, *mistake)) | plain
         except RecursionError as error:
             raise _refusal(file, "is nested too deeply") from error
         return _validated(built, file)

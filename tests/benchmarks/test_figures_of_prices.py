@@ -16,7 +16,7 @@ from benchmarks.record_changes import Move, alone, changes, median_ratio, overal
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.prices import pick as confirm
 from cross_checks.prices import timing
-from cross_checks.prices.pick import RIVAL, Bounds, Choice, basis, contenders, pick, setting, shipped
+from cross_checks.prices.pick import RIVAL, Bounds, Choice, basis, contenders, of_engines, pick, setting, shipped
 from cross_checks.prices.timing import Comparison, Pace, Sample
 from cross_checks.records.record import BUSY_NOTE, Error, Record
 from cross_checks.records.store import Store
@@ -109,8 +109,6 @@ def test_a_choice(seed, tight, budget):
     elif rough:
         near = min(rough, key=worst)
         text += f" The error limits it: for {priced(near)} the nearest is {setting(near)} with {said(near)}."
-    else:
-        text += " No cheaper setting misses only one of the bounds."
     assert found.sentence == text
     assert (found.limit.cheaper if found.limit else None) == (near if loose or rough else None)
 
@@ -132,10 +130,26 @@ def test_why_there_is_no_choice():
     failed = [replace(runs[0], status="crashed", message=text, engine=engine)
               for engine, text in (("x", "a long one"), ("x", "short"), ("y", "other"), ("x", "middling"))]  # fmt: skip
     assert pick(failed, 1.0).sentence == "no run with a known error was measured; x: short; y: other"
+    unknown = replace(runs[0], error=None, notes=("another note", "no error: they part"))
+    assert pick([unknown, *failed], 1.0).sentence == "no run with a known error was measured; no error: they part"
     with pytest.raises(ValueError, match="2 scenes"):
         pick([runs[0], replace(runs[1], parameters={"length": 3.0})], 1.0)
     with pytest.raises(ValueError, match="budget = 0"):
         pick(runs, 1.0, budget=0.0)
+
+
+def test_each_installed_engine_has_a_sentence():
+    chance = random.Random(3)
+    mine, slow = made(chance, OURS, "a"), made(chance, "slow", "b")
+    absent = replace(mine, engine="absent", status="engine-missing", message="not here", error=None)
+    refused = replace(mine, engine="other", status="cannot", message="it has no motor", error=None)
+    runs = [mine, absent, refused, slow]
+    found = of_engines(runs, Bounds(2.0 * worst(mine)))
+    assert found[0] == f"{setting(mine)}, {said(mine)} in {priced(mine)}".replace(OURS, f"{OURS}:")
+    assert found[1] == "other does not run it: it has no motor"
+    assert len(found) == 3
+    far = of_engines(runs, Bounds(0.5 * worst(slow)))[2]
+    assert far.startswith(f"slow: none within the bounds; the nearest is b {setting(slow).split()[-1]}, {said(slow)}")
 
 
 def test_what_the_errors_are_from_and_what_an_engine_does_as_it_comes():

@@ -57,7 +57,7 @@ def test_an_interrupted_pick_prints_the_best_so_far_or_what_is_missing(monkeypat
 
     monkeypatch.setattr(pick, "sweep_records", stop)
     monkeypatch.setattr(pick.pick, "basis", lambda records: "the basis")
-    monkeypatch.setattr(pick.pick, "pick", lambda records, *bounds: SimpleNamespace(sentence="the best."))
+    monkeypatch.setattr(pick.pick, "pick", lambda records, *bounds: SimpleNamespace(sentence="the best"))
     with pytest.raises(pick.Interrupted):
         pick._swept(scenes.make("pendulum"), (), None, pick.Bounds(1e-2, None, None), False)
     assert capsys.readouterr().out == f"Provisional: {'' if error is None else 'the best. '}the basis\n"

@@ -14,6 +14,9 @@ from cross_checks.linkage.forces import LinkageEngine
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.motion import poses_of, tree_reactions
 from mbs_ref import Scene, Settings
+from mbs_ref.scene.joints import Drive
+
+NO_DRIVE = "MuJoCo prescribes motions of mocap bodies alone, which its constraints see at rest"
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,9 @@ class MuJoCo(LinkageEngine):
     as_shipped: ClassVar[Settings | None] = Settings(method="euler", step=2e-3)
     extra: ClassVar[frozenset[str]] = frozenset({"stick_slip"})
     closes: ClassVar[frozenset[str]] = frozenset({"point", "hinge", "weld", "rod"})
+    no_equivalent: ClassVar[dict[str, str]] = {
+        drive.model_fields["type"].default: NO_DRIVE for drive in Drive.__subclasses__()
+    }
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         return closure_refusals(self.name, scene, self.closes) + forces.force_refusals(linkage_of(scene))

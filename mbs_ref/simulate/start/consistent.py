@@ -37,7 +37,8 @@ def consistent_start(system: System, y: np.ndarray, settings: Settings) -> list[
     if not settings.project_initial:
         raise InconsistentScene(
             f"initial conditions break {len(gaps)} constraint(s) by more than {tolerance:g}: {'; '.join(gaps[:8])}. "
-            "Correct the scene, project its start (project_initial), or fix some velocities and fit the others (--keep)"
+            "Correct the scene, let --project-initial (project_initial) change it as little as possible, or fix known "
+            "velocities, such as a motor's, and compute the others: --keep BODY.angular_velocity or BODY.velocity"
         )
     before = y.copy()
     residual = system.project(0.0, y)

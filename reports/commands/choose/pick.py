@@ -51,7 +51,8 @@ def command(
 ) -> None:  # fmt: skip
     """Name the cheapest setting that reaches --error on SCENE.
 
-    For each engine that --engine names, the error of its default settings is printed, too.
+    A line for each installed engine states its best setting, or why it does not run the scene. For each engine that
+    --engine names, the error of its default settings is printed, too.
     """
     if models:
         _pick_model(scene, parameters, error, as_json)
@@ -68,16 +69,16 @@ def command(
     again = _afresh(built, choice, store) if fresh else None
     shipped = _as_shipped(built, chosen, store)
     again_by = None if choice.best is None else reproduce(choice.best, scene, keep_rates)
+    engines = pick.of_engines(result, bounds)
     if as_json:
-        echo_json(_facts(choice, duel, again, again_by) | {"as_shipped": [asdict(one) for one in shipped]})
+        facts = _facts(choice, duel, again, again_by)
+        echo_json(facts | {"engines": engines, "as_shipped": [asdict(one) for one in shipped]})
+    elif any(record.error for record in result):
+        click.echo(pick.basis(result), err=True)
+        lines = [] if again_by is None else [choice.sentence, again_by]
+        click.echo("\n".join([*lines, "", "Each engine", *engines, *map(pick.shipped, shipped)]).strip())
     if choice.best is None:
         raise NothingSelected(choice.sentence)
-    if not as_json:
-        click.echo(choice.sentence)
-        click.echo(again_by)
-        click.echo(pick.basis(result), err=True)
-        for one in shipped:
-            click.echo(pick.shipped(one))
     if again is not None:
         _check(again, bounds)
 
@@ -87,7 +88,7 @@ def _swept(scene: Scene, chosen: tuple[str, ...], store: str | None, bounds: Bou
 
     def best(records: Sequence[Record]) -> str:
         known = any(record.error for record in records)
-        return f"{pick.pick(records, *astuple(bounds)).sentence} {pick.basis(records)}" if known else ""
+        return f"{pick.pick(records, *astuple(bounds)).sentence.rstrip('.')}. {pick.basis(records)}" if known else ""
 
     try:
         return sweep_records(

@@ -107,7 +107,7 @@ function answer() {
   if (best.ours) head.append(" by this project's own solver");
   head.append(` (error ${short(best.error)}, joints closed to ${short(best.compliance)} m, rad).`);
   node("p", second ? `Runner-up: ${named(second)}, at ${short(second.ms)} ms: ${short(margin)} times as long.` : "No other engine or method shown reaches it.", out);
-  node("p", limits(limit), out);
+  if (limit) node("p", limits(limit), out);
   const line = node("div", "", out);
   line.className = "line";
   node("code", best.command, line);
@@ -123,9 +123,7 @@ function refusal({ why, near, floor, count }, bounds) {
   return `None reached this; the nearest is ${named(near)} with ${short(near.error)}.`;
 }
 
-function limits(limit) {
-  if (!limit) return "No cheaper setting misses only one of the bounds.";
-  const { bound, cheaper } = limit;
+function limits({ bound, cheaper }) {
   const off = bound === "error" ? `an error of ${short(cheaper.error)}` : `joints open by ${short(cheaper.compliance)} m, rad`;
   return `The ${bound} limits it: the nearest cheaper one is ${named(cheaper)}, at ${short(cheaper.ms)} ms with ${off}.`;
 }

@@ -84,3 +84,11 @@ def test_a_kinematic_tree_refuses_every_loop_by_name():
     method = engine("exudyn").method("tree_rk44")
     reasons = [refusal.reason for refusal in engine("exudyn").method_refusals(FOUR_BAR, method)]
     assert len([r for r in reasons if "closes a loop" in r]) == 2
+
+
+def test_a_documented_weakness_names_the_causes_that_the_scene_has():
+    rk4 = engine("mujoco").method("rk4")
+    loop, slide = rk4.exemption(FOUR_BAR), rk4.exemption(scenes.make("rocking_block"))
+    assert "loop closures" in loop
+    assert "friction" not in loop
+    assert slide == "friction raises the normal force of a contact that slides"

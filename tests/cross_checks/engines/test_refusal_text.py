@@ -2,6 +2,7 @@
 
 from cross_checks import engines
 from cross_checks.engine import Refusal
+from cross_checks.judge.capabilities import summary
 from mbs_ref import scenes
 
 
@@ -21,3 +22,13 @@ def test_an_engine_refuses_a_scene_of_many_parts_in_a_readable_text():
     assert "mujoco" in text
     assert "more like it" in text
     assert len(text) < 2000
+
+
+def test_what_an_engine_has_nothing_for_is_refused_for_good_with_the_cause():
+    mujoco, pinocchio = engines.get("mujoco"), engines.get("pinocchio")
+    (never,), (later,) = (engine.refusals(scenes.make("straight_line_linkage")) for engine in (mujoco, pinocchio))
+    cause = "mujoco does not support the part type 'coordinate_drive': MuJoCo prescribes motions of mocap bodies alone"
+    assert never.reason.startswith(cause)
+    assert never.permanent
+    assert later == Refusal("pinocchio does not yet support the part type 'coordinate_drive'", permanent=False)
+    assert summary([never.reason]) == "lacks coordinate_drive"

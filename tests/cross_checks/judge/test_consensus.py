@@ -22,6 +22,7 @@ from cross_checks.judge.consensus import (
     ENOUGH,
     LEVELS,
     Consensus,
+    Pair,
     Witness,
     best_methods,
     between,
@@ -221,6 +222,25 @@ def test_methods_of_one_package_that_disagree_are_not_confirmed_by_limits_of_the
     assert isinstance(found, NoTruth)
     assert found.kind == "one-package"
     assert "no closed form; one package runs the scene, and its methods agree on nothing" in found.reason
+
+
+@pytest.mark.parametrize(("end", "kind"), [(1.0, NoTruth), (1e-4, Truth)])
+def test_engines_that_part_are_told_to_agree_up_to_a_time(script, end, kind):
+    parting = np.array([0.0, 0.0, 1e-9, end, end])[:, None, None]
+    script({ONE: [(parting, 1e-10)], OTHER: [(0.0, 1e-10)]})
+    found = working_truth(Runs(), SCENE)
+    assert isinstance(found, kind)
+    words = found.how if isinstance(found, Truth) else found.reason
+    assert f"; up to t = {TIMES[2]:.3g} s they agree within {ENOUGH:.0e} of it: a duration no longer than that" in words
+
+
+def test_a_pair_that_is_hoped_to_be_known_well_enough_needs_no_shorter_duration():
+    parting = np.array([0.0, 0.0, 0.0, 1.0, 1.0])[:, None, None]
+    rough = Witness("mujoco", "mujoco", "rk4", "", off(0.0), 1.0, coarser=off(parting))
+    fine = rough._replace(coarser=None)
+    waiting: Any = SimpleNamespace(scene=SCENE, _enough=1e-5)
+    assert "up to t" in Consensus._advice(waiting, Pair(1.0, fine, rough))
+    assert not Consensus._advice(waiting, Pair(1e-6, fine, rough))
 
 
 def test_a_truth_is_refined_until_it_shows_agreement_and_no_further(script):

@@ -244,3 +244,13 @@ def test_what_a_scene_was_built_with_is_no_parameter_of_its_file(tmp_path):
     assert scene == scenes.make("kepler")
     assert inputs.rebuilder(str(file), scene) is None
     assert "is no parameter" in CliRunner().invoke(main, ["simulate", str(file), "-p", "orbits=2"]).output
+
+
+def test_formulas_need_no_parameters():
+    declared = HANGING[HANGING.index("[parameters]") : HANGING.index("[values]")]
+    scene = loads(HANGING.replace(declared, "").replace("[values]", "[values]\nlength = 0.5\naxis = 'x'"))
+    assert scene.bodies == builder(HANGING)().bodies
+    bob = HANGING[HANGING.index("[[bodies]]") : HANGING.index("[[joints]]")].replace("down", "-pi / 6")
+    free = loads(f'name = "bob"\ndescription = "= a {{brace}}"\n{bob}')  # no number has a name: a description is text
+    assert (free.description, free.bodies[0].position[1]) == ("= a {brace}", -math.pi / 6)
+    assert loads(dumps(free)) == free
