@@ -2,6 +2,7 @@
 
 import importlib
 import inspect
+import math
 import pkgutil
 import typing
 from collections.abc import Callable
@@ -20,6 +21,7 @@ from mbs_ref.scene.base.part import OnlyWith
 from mbs_ref.scene.messages import suggest
 
 DATA = files(__name__) / "data"
+OF_EVERY_SCENE = ("duration", "start")  # parameters that a scene need not declare
 Parameter = float | int | str | bool
 
 
@@ -74,16 +76,17 @@ def make(name: str, **parameters: Any) -> Scene:
     """Build a scene; ValueError names an unknown or invalid parameter, and the allowed ones.
 
     A parameter that the others exclude is refused even where its value is the default.
-    Every scene has the parameter start = "equilibrium", which places it at rest in a static equilibrium near its start
-    (`at_equilibrium`).
+    Every scene has the parameters duration (s) and start = "equilibrium", which places it at rest in a static
+    equilibrium near its start (`at_equilibrium`).
     """
     return build(builder_of(name), name, **parameters)
 
 
 def build(builder: Callable[..., Scene], name: str, /, **parameters: Any) -> Scene:
     """Build a scene, as `make` does, by a builder such as `mbs_ref.scene.toml.read_builder` returns; errors name it."""
-    if "start" in parameters and "start" not in _defaults(builder):
-        return _settled(builder, name, **parameters)
+    for key, changed in zip(OF_EVERY_SCENE, (_lasting, _settled), strict=True):
+        if key in parameters and key not in _defaults(builder):
+            return changed(builder, name, **parameters)
     try:
         values = _parameter_model(builder)(**parameters).model_dump()
     except ValidationError as error:
@@ -113,14 +116,25 @@ def _marks(builder: Callable[..., Scene]) -> dict[str, OnlyWith]:
     return {key: mark for key, field in fields.items() for mark in field.metadata if isinstance(mark, OnlyWith)}
 
 
+def _lasting(builder: Callable[..., Scene], name: str, /, duration: float, **parameters: Any) -> Scene:
+    """Return a scene of another duration (s), where its own builder has no such parameter."""
+    if isinstance(duration, bool | str) or not 0.0 < duration < math.inf:
+        raise ValueError(f"{name}: duration = {duration!r} is not allowed: it must be a finite number greater than 0")
+    return _altered(build(builder, name, **parameters), {"duration": float(duration)}, duration=duration)
+
+
+def _altered(scene: Scene, fields: dict[str, Any], **parameters: Any) -> Scene:
+    """Return the scene with other fields and with further parameters."""
+    return scene.model_copy(update={**fields, "parameters": {**scene.parameters, **parameters}})
+
+
 def _settled(builder: Callable[..., Scene], name: str, /, start: str, **parameters: Any) -> Scene:
     """Return a scene in equilibrium, where its own builder has no such choice."""
     if start != "equilibrium":
         raise ValueError(f"{name}: start = {start!r} is not allowed; allowed: 'equilibrium'")
     from mbs_ref.simulate.start.equilibrium import at_equilibrium  # compiled code, which other scenes do without
 
-    placed = at_equilibrium(build(builder, name, **parameters))
-    return placed.model_copy(update={"parameters": {**placed.parameters, "start": start}})
+    return _altered(at_equilibrium(build(builder, name, **parameters)), {}, start=start)
 
 
 def label(name: str, parameters: dict[str, Any]) -> str:

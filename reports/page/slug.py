@@ -33,13 +33,15 @@ def engine_file(name: str) -> str:
 
 
 def _of_file(file: str, record: Record) -> dict[str, Any]:
-    """Return the parameters of a record that a scene file declares and has other defaults for.
+    """Return the parameters of a record that a scene file has other defaults for, or none.
 
-    A file that is absent is one that a report writes of the built scene: it declares none.
+    A file that is absent is one that a report writes of the built scene: it has no parameters.
     """
-    declared = signature(read_builder(file)).parameters if Path(file).is_file() else {}
-    given = {key: value for key, value in record.parameters.items() if key in declared}
-    return {key: value for key, value in given.items() if value != declared[key].default}
+    if not Path(file).is_file():
+        return {}
+    defaults = dict.fromkeys(scenes.OF_EVERY_SCENE)
+    defaults |= {key: one.default for key, one in signature(read_builder(file)).parameters.items()}
+    return {key: value for key, value in record.parameters.items() if defaults.get(key, value) != value}
 
 
 def command(record: Record, scene: str = "", fixed: Sequence[str] = ()) -> str:

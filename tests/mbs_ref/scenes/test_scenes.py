@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
 
+from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.scene.toml import builder
 from mbs_ref.scene.traits import traits
@@ -68,3 +72,15 @@ def test_traits(name, present, absent):
 
 def test_a_scene_file_is_described_by_the_comments_at_its_head_alone():
     assert builder('# Swing.\n#\n# At 1 µm.\nname = "made"\n# a choice\n').__doc__ == "Swing.\n\nAt 1 µm."
+
+
+def test_every_scene_takes_another_duration():
+    """Its truth is the same."""
+    short = scenes.make("slider_crank", crank_speed=3.0, duration=0.5)
+    assert short.duration == 0.5
+    assert scenes.label(short.name, short.parameters) == "slider_crank crank_speed=3.0 duration=0.5"
+    truths = [truth_for(scenes.make("pendulum", **given), np.array([0.0, 0.5])) for given in ({}, {"duration": 0.5})]
+    assert np.array_equal(truths[0].position, truths[1].position)
+    for wrong in (0.0, -1.0, math.inf, math.nan, "long", True):
+        with pytest.raises(ValueError, match=r"pendulum: duration = .* must be a finite number greater than 0"):
+            scenes.make("pendulum", duration=wrong)

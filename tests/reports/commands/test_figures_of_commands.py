@@ -231,9 +231,11 @@ def test_the_command_of_a_record_repeats_the_parameters_that_its_file_declares(t
     file, body = tmp_path / "rods.toml", 'type = "point_mass"\nname = "bob"\nmass = 1.0'
     body = f"[[bodies]]\n{body}\nposition = [0.0, 0.0]\nvelocity = [0.0, 0.0]\n"
     file.write_text(f'name = "rods"\n[parameters.links]\ndefault = 5\n[parameters.size]\ndefault = 1.0\n{body}')
-    record = Record("rods", {"links": 7, "size": 1.0, "other": 2.0}, "exudyn", "rk4", {"step": 0.01}, "success")
+    given = {"links": 7, "size": 1.0, "other": 2.0, "start": "equilibrium", "duration": 0.5}
+    record = Record("rods", given, "exudyn", "rk4", {"step": 0.01}, "success")
     words = slug.command(record, str(file)).split()
-    assert [words[k + 1] for k, word in enumerate(words) if word == "-p"] == ["links=7"]
+    repeated = [words[k + 1] for k, word in enumerate(words) if word == "-p"]
+    assert repeated == ["links=7", "start=equilibrium", "duration=0.5"]
 
 
 @pytest.mark.parametrize(("error", "gap", "ends"), [(Error(2e-7, "exact", 3e-7, None), 1e-9, True),
