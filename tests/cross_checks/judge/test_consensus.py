@@ -225,7 +225,7 @@ def test_methods_of_one_package_that_disagree_are_not_confirmed_by_limits_of_the
 
 
 @pytest.mark.parametrize(("end", "kind"), [(1.0, NoTruth), (1e-4, Truth)])
-def test_engines_that_part_are_told_to_agree_up_to_a_time(script, end, kind):
+def test_engines_that_part_agree_up_to_a_stated_time(script, end, kind):
     parting = np.array([0.0, 0.0, 1e-9, end, end])[:, None, None]
     script({ONE: [(parting, 1e-10)], OTHER: [(0.0, 1e-10)]})
     found = working_truth(Runs(), SCENE)
