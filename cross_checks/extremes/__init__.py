@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks import engines
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import STEP, Axis, Case, Extreme, grid
+from cross_checks.extremes.extreme import STEP, Axis, Case, Extreme, by_truth, grid, invariants
 from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.files import package_data
@@ -51,10 +50,10 @@ def _case(described: dict[str, Any], value: float) -> Case:
     given: dict[str, Any] = {"step": STEP, "samples": 21} | _filled(described, value)
     scene, step = scenes.make(given["scene"], **given.get("parameters", {})), given["step"]
     times = grid(given["t_end"], given.get("every", step or STEP), given["samples"])
-    solver, measure = given["measure"], measures.invariants
+    solver, measure = given["measure"], invariants
     if solver != "invariants":
         parameters = tuple(scene.parameters.items())
-        measure = measures.truth(lambda _, at: _solved(solver, scene.name, parameters, (*at,)), given.get("size"))
+        measure = by_truth(lambda _, at: _solved(solver, scene.name, parameters, (*at,)), given.get("size"))
     more = {name: given[name] for name in ("rtol", "max_steps") if name in given}
     return Case(scene, times, measure, step, **more)
 

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, grid
+from cross_checks.extremes.extreme import Case, by_positions, grid, in_plane
 from cross_checks.extremes.parts import made
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.blocks import incline as incline
@@ -22,16 +21,16 @@ def _deep(depth: float) -> Case:
     def exact(times: np.ndarray) -> np.ndarray:
         phase = rate * times
         y = np.where(phase < 0.5 * math.pi, -np.cos(np.minimum(phase, 0.5 * math.pi)), phase - 0.5 * math.pi)
-        return measures.in_plane(0.0, radius + depth * y)
+        return in_plane(0.0, radius + depth * y)
 
     size = depth * rate * 0.1  # m, how far it flies
-    return Case(made("deep_start", depth=depth), grid(0.1), measures.positions(exact, size))
+    return Case(made("deep_start", depth=depth), grid(0.1), by_positions(exact, size))
 
 
 def _resting(scene: Scene, t_end: float, size: float = 1.0) -> Case:
     """Return a case in which every body stays until t_end (s); `size` in m."""
     start = np.array([body.position for body in scene.bodies])
-    return Case(scene, grid(t_end), measures.positions(lambda times: np.tile(start, (len(times), 1, 1)), size))
+    return Case(scene, grid(t_end), by_positions(lambda times: np.tile(start, (len(times), 1, 1)), size))
 
 
 CASES = {

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, Measure, grid
+from cross_checks.extremes.extreme import Case, Measure, by_positions, by_rates, by_truth, grid, in_plane
 from cross_checks.extremes.parts import GRAVITY, half_sine_push, sled
 from cross_checks.truths.of import pendulums
 from mbs_ref import scenes
@@ -19,7 +18,7 @@ def _fixed(step: float, t_end: float, measure: Measure) -> Case:
 
 
 def _tiny(step: float) -> Case:
-    falling = measures.rates(lambda times: measures.in_plane(0.0, -GRAVITY * times), GRAVITY * 20.0 * step)
+    falling = by_rates(lambda times: in_plane(0.0, -GRAVITY * times), GRAVITY * 20.0 * step)
     return _fixed(step, 20.0 * step, falling)
 
 
@@ -27,9 +26,7 @@ def _pulse(name: str, acceleration: float, duration: float, at: float, after: fl
     """Return a sled of 75 kg under a half-sine from `at` (s) on and `after` (s) it, and the measure of its place."""
     scene = sled(name, 75.0 * acceleration, 75.0, HalfSine(peak=1.0, duration=duration, start=at), at + after)
     size = 2.0 * acceleration * duration / math.pi * after  # m
-    pushed = measures.positions(
-        lambda times: measures.in_plane(half_sine_push(times - at, duration, acceleration), 0.0), size
-    )
+    pushed = by_positions(lambda times: in_plane(half_sine_push(times - at, duration, acceleration), 0.0), size)
     return scene, pushed
 
 
@@ -45,7 +42,7 @@ def _late(start: float) -> Case:
 
 CASES = {
     "crash-pulse": _crash,
-    "large-steps": lambda step: _fixed(step, max(SWING_TIME, 4.0 * step), measures.truth(pendulums.pendulum)),
+    "large-steps": lambda step: _fixed(step, max(SWING_TIME, 4.0 * step), by_truth(pendulums.pendulum)),
     "tiny-steps": _tiny,
     "late-clock": _late,
 }

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, grid
+from cross_checks.extremes.extreme import Case, by_positions, grid, in_plane
 from cross_checks.extremes.parts import made
 
 SOFT = 2.0 * (2.0 * math.pi) ** 2  # N/m: two masses of 1 kg swing at 1 Hz
@@ -25,14 +24,12 @@ def _quiet(stiffness: float) -> Case:
         places = rest + shape * np.cos(math.sqrt(slow) * times)[:, None]
         return np.stack([places, np.zeros_like(places)], axis=2)
 
-    return Case(scene, grid(2.0), measures.positions(exact, SHIFT), max_steps=200_000)
+    return Case(scene, grid(2.0), by_positions(exact, SHIFT), max_steps=200_000)
 
 
 def _ringing(stiffness: float) -> Case:
     scene = made("stiff_oscillator", stiffness=stiffness, x=1.0 + SHIFT)
-    exact = measures.positions(
-        lambda times: measures.in_plane(1.0 + SHIFT * np.cos(math.sqrt(stiffness) * times), 0.0), SHIFT
-    )
+    exact = by_positions(lambda times: in_plane(1.0 + SHIFT * np.cos(math.sqrt(stiffness) * times), 0.0), SHIFT)
     return Case(scene, grid(1.0), exact, max_steps=200_000)
 
 
