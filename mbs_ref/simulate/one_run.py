@@ -21,8 +21,16 @@ from mbs_ref.simulate.legs import Run, finite_part, run_legs, start_run
 from mbs_ref.simulate.linearised import unstable_passage, unstable_step
 from mbs_ref.simulate.method_choice import after_first_steps, choose_plan, without
 from mbs_ref.simulate.plan import Plan
-from mbs_ref.simulate.start.consistent import InconsistentScene, consistent_start, rank_at_start, redundancy
-from mbs_ref.simulate.start.soundness import UnsoundScene, ambiguous_start, check_starts, require_sound
+from mbs_ref.simulate.start_checks import (
+    InconsistentScene,
+    UnsoundScene,
+    ambiguous_start,
+    check_starts,
+    consistent_start,
+    rank_at_start,
+    redundancy,
+    require_sound,
+)
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # the method failed

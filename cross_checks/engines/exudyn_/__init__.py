@@ -15,8 +15,7 @@ from cross_checks.engines.exudyn_.contact import (
     general_contact_refusals,
     pair_contact_refusals,
 )
-from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
-from cross_checks.engines.exudyn_.model import Redundant
+from cross_checks.engines.exudyn_.model import Redundant, build_tree, tree_refusals
 from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, STOPPED, add_joint, has_connector
 from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
 from cross_checks.linkage.forces import BY_SHARED_CODE, PARTS, Applied, shared_refusals

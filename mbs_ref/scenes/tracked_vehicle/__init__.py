@@ -81,7 +81,7 @@ def tracked_vehicle(
 @cache
 def _settled(drawn: str) -> Scene:
     """Return the scene that is drawn, in JSON, at rest in equilibrium."""
-    from mbs_ref.simulate.start.equilibrium import at_equilibrium  # compiled code, which few who list scenes need
+    from mbs_ref.simulate.equilibrium import at_equilibrium  # compiled code, which few who list scenes need
 
     return at_equilibrium(Scene.model_validate_json(drawn))
 

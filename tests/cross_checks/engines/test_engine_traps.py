@@ -138,7 +138,7 @@ def test_poses_are_the_engines_own(name):
 
 def test_the_kinematic_trees_own_centres_of_mass_are_those_reported():
     exu = pytest.importorskip("exudyn")
-    from cross_checks.engines.exudyn_.kinematic_tree import build_tree
+    from cross_checks.engines.exudyn_.model import build_tree
 
     scene = mixed_slides()
     model = build_tree(scene)
