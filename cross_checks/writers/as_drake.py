@@ -4,7 +4,7 @@ import numpy as np
 
 from cross_checks.engines import get
 from cross_checks.linkage.links import SIX, Link, Linkage
-from cross_checks.writers.script import Form, NotWritable, job_of, script, turns_of
+from cross_checks.writers import Form, NotWritable, job_of, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
 

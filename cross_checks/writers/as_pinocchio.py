@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.writers.script import Form, Job, job_of, script, turns_of
+from cross_checks.writers import Form, Job, job_of, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
