@@ -7,8 +7,7 @@ from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.vocabulary import OURS, SILENT
 from cross_checks.records.numbers import count, short
 from cross_checks.records.record import Record
-from reports.facts.cheapest import MIDDLE, entries, reaching, standing_of
-from reports.facts.report_data import ReportData, Section
+from reports.facts.report_data import MIDDLE, ReportData, Section, entries, reaching, standing_of
 from reports.page.findings import findings
 
 

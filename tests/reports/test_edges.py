@@ -34,7 +34,7 @@ from reports.commands.choose import pick
 from reports.commands.judge import check, proofs, prove
 from reports.commands.maintenance import compare
 from reports.facts import compiling
-from reports.facts.cheapest import MIDDLE, entries, least_time
+from reports.facts.report_data import MIDDLE, entries, least_time
 from reports.film import drawing, files
 from reports.page import browser, findings
 from reports.page.sections import matrix, overview, plots
