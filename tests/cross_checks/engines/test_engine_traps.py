@@ -56,7 +56,7 @@ def test_mujocos_warnings_leave_no_file_behind(tmp_path, monkeypatch):
 
 def test_mujocos_clock_alone_betrays_a_reset():
     mujoco = pytest.importorskip("mujoco")
-    from cross_checks.engines.mujoco_.build import clock_end
+    from cross_checks.engines.mujoco_ import clock_end
 
     data = mujoco.MjData(mujoco.MjSpec().compile())
     times = np.array([0.0, 0.25, 0.5, 0.75])

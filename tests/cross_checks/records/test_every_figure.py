@@ -347,7 +347,7 @@ def test_the_code_of_an_adapter_is_that_of_its_whole_folder(monkeypatch):
     monkeypatch.setattr(naming, "source_digest", lambda name: name)
     monkeypatch.setattr(naming, "digest_of", lambda names: names)
     found = naming.code_of.__wrapped__("cross_checks.engines.mujoco_")
-    assert {"cross_checks.engines.mujoco_", "cross_checks.engines.mujoco_.build"} < set(found)
+    assert {"cross_checks.engines.mujoco_", "cross_checks.engines.mujoco_.forces"} < set(found)
     listed = naming.code_of.__wrapped__(naming.MEASURING)
     assert {"cross_checks.metrics.errors", "cross_checks.metrics.drifts"} < set(listed)
 
