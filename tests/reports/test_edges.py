@@ -27,7 +27,7 @@ from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene.contact import SphereOnPlane
 from mbs_ref.settings import Settings
-from reports import query
+from reports import console, query
 from reports.cli import main
 from reports.commands.choose import contact as contact_command
 from reports.commands.choose import pick
@@ -40,7 +40,6 @@ from reports.page import browser, findings
 from reports.page.sections import matrix, overview, plots
 from reports.studies import contact
 from reports.studies.models import Ladder, Rung
-from reports.terminal import console
 from tests.reports.page.test_every_companion import report
 from tests.reports.page.test_shown_figures import irregular
 

@@ -10,9 +10,9 @@ from cross_checks.judge.bounds import TARGETS
 from cross_checks.records.numbers import short
 from cross_checks.records.store import Store, default_path
 from reports import inputs
+from reports.console import Incomplete, progress
 from reports.page.browser import BROWSERS, browser
 from reports.query import SCHEDULER, cluster
-from reports.terminal.console import Incomplete, progress
 
 EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` wrote, whole or in parts
 FORMS = ("html", "single", "static", "md", "latex", "pdf", "csv")

@@ -26,11 +26,11 @@ from reports.commands.judge import judge, proofs
 from reports.commands.maintenance import compare, nightly
 from reports.commands.publish import show
 from reports.commands.run import ensemble
+from reports.console import Failed, NothingSelected
 from reports.facts import compiling
 from reports.facts.report_data import Standing
 from reports.page import slug
 from reports.studies import papers
-from reports.terminal.console import Failed, NothingSelected
 from tests.reports.page.test_shown_figures import irregular
 
 CHANCE = random.Random(8)
