@@ -17,17 +17,9 @@ from cross_checks.contact import request as wanted
 from cross_checks.contact.request import ContactModel, Request, Translation, damped_by_step, own_law, snippet
 from cross_checks.engine import End, Engine, Loop, Method, Plan, Poses, Refusal, fixed
 from cross_checks.isolation.environments import python_of
+from cross_checks.linkage import surfaces
 from cross_checks.linkage.links import Linkage, lifted, linkage_of
 from cross_checks.linkage.motion import Motion, poses_of
-from cross_checks.linkage.surfaces import (
-    THICK,
-    Shape,
-    body_refusals,
-    friction_refusals,
-    is_half_space,
-    pair_mass,
-    shapes_of,
-)
 from mbs_ref import Scene, Status
 from mbs_ref.scene import GROUND
 from mbs_ref.scene.contact import PinOnSprocket, RoundPair, StickSlip
@@ -70,16 +62,17 @@ class Driven(Engine):
         parts = sorted(part_types(scene.model_copy(update={"contacts": ()})) - self.part_types)
         reasons = [f"the driver of {self.name} has no part type {kind!r}" for kind in parts]
         for contact in scene.contacts:
-            reasons += friction_refusals(self.name, contact)
+            reasons += surfaces.friction_refusals(self.name, contact)
             where = f"contact {contact.name!r}: the driver of {self.name} has"
             if isinstance(contact, PinOnSprocket):
                 reasons.append(f"{where} no sprocket")
             elif contact.body_a == GROUND:
                 reasons.append(f"{where} ground as body_b alone")
-            elif self.name == "bullet" and not isinstance(contact, RoundPair) and not is_half_space(contact):
+            elif self.name == "bullet" and not isinstance(contact, RoundPair) and not surfaces.is_half_space(contact):
                 reasons.append(f"{where} endless planes on ground alone")
         if self.name == "bullet" and not reasons:
-            reasons += [*_limits_of_bullet(scene), *body_refusals("the driver of bullet", scene, scene.body_names)]
+            reasons += _limits_of_bullet(scene)
+            reasons += surfaces.body_refusals("the driver of bullet", scene, scene.body_names)
         return [Refusal(reason, permanent=False) for reason in dict.fromkeys(reasons)]
 
     def build(self, scene: Scene, plan: Plan) -> Linkage:
@@ -124,10 +117,10 @@ def _body(model: Linkage, k: int) -> dict[str, Any]:
 
 def _contact(model: Linkage, contact: Any, step: float) -> dict[str, Any]:
     scene = model.scene
-    mass, (ball, other) = pair_mass(scene, contact), shapes_of(contact)
+    mass, (ball, other) = surfaces.pair_mass(scene, contact), surfaces.shapes_of(contact)
     law = damped_by_step(own_law(contact.law, mass, step, "force"), step)
 
-    def local(shape: Shape, out: float = 0.0) -> list[float]:
+    def local(shape: surfaces.Shape, out: float = 0.0) -> list[float]:
         origin = 0.0 if shape.body == GROUND else lifted(scene.bodies[scene.body_index(shape.body)].position)
         return (shape.middle + out * shape.axes[:, 2] - origin).tolist()
 
@@ -139,7 +132,7 @@ def _contact(model: Linkage, contact: Any, step: float) -> dict[str, Any]:
     }  # fmt: skip
     if other.kind == "sphere":
         return found | {"origin": local(other), "other": other.size[0]}
-    *sides, thickness = (2.0 * half for half in other.size or (*ENDLESS, 0.5 * THICK))
+    *sides, thickness = (2.0 * half for half in other.size or (*ENDLESS, 0.5 * surfaces.THICK))
     size = {"sides": sides, "thickness": thickness, "axes": other.axes.T.tolist()}
     return found | size | {"origin": local(other, 0.5 * thickness if other.size else 0.0)}
 
