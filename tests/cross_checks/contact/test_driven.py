@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cross_checks import contact
-from cross_checks.contact import driven
+from cross_checks import contact as driven
 from cross_checks.contact.by_figure import measured
 from cross_checks.contact.drivers import contacts
 from cross_checks.contact.request import Request
