@@ -104,7 +104,7 @@ def _write(built: Ensemble, target: Path | None, drawn: Path | None) -> None:
     if target is not None:
         write_ensemble(built, target)
     if drawn is not None:
-        from cross_checks.records.plots.bands import bands
+        from cross_checks.records.bands import bands
 
         write_atomic(drawn, bands(built).to_html().encode())
 

@@ -12,7 +12,7 @@ from cross_checks.extremes.fate import Cell, Fate
 from cross_checks.judge.bounds import RESOLVED, TARGETS
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.numbers import short
-from cross_checks.records.plots.plot import style_of
+from cross_checks.records.plots import style_of
 from reports.facts.report_data import ReportData, Section
 
 LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."

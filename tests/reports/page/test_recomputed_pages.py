@@ -16,7 +16,7 @@ import pytest
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, Verdict
-from cross_checks.records.plots.of_runs import work_precision
+from cross_checks.records.plots import work_precision
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from cross_checks.truths.truth import Truth

@@ -11,7 +11,7 @@ import pytest
 
 from cross_checks.judge.vocabulary import OURS, SILENT, Cell, Verdict
 from cross_checks.records import frames
-from cross_checks.records.plots.of_runs import work_precision
+from cross_checks.records.plots import work_precision
 from cross_checks.records.record import Error, Record
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
