@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, by_positions, by_truth, grid, in_plane, invariants
+from cross_checks.extremes import Case, by_positions, by_truth, grid, in_plane, invariants
 from cross_checks.extremes.parts import LENGTH, ROD_RATE, hanging, made, rod_chain, sled, swing
 from cross_checks.truths.of import sky, tops
 from mbs_ref import scenes

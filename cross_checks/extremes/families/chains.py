@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, Measured, by_positions, grid, invariants, worst
+from cross_checks.extremes import Case, Measured, by_positions, grid, invariants, worst
 from cross_checks.extremes.parts import GRAVITY, rod_chain
 from cross_checks.truths.made_by.mechanisms.rod_chain import Rods, lagrange
 from cross_checks.truths.made_by.numerics.solvers import runge_kutta

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, by_positions, grid, in_plane
+from cross_checks.extremes import Case, by_positions, grid, in_plane
 from cross_checks.extremes.parts import made
 from mbs_ref.scene import Scene
 from mbs_ref.scenes.blocks import incline as incline

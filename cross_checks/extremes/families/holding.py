@@ -4,7 +4,7 @@ import numpy as np
 
 from cross_checks.contact import own_engine
 from cross_checks.contact.by_figure import pressed, slope
-from cross_checks.extremes.extreme import STEP, Case, Measured, grid
+from cross_checks.extremes import STEP, Case, Measured, grid
 from mbs_ref import Scene, Trajectory
 
 ENGINE = own_engine

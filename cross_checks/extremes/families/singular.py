@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, by_positions, grid, invariants, unjudged
+from cross_checks.extremes import Case, by_positions, grid, invariants, unjudged
 from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, ROD_RATE, hanging, pin, rod, swing, tip
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.signals import Constant

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, by_truth, grid, invariants, unjudged
+from cross_checks.extremes import Case, by_truth, grid, invariants, unjudged
 from cross_checks.truths.made_by.sky.particles import converge
 from cross_checks.truths.of import sky
 from mbs_ref import scenes

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, by_positions, by_truth, grid, invariants
+from cross_checks.extremes import Case, by_positions, by_truth, grid, invariants
 from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, hanging, made, swing
 from cross_checks.truths.of import tops
 from mbs_ref import scenes

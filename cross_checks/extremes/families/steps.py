@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, Measure, by_positions, by_rates, by_truth, grid, in_plane
+from cross_checks.extremes import Case, Measure, by_positions, by_rates, by_truth, grid, in_plane
 from cross_checks.extremes.parts import GRAVITY, half_sine_push, sled
 from cross_checks.truths.of import pendulums
 from mbs_ref import scenes

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, by_positions, grid, in_plane
+from cross_checks.extremes import Case, by_positions, grid, in_plane
 from cross_checks.extremes.parts import made
 
 SOFT = 2.0 * (2.0 * math.pi) ** 2  # N/m: two masses of 1 kg swing at 1 Hz

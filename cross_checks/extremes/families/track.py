@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, Measured, grid, open_joints, worst
+from cross_checks.extremes import Case, Measured, grid, open_joints, worst
 from cross_checks.extremes.parts import GRAVITY
 from mbs_ref import Trajectory, scenes
 from mbs_ref.observables import kinetic_energy

@@ -6,8 +6,7 @@ from collections import Counter
 from itertools import groupby
 from typing import Any
 
-from cross_checks.extremes import every
-from cross_checks.extremes.extreme import Axis, Extreme
+from cross_checks.extremes import Axis, Extreme, every
 from cross_checks.extremes.fate import Cell, Fate
 from cross_checks.judge.bounds import RESOLVED, TARGETS
 from cross_checks.judge.vocabulary import OURS

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cross_checks.extremes.extreme import Axis, Extreme
+from cross_checks.extremes import Axis, Extreme
 from cross_checks.extremes.fate import Cell as ExtremeCell
 from cross_checks.extremes.fate import Fate, Point, made_of
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
