@@ -16,9 +16,8 @@ from pydrake.multibody.plant import CoulombFriction, DiscreteContactApproximatio
 from cross_checks.contact import request as wanted
 from cross_checks.contact.request import ContactModel, Request, Translation, damped_by_step, own_law, snippet
 from cross_checks.engine import Method, Plan, Refusal, fixed
-from cross_checks.engines.drake_ import Built, Drake
+from cross_checks.engines.drake_ import SAP, Built, Drake
 from cross_checks.engines.drake_.build import Shapes
-from cross_checks.engines.drake_.run import SAP
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.surfaces import friction_refusals, pair_mass, shapes_of

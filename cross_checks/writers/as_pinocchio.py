@@ -17,8 +17,8 @@ def write_pinocchio(scene: Scene, settings: Settings) -> str:
     Raises NotWritable where the adapter's force code acts.
     """
     job = job_of(scene, settings, "pinocchio")  # raises EngineMissing before the adapter's modules are imported
+    from cross_checks.engines.pinocchio_ import PROXIMAL
     from cross_checks.engines.pinocchio_.build import joints_of
-    from cross_checks.engines.pinocchio_.loop import PROXIMAL
 
     mechanism = job.built.mechanism
     needs = "pinocchio (pin), numpy" + ("" if job.plan.counts else " and scipy")
