@@ -267,8 +267,3 @@ def _standings(data: ReportData, target: float) -> list[Standing]:
 
     every = [one for engine in data.engines if (one := standing(engine)).reached or engine == OURS]
     return sorted(every, key=lambda one: (one.engine == OURS, -one.cheapest, -one.reached, one.median or float("inf")))
-
-
-def standing_of(data: ReportData, engine: str, target: float) -> Standing | None:
-    """Return an engine's standing; None where it reaches the target nowhere."""
-    return next((one for one in standings(data, target) if one.engine == engine), None)

@@ -44,7 +44,8 @@ from reports.page.sections.extremes import _index
 from reports.page.slug import command
 from reports.site import links
 from reports.studies import crash, models
-from reports.studies.papers import formulations, track_figures
+from reports.studies import papers as formulations
+from reports.studies.papers import track_figures
 
 RECORD = Record("pendulum", {}, "exudyn", "rk4", {"step": 0.25, "rtol": 1e-6, "samples": 11}, "success")
 
