@@ -195,7 +195,8 @@ def _described(module: ModuleType, entry: dict[str, Any]) -> Extreme:
     values = tuple(entry.get("values", map(float, range(len(labels)))))
     axis = Axis(entry["axis"], entry.get("unit", ""), values, labels, full)
     case = partial(_case, entry["case"]) if "case" in entry else module.CASES[name]
-    return Extreme(name, entry["family"], entry["title"], axis, case, getattr(module, "ENGINE", engines.get))
+    engine = getattr(module, "ENGINES", {}).get(name, engines.get)
+    return Extreme(name, entry["family"], entry["title"], axis, case, engine)
 
 
 def _case(described: dict[str, Any], value: float) -> Case:
