@@ -16,7 +16,7 @@ import click
 
 from cross_checks.records.record import out_of_memory
 from reports import commands
-from reports.terminal.console import TABLE, Defect, Incomplete
+from reports.console import TABLE, Defect, Incomplete
 
 FAULTS = (OSError, MemoryError, ImportError)  # that a command cannot answer for
 NEXT = {

@@ -22,10 +22,9 @@ from mbs_ref import Scene, scenes
 from mbs_ref.files import package_data
 from reports import inputs
 from reports.facts import stored as facts
-from reports.facts.cheapest import contenders
 from reports.facts.compiling import preparations
 from reports.facts.environment import environment
-from reports.facts.report_data import GROWING, INTERRUPTED, ReportData
+from reports.facts.report_data import GROWING, INTERRUPTED, ReportData, contenders
 from reports.facts.scene_facts import SceneFacts, TruthFacts, scene_facts, truth_facts
 from reports.studies.study import every, measure_all, stored
 

@@ -20,8 +20,8 @@ from mbs_ref import Scene, Settings, scenes
 from mbs_ref.scene import messages as problems
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.toml import SceneFileError, read_builder
-from mbs_ref.simulate.start.consistent import fitted_rates
-from reports.terminal.console import EngineAbsent, NothingSelected, reported_as
+from mbs_ref.simulate.start_checks import fitted_rates
+from reports.console import EngineAbsent, NothingSelected, reported_as
 
 FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 NEW_FILE = click.Path(dir_okay=False, path_type=Path)

@@ -21,7 +21,7 @@ from cross_checks.records.store import Store, default_path
 from mbs_ref import Scene
 from mbs_ref.scene.traits import python_parts
 from reports import inputs
-from reports.terminal.console import Failed, Incomplete, Report, complain, finite_record, progress, reported_as
+from reports.console import Failed, Incomplete, Report, complain, finite_record, progress, reported_as
 
 FIRST = 20.0  # s until the best answer so far is printed; then again whenever that time has doubled
 

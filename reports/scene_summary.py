@@ -12,7 +12,7 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.simulate.linearised import stiffness_at_start
-from mbs_ref.simulate.start.consistent import rank_at_start
+from mbs_ref.simulate.start_checks import rank_at_start
 
 FEW = 60  # bodies up to which the motion is linearised
 

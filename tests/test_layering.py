@@ -36,7 +36,7 @@ ROOMS = {
     ),
     "benchmarks": ("calibration record_changes", "history trees", "suites"),
     "reports": (
-        "film poses_file scene_file scene_summary shared_ensemble terminal", "inputs", "query facts", "studies",
+        "film poses_file scene_file scene_summary shared_ensemble console", "inputs", "query facts", "studies",
         "gather", "page", "site", "commands", "cli",
     ),
 }  # fmt: skip

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from cross_checks.engine import Plan, plan_run
-from cross_checks.engines.mujoco_ import Built, MuJoCo
-from cross_checks.engines.mujoco_.build import rolled_out
+from cross_checks.engines.mujoco_ import Built, MuJoCo, rolled_out
 from mbs_ref import Settings, Trajectory, scenes
 from mbs_ref.cores.system import Poses
 from mbs_ref.observables.distance import Partial, farthest

@@ -14,20 +14,10 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import CoulombFriction, DiscreteContactApproximation, MultibodyPlant
 
 from cross_checks.contact import request as wanted
-from cross_checks.contact.request import (
-    GRAVITY,
-    ContactModel,
-    Refused,
-    Request,
-    Translation,
-    damped_by_step,
-    own_law,
-    snippet,
-)
+from cross_checks.contact.request import ContactModel, Request, Translation, damped_by_step, own_law, snippet
 from cross_checks.engine import Method, Plan, Refusal, fixed
-from cross_checks.engines.drake_ import Built, Drake
+from cross_checks.engines.drake_ import SAP, Built, Drake
 from cross_checks.engines.drake_.build import Shapes
-from cross_checks.engines.drake_.run import SAP
 from cross_checks.linkage.forces import LOCATED
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from cross_checks.linkage.surfaces import friction_refusals, pair_mass, shapes_of
@@ -115,8 +105,8 @@ def translate(request: Request) -> Translation:
     law, mu, step = damped_by_step(request.law, request.step), request.friction, request.step
     tau = law.damping / law.stiffness - step
     friction = StickSlip(coefficient=mu, stiffness=law.stiffness) if mu else None
-    pull = GRAVITY * math.sin(math.atan(wanted.SHARE * mu))
-    creep = Refused(SIGMA * MOBILITY * step * pull, "friction is regularised in proportion to the step")
+    pull = wanted.GRAVITY * math.sin(math.atan(wanted.SHARE * mu))
+    creep = wanted.Refused(SIGMA * MOBILITY * step * pull, "friction is regularised in proportion to the step")
     refused = wanted.refused_of_step(request) | ({wanted.CREEP: creep} if mu else {})
     parameters = {"point_stiffness": 2.0 * law.stiffness, "relaxation_time": 0.5 * tau, "friction": mu}
     text = snippet("drake.txt", mass=request.mass, step=step, friction=mu, stiffness=2.0 * law.stiffness, tau=0.5 * tau)

@@ -24,7 +24,7 @@ from mbs_ref.observables.contact_gap import relative_motion, shapes_known
 from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.signals import Constant
 from mbs_ref.scene.traits import traits
-from mbs_ref.simulate.start.equilibrium import restated
+from mbs_ref.simulate.equilibrium import restated
 
 ITERATIONS = 20_000  # of the projected gradient ...
 RESOLVED = 1e-12  # of the largest impulse: ... which ends once a step changes them by less

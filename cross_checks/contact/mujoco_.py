@@ -15,8 +15,7 @@ import numpy as np
 from cross_checks.contact import request as wanted
 from cross_checks.contact.request import GRAVITY, ContactModel, Refused, Request, Translation, own_law, snippet
 from cross_checks.engine import Method, Plan, Refusal, fixed
-from cross_checks.engines.mujoco_ import Built, MuJoCo
-from cross_checks.engines.mujoco_.build import METHODS, add_loads, at_start, specify_links
+from cross_checks.engines.mujoco_ import METHODS, Built, MuJoCo, add_loads, at_start, specify_links
 from cross_checks.engines.mujoco_.contact import add_pairs, effective_mass
 from cross_checks.engines.mujoco_.forces import Callback, force_refusals, shared_forces, takes_shared_forces
 from cross_checks.linkage.forces import LOCATED

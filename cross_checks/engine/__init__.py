@@ -55,9 +55,7 @@ class Engine:
     part_types: ClassVar[frozenset[str]]
     no_equivalent: ClassVar[dict[str, str]] = {}  # part types that the engine itself has nothing for, and why
     as_shipped: ClassVar[Settings | None] = None  # the settings of a user who chooses nothing, if there are such
-    default_method: ClassVar[str | None] = (
-        None  # the method of one run by a user who names none; the first unless given
-    )
+    default_method: ClassVar[str | None] = None  # of a run by a user who names no method; the first unless given
     made_of: str = ""  # a digest of its adapter, where that is imported in another environment
     compiles: ClassVar[bool] = False  # its first run compiles a program, which later ones find stored
     checks_start: ClassVar[bool] = False  # refuses inconsistent initial states by itself; else the suite looks for it

@@ -15,7 +15,7 @@ from mbs_ref.scene.traits import PART_TYPES
 from mbs_ref.simulate import InconsistentScene, simulate
 from mbs_ref.simulate.method_choice import AUTO
 from mbs_ref.simulate.plan import obstacles
-from mbs_ref.simulate.start.soundness import UnsoundScene
+from mbs_ref.simulate.start_checks import UnsoundScene
 
 CHOSEN = Method(AUTO, "adaptive", None, "chosen by what the scene contains and what its first steps tell")
 

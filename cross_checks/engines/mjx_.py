@@ -18,9 +18,8 @@ import mujoco
 import numpy as np
 
 from cross_checks.engine import End, Loop, Method, Plan, Poses, Refusal
-from cross_checks.engines.mujoco_ import Built, MuJoCo
-from cross_checks.engines.mujoco_.build import METHODS as OF_MUJOCO
-from cross_checks.engines.mujoco_.build import at_start, compile_links
+from cross_checks.engines.mujoco_ import METHODS as OF_MUJOCO
+from cross_checks.engines.mujoco_ import Built, MuJoCo, at_start, compile_links
 from cross_checks.engines.mujoco_.forces import own_refusals
 from cross_checks.linkage.links import Linkage, closure_refusals, linkage_of
 from mbs_ref import Scene

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from cross_checks.engine import Method
-from cross_checks.extremes.extreme import Case, Measured
+from cross_checks.extremes import Case, Measured
 from cross_checks.judge.bounds import EVEN, RESOLVED, TARGETS
 from cross_checks.judge.convergence.ladder import Ladder
 from cross_checks.judge.convergence.model import posterior

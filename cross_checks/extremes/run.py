@@ -17,8 +17,7 @@ import numpy as np
 
 from cross_checks import engines as registry
 from cross_checks.engine import Engine, Method, output_times
-from cross_checks.extremes import QUICK, named
-from cross_checks.extremes.extreme import UNCHECKED, Extreme, settings_for
+from cross_checks.extremes import QUICK, UNCHECKED, Extreme, named, settings_for
 from cross_checks.extremes.fate import Cell, Fate, Point, judge, made_of
 from cross_checks.isolation.parent import Isolated, Lost
 from cross_checks.isolation.workers import Report, each

@@ -6,10 +6,8 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from cross_checks.records.plots import of_runs as history
-from cross_checks.records.plots.bands import bands
-from cross_checks.records.plots.of_runs import work_precision as work_precision_data
-from cross_checks.records.plots.plot import new_figure, to_data
+from cross_checks.records import plots
+from cross_checks.records.bands import bands
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run
 from mbs_ref import Scene, Trajectory
@@ -24,7 +22,7 @@ def motion(scene: Scene, path: Trajectory, bodies: Sequence[str] | None = None) 
     ValueError where a body is unknown.
     """
     places = {name: path.position[:, _index(scene, name)] for name in bodies or scene.body_names}
-    kind, layout = "scatter3d", new_figure("x, m", "y, m", x_log=False, y_log=False).layout
+    kind, layout = "scatter3d", plots.new_figure("x, m", "y, m", x_log=False, y_log=False).layout
     if scene.planar:
         kind, layout["yaxis"] = "scatter", layout["yaxis"] | {"scaleanchor": "x"}
     else:
@@ -47,35 +45,35 @@ def over_time(scene: Scene, path: Trajectory, body: str, quantity: str = "positi
         raise ValueError(f"quantity = {quantity!r} is unknown; allowed: {', '.join(units)}")
     values = np.reshape(getattr(path, quantity)[:, _index(scene, body)], (len(path.times), -1))
     names = ["angle"] if values.shape[1] == 1 else [f"e{k}" for k in range(4)] if values.shape[1] == 4 else list(AXES)
-    figure = new_figure("time, s", f"{quantity.replace('_', ' ')} of {body}, {units[quantity]}", False, False)
+    figure = plots.new_figure("time, s", f"{quantity.replace('_', ' ')} of {body}, {units[quantity]}", False, False)
     for name, column in zip(names, values.T, strict=False):
         figure.add_scatter(x=path.times.tolist(), y=column.tolist(), mode="lines", name=name)
-    return go.Figure(to_data(figure))
+    return go.Figure(plots.to_data(figure))
 
 
 def spread(ensemble: Ensemble) -> go.Figure:
     """Return how an ensemble's coordinates (m, rad) spread over time (s): 5 % to 95 %, and the median."""
-    return go.Figure(to_data(bands(ensemble)))
+    return go.Figure(plots.to_data(bands(ensemble)))
 
 
 def error(runs: Iterable[Run | Record]) -> go.Figure:
     """Return the error of runs of one scene over time (s), over its scales; an engine's best run speaks for it."""
-    return _of_records(history.error_history, runs, "an error over time")
+    return _of_records(plots.error_history, runs, "an error over time")
 
 
 def energy(runs: Iterable[Run | Record]) -> go.Figure:
     """Return the energy that runs of one scene created or lost (J) over time (s)."""
-    return _of_records(history.energy, runs, "an energy drift over time")
+    return _of_records(plots.energy, runs, "an energy drift over time")
 
 
 def compliance(runs: Iterable[Run | Record]) -> go.Figure:
     """Return how far the joints gape (m, rad) over time (s)."""
-    return _of_records(history.compliance, runs, "a compliance over time")
+    return _of_records(plots.compliance, runs, "a compliance over time")
 
 
 def work_precision(runs: Iterable[Run | Record]) -> go.Figure:
     """Return error against the time of the loop, of runs of one scene that know their error."""
-    return _of_records(work_precision_data, runs, "an error and a time")
+    return _of_records(plots.work_precision, runs, "an error and a time")
 
 
 def _of_records(draw: Any, runs: Iterable[Run | Record], needed: str) -> go.Figure:

@@ -4,7 +4,7 @@ import numpy as np
 
 from cross_checks.engines import get
 from cross_checks.linkage.links import SIX, Link, Linkage
-from cross_checks.writers.script import Form, NotWritable, job_of, script, turns_of
+from cross_checks.writers import Form, NotWritable, job_of, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
 
@@ -15,8 +15,8 @@ def write_drake(scene: Scene, settings: Settings) -> str:
     Raises NotWritable where the adapter's force code acts, or for the method that ends its process.
     """
     adapter = get("drake")  # raises EngineMissing before the adapter's modules are imported
+    from cross_checks.engines.drake_ import FIXED, SAP, WORLD
     from cross_checks.engines.drake_.build import constraints_of, tied_to_ground
-    from cross_checks.engines.drake_.run import FIXED, SAP, WORLD
 
     if adapter.method(settings.method).name == WORLD:
         raise NotWritable(f"method = {WORLD!r} ends the process that runs it; allowed: {SAP}")

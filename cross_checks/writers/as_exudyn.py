@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.linkage.forces import BY_SHARED_CODE
-from cross_checks.writers.script import Form, Job, job_of, literal, refuse, refuse_shared, script, turns_of
+from cross_checks.writers import Form, Job, job_of, literal, refuse, refuse_shared, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody
 

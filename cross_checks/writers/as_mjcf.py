@@ -11,7 +11,7 @@ import numpy as np
 from markupsafe import escape
 
 from cross_checks.linkage.links import linkage_of
-from cross_checks.writers.script import Form, Job, NotWritable, job_of, script, turns_of, xml
+from cross_checks.writers import Form, Job, NotWritable, job_of, script, turns_of, xml
 from mbs_ref import Scene, Settings
 
 DISABLED, ENABLED = {16: "contact", 512: "warmstart"}, {32: "diagexact"}  # bits of flags in the words of MJCF

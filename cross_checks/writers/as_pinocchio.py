@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.writers.script import Form, Job, job_of, script, turns_of
+from cross_checks.writers import Form, Job, job_of, script, turns_of
 from mbs_ref import Settings
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -17,8 +17,8 @@ def write_pinocchio(scene: Scene, settings: Settings) -> str:
     Raises NotWritable where the adapter's force code acts.
     """
     job = job_of(scene, settings, "pinocchio")  # raises EngineMissing before the adapter's modules are imported
+    from cross_checks.engines.pinocchio_ import PROXIMAL
     from cross_checks.engines.pinocchio_.build import joints_of
-    from cross_checks.engines.pinocchio_.loop import PROXIMAL
 
     mechanism = job.built.mechanism
     needs = "pinocchio (pin), numpy" + ("" if job.plan.counts else " and scipy")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks.linkage.links import FIXED, Link, Linkage, linkage_of
-from cross_checks.writers.script import Form, refuse, xml
+from cross_checks.writers import Form, refuse, xml
 from mbs_ref import Settings
 from mbs_ref.scene import Bushing, Drive, Scene, TorsionSpring
 

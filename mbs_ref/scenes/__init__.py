@@ -132,7 +132,7 @@ def _settled(builder: Callable[..., Scene], name: str, /, start: str, **paramete
     """Return a scene in equilibrium, where its own builder has no such choice."""
     if start != "equilibrium":
         raise ValueError(f"{name}: start = {start!r} is not allowed; allowed: 'equilibrium'")
-    from mbs_ref.simulate.start.equilibrium import at_equilibrium  # compiled code, which other scenes do without
+    from mbs_ref.simulate.equilibrium import at_equilibrium  # compiled code, which other scenes do without
 
     return _altered(at_equilibrium(build(builder, name, **parameters)), {}, start=start)
 

@@ -15,14 +15,13 @@ from mbs_ref.integrators.loop.leg import progress
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import touching
 from mbs_ref.settings import Settings
+from mbs_ref.simulate import start_checks as checks
 from mbs_ref.simulate.diagnosis import singular_passage, unseen_forces
 from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
 from mbs_ref.simulate.legs import Run, finite_part, run_legs, start_run
 from mbs_ref.simulate.linearised import unstable_passage, unstable_step
 from mbs_ref.simulate.method_choice import after_first_steps, choose_plan, without
 from mbs_ref.simulate.plan import Plan
-from mbs_ref.simulate.start.consistent import InconsistentScene, consistent_start, rank_at_start, redundancy
-from mbs_ref.simulate.start.soundness import UnsoundScene, ambiguous_start, check_starts, require_sound
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # the method failed
@@ -112,11 +111,11 @@ def empty(scene: Scene, status: Status, message: str) -> Trajectory:
     return Trajectory.empty(len(scene.bodies), scene.dimension, status, message)
 
 
-def or_empty[T](scene: Scene, make: Callable[[], T], refusal: type[ValueError] = UnsoundScene) -> T | Trajectory:
+def or_empty[T](scene: Scene, make: Callable[[], T], refusal: type[ValueError] = checks.UnsoundScene) -> T | Trajectory:
     """Return make(), or a trajectory without samples: `inconsistent` for InconsistentScene, `refused` for `refusal`."""
     try:
         return make()
-    except InconsistentScene as error:
+    except checks.InconsistentScene as error:
         return empty(scene, Status.INCONSISTENT, str(error))
     except refusal as error:
         return empty(scene, Status.REFUSED, str(error))
@@ -141,7 +140,7 @@ def simulate(
     reason. If the chosen method fails, the default method repeats the run.
     """
     if start is not None:
-        check_starts(scene, start, count=1)
+        checks.check_starts(scene, start, count=1)
     settings = settings or Settings()
     plan, system, build_s = compiled(scene, settings, times)
     own = system.redundant
@@ -164,7 +163,7 @@ _idle: dict[int, tuple[Scene, str, System]] = {}  # dimension -> the last scene,
 
 def compiled(scene: Scene, settings: Settings, times: np.ndarray | None) -> tuple[Plan, System, float]:
     """Return the plan, the system and the time to build it (s), as `simulate` begins."""
-    require_sound(scene)
+    checks.require_sound(scene)
     plan = choose_plan(scene, settings, times)
     started = time.perf_counter()
     known, its, system = _idle.pop(scene.dimension, (None, "", None))
@@ -177,12 +176,12 @@ def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0) -
     """Return the run from a state y of `system.redundant`, as `simulate` does."""
     began, scene = time.perf_counter(), system.scene
     _reset(system)
-    repairs = consistent_start(system.redundant, y, plan.settings)
+    repairs = checks.consistent_start(system.redundant, y, plan.settings)
     y = system.reduced(y)
-    rank = rank_at_start(system, y)
-    notes = [*plan.notes, *repairs, *redundancy(system, rank)]
+    rank = checks.rank_at_start(system, y)
+    notes = [*plan.notes, *repairs, *checks.redundancy(system, rank)]
     if rank is not None and rank < system.n_constraints:
-        branches = ambiguous_start(system, y, rank)
+        branches = checks.ambiguous_start(system, y, rank)
         if branches:
             return empty(scene, Status.SINGULAR, branches)
     start_run(system, plan, y)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cross_checks import engines
-from cross_checks.records.plots.plot import COLOURS, FLOOR, SYMBOLS, Style, new_figure, style_of, to_data
+from cross_checks.records.plots import COLOURS, FLOOR, SYMBOLS, Style, new_figure, style_of, to_data
 from mbs_ref import Scene, Trajectory
 from reports.film.files import filmstrip, gif
 

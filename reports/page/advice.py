@@ -7,8 +7,7 @@ from cross_checks.judge.bounds import MOST_STEPS, TARGETS
 from cross_checks.judge.vocabulary import OURS, SILENT
 from cross_checks.records.numbers import count, short
 from cross_checks.records.record import Record
-from reports.facts.cheapest import MIDDLE, entries, reaching, standing_of
-from reports.facts.report_data import ReportData, Section
+from reports.facts.report_data import MIDDLE, ReportData, Section, entries, reaching, standings
 from reports.page.findings import findings
 
 
@@ -106,7 +105,7 @@ def _silent(data: ReportData, engine: str) -> tuple[str, ...]:
 
 def _pace(data: ReportData, engine: str) -> str:
     """Return its median time at MIDDLE over that of the cheapest ranked engine; empty where it is compared to none."""
-    standing = standing_of(data, engine, MIDDLE)
+    standing = next((one for one in standings(data, MIDDLE) if one.engine == engine), None)
     if standing is None or standing.median is None or set(data.engines) <= {engine, OURS}:
         return ""
     scenes = count(len(standing.factors), "scene")

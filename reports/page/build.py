@@ -1,6 +1,11 @@
-"""Build the report: query the store, compute what is missing, render and write the files; each whole or not at all."""
+"""Build the report: query the store, compute what is missing, render and write the files; each whole or not at all.
+
+Chromium without a window draws a page as a picture, prints it, or returns it with its plots drawn.
+"""
 
 import re
+import shutil
+import subprocess
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -11,10 +16,41 @@ from time import monotonic
 from cross_checks.records.lines import adapter
 from mbs_ref.files import write_atomic
 from reports.facts.report_data import ReportData
-from reports.page.browser import drawn, loaded
 from reports.page.files import document, jsonl, record_columns
 from reports.page.render import ALL, INDEX, render, single
 from reports.poses_file import csv_table
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+LOADING_MS = 20_000  # ms of a page's own time until it is drawn
+DRAWING = 600.0  # s that a browser may take
+
+
+def browser() -> str | None:
+    """Return the path of an installed browser, if there is one."""
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
+def drawn(address: str, option: str, *options: str) -> bytes:
+    """Return the file that a browser's `option`, such as --screenshot, makes of a page.
+
+    FileNotFoundError where no browser is installed.
+    """
+    with TemporaryDirectory() as folder:
+        target = Path(folder) / "drawn.png"  # a screenshot has to end so, a print may
+        loaded(address, *options, f"{option}={target}")
+        return target.read_bytes()
+
+
+def loaded(address: str, *options: str) -> bytes:
+    """Return what a browser prints once it has drawn a page; FileNotFoundError where no browser is installed."""
+    program = browser()
+    if program is None:
+        raise FileNotFoundError(f"no browser is installed; this needs one of {', '.join(BROWSERS)}")
+    with TemporaryDirectory() as folder:
+        fixed = ("--headless", "--no-sandbox", "--hide-scrollbars", f"--user-data-dir={folder}/profile")
+        shown = (*fixed, f"--virtual-time-budget={LOADING_MS}", *options, address)
+        return subprocess.run([program, *shown], check=True, capture_output=True, timeout=DRAWING).stdout
+
 
 HTML = "html"
 SCRIPTED = re.compile(rb"<(script|template|noscript)\b.*?</\1>", re.DOTALL)

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from cross_checks.records import numbers
-from cross_checks.records.plots.plot import style_of
+from cross_checks.records.plots import style_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import studies
 from reports.facts.report_data import GROWING, ReportData, Section

@@ -18,8 +18,7 @@ from mbs_ref.files import write_atomic
 from mbs_ref.scene.toml import loads
 from mbs_ref.simulate import simulate
 from reports.film.files import filmstrip, png
-from reports.page.browser import drawn
-from reports.page.build import read_data
+from reports.page.build import drawn, read_data
 from reports.page.render import INDEX
 
 ROOT = Path(__file__).parents[2]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numba
 
-from reports.terminal.console import compiling
+from reports.console import compiling
 
 
 def test_the_first_compilation_is_told_and_no_other(capsys):

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from cross_checks.records.record import Error, Record
-from reports.terminal import console
-from reports.terminal.console import NothingSelected
+from reports import console
+from reports.console import NothingSelected
 
 
 @pytest.mark.parametrize(("value", "below", "text"), [

@@ -27,20 +27,19 @@ from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.scene.contact import SphereOnPlane
 from mbs_ref.settings import Settings
-from reports import query
+from reports import console, query
 from reports.cli import main
 from reports.commands.choose import contact as contact_command
 from reports.commands.choose import pick
 from reports.commands.judge import check, proofs, prove
 from reports.commands.maintenance import compare
 from reports.facts import compiling
-from reports.facts.cheapest import MIDDLE, entries, least_time
+from reports.facts.report_data import MIDDLE, entries, least_time
 from reports.film import drawing, files
-from reports.page import browser, findings
+from reports.page import build, findings
 from reports.page.sections import matrix, overview, plots
 from reports.studies import contact
 from reports.studies.models import Ladder, Rung
-from reports.terminal import console
 from tests.reports.page.test_every_companion import report
 from tests.reports.page.test_shown_figures import irregular
 
@@ -199,9 +198,9 @@ def test_a_plane_without_sides_is_drawn_twice_a_radius_around_the_paths_of_its_s
 
 
 def test_a_browser_that_fails_is_an_error(monkeypatch):
-    monkeypatch.setattr(browser, "browser", lambda: "false")
+    monkeypatch.setattr(build, "browser", lambda: "false")
     with pytest.raises(Exception, match="non-zero exit status 1"):
-        browser.drawn("page.html", "--screenshot")
+        build.drawn("page.html", "--screenshot")
 
 
 def test_an_error_of_a_store_in_memory_says_so():

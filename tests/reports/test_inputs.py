@@ -17,7 +17,7 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.settings import Settings
 from reports import inputs, query
 from reports.cli import main
-from reports.terminal.console import NothingSelected
+from reports.console import NothingSelected
 
 LENGTHS = {"m": 1.0, "cm": constants.centi, "mm": constants.milli, "um": constants.micro, "nm": constants.nano,
            "km": constants.kilo}  # fmt: skip

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from reports import console
+from reports.console import Lines
 from reports.query import reporting
-from reports.terminal import console
-from reports.terminal.console import Lines
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import Cell, Verdict
 from cross_checks.prices.pick import Choice
 from cross_checks.records import lines
-from cross_checks.records.plots import of_runs
+from cross_checks.records import plots as of_runs
 from cross_checks.records.record import Error, Record
 from cross_checks.trajectory_files.formats import OWN, FileError, parts
 from cross_checks.trajectory_files.mistakes import case
@@ -44,7 +44,8 @@ from reports.page.sections.extremes import _index
 from reports.page.slug import command
 from reports.site import links
 from reports.studies import crash, models
-from reports.studies.papers import formulations, track_figures
+from reports.studies import papers as formulations
+from reports.studies.papers import track_figures
 
 RECORD = Record("pendulum", {}, "exudyn", "rk4", {"step": 0.25, "rtol": 1e-6, "samples": 11}, "success")
 
@@ -393,9 +394,7 @@ def test_a_run_that_ends_with_other_samples_is_named_by_its_setting(monkeypatch)
 
 def test_points_of_errors_are_of_runs_that_have_one(monkeypatch):
     seen: list[Any] = []
-    monkeypatch.setattr(
-        of_runs.plot, "add_series", lambda figure, engine, method, style, x, y, **more: seen.append((x, y))
-    )
+    monkeypatch.setattr(of_runs, "add_series", lambda figure, engine, method, style, x, y, **more: seen.append((x, y)))
     runs = [replace(RECORD, times={"loop_s": 0.5 * k}, error=Error(10.0**-k, "exact", 0.0, None)) for k in (1, 2)]
     of_runs._add(None, "exudyn", "rk4", None, runs)  # type: ignore[arg-type]
     assert seen == [([500.0, 1000.0], [0.1, 0.01])]

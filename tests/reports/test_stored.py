@@ -20,7 +20,7 @@ from cross_checks.judge.runs import PASSING
 from cross_checks.judge.vocabulary import Cell, Verdict
 from cross_checks.records import lines
 from cross_checks.records import record as machine
-from cross_checks.records.plots.plot import FLOOR, Figure
+from cross_checks.records.plots import FLOOR, Figure
 from cross_checks.records.record import Record
 from cross_checks.records.store import Store
 from cross_checks.truths.truth import NoTruth

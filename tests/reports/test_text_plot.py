@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from reports.terminal.text_plot import HEIGHT, WIDTH, text_plot
+from reports.console import HEIGHT, WIDTH, text_plot
 
 
 def field(plot: str) -> list[str]:

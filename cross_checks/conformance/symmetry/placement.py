@@ -14,7 +14,7 @@ from pydantic import BaseModel
 from mbs_ref import Scene, Trajectory
 from mbs_ref.files import package_data
 from mbs_ref.scene.euler_parameters import from_matrix, rotation_matrices
-from mbs_ref.simulate.start.equilibrium import restated
+from mbs_ref.simulate.equilibrium import restated
 
 TABLES = package_data(__name__, "placement.toml")
 KINDS = {field: kind for kind, fields in TABLES["kinds"].items() for field in fields}

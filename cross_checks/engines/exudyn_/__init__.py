@@ -8,15 +8,9 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cross_checks.engine import Engine, Loop, Method, Plan, Poses, Refusal
+from cross_checks.engines.exudyn_ import contact
 from cross_checks.engines.exudyn_ import run as solver
-from cross_checks.engines.exudyn_.contact import (
-    add_contacts,
-    add_pair_contacts,
-    general_contact_refusals,
-    pair_contact_refusals,
-)
-from cross_checks.engines.exudyn_.kinematic_tree import build_tree, tree_refusals
-from cross_checks.engines.exudyn_.model import Redundant
+from cross_checks.engines.exudyn_.model import Redundant, build_tree, tree_refusals
 from cross_checks.engines.exudyn_.parts import JOINTS, LOADS, STOPPED, add_joint, has_connector
 from cross_checks.engines.exudyn_.run import CONTACT, EXPLICIT_CONTACT, METHODS, STAGES, TREE, Left
 from cross_checks.linkage.forces import BY_SHARED_CODE, PARTS, Applied, shared_refusals
@@ -57,7 +51,7 @@ def build_redundant(scene: Scene, method: str) -> Redundant:
     if takes_shared_forces(scene, method):
         _add_shared_forces(model)
     elif scene.contacts:
-        (add_contacts if method == CONTACT else add_pair_contacts)(model)
+        (contact.add_contacts if method == CONTACT else contact.add_pair_contacts)(model)
     return model
 
 
@@ -163,7 +157,8 @@ class Exudyn(Engine):
         if method.name in EXPLICIT_CONTACT:
             beyond = [f"load {load.name!r}: {method.name} does not yet support {load.type}" for load in scene.loads]
             beyond += [f"joint {joint.name!r}: Exudyn's explicit solvers support no joints" for joint in scene.joints]
-            beyond += general_contact_refusals(scene) if method.name == CONTACT else pair_contact_refusals(scene)
+            refusals = contact.general_contact_refusals if method.name == CONTACT else contact.pair_contact_refusals
+            beyond += refusals(scene)
             reasons += [Refusal(reason, permanent=False) for reason in beyond]
         else:
             reasons += shared_refusals(scene)

@@ -10,16 +10,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from cross_checks.linkage import surfaces
 from cross_checks.linkage.links import Linkage, lifted
-from cross_checks.linkage.surfaces import (
-    CORNER,
-    Shape,
-    friction_refusals,
-    gap_walls,
-    is_half_space,
-    pair_mass,
-    shapes_of,
-)
 from mbs_ref.scene import GROUND, Scene
 from mbs_ref.scene import contact as laws
 from mbs_ref.scene.base.part import unit
@@ -37,7 +29,7 @@ def add_pairs(spec, frames, linkage: Linkage, contact) -> list:
     """Add the geoms of a contact and return their pairs, apart from which none touches anything."""
     if isinstance(contact, PinOnSprocket):
         return _in_gaps(spec, frames, linkage, contact)
-    for end, shape in zip("ab", shapes_of(contact), strict=True):
+    for end, shape in zip("ab", surfaces.shapes_of(contact), strict=True):
         _add_geom(frames, linkage, f"{contact.name}/{end}", shape)
     return [_pair(spec, contact, contact.name, f"{contact.name}/b")]
 
@@ -52,17 +44,17 @@ def _pair(spec, contact, name: str, other: str):
 
 def _in_gaps(spec, frames, linkage: Linkage, contact: PinOnSprocket) -> list:
     """Add a pin, and for the first one the walls of the sprocket's gaps: convex, where the gaps are not."""
-    pin = Shape(contact.body_a, "sphere", lifted(contact.center), np.eye(3), (CORNER,))
+    pin = surfaces.Shape(contact.body_a, "sphere", lifted(contact.center), np.eye(3), (surfaces.CORNER,))
     _add_geom(frames, linkage, f"{contact.name}/a", pin)
     walls = []
-    for k, wall in enumerate(gap_walls(contact)):
+    for k, wall in enumerate(surfaces.gap_walls(contact)):
         walls.append(f"{contact.body_b}/wall{k}")
         if spec.geom(walls[-1]) is None:
             _add_geom(frames, linkage, walls[-1], wall)
     return [_pair(spec, contact, f"{contact.name}/{k}", wall) for k, wall in enumerate(walls)]
 
 
-def _add_geom(frames, linkage: Linkage, name: str, shape: Shape) -> None:
+def _add_geom(frames, linkage: Linkage, name: str, shape: surfaces.Shape) -> None:
     size = (*(shape.size or ENDLESS), 0.0, 0.0)[:3]
     place = {"pos": linkage.local(shape.body, shape.middle), "quat": from_matrix(shape.axes)}
     frame = frames[linkage.scene.body_index(shape.body)]
@@ -90,7 +82,7 @@ PENALTY_SOLIMP = (1e-4, 1e-4, 0.001, 0.5, 2.0)
 def add_contact(spec, frames, linkage: Linkage, contact: laws.Contact) -> None:
     """A sphere against a plane or another sphere, by the scene's law."""
     (pair,) = add_pairs(spec, frames, linkage, contact)
-    mass = pair_mass(linkage.scene, contact)  # no pose changes it: bodies are free
+    mass = surfaces.pair_mass(linkage.scene, contact)  # no pose changes it: bodies are free
     law: Any = contact.law
     pair.solref = (-law.stiffness / mass, -law.damping / mass)
     pair.solimp = PENALTY_SOLIMP
@@ -110,10 +102,10 @@ def contact_refusals(scene: Scene) -> list[str]:
             reasons.append(f"{where}: mujoco regularises friction in its own way; it needs stick_slip")
         if contact.friction is not None and not getattr(contact.law, "damping", 1.0):
             reasons.append(f"{where}: mujoco brakes slip by the law's damping, and without it has no friction at all")
-        reasons += friction_refusals("mujoco", contact)
+        reasons += surfaces.friction_refusals("mujoco", contact)
         if getattr(contact.law, "damping", 0.0) and getattr(contact.law, "release", "force") != "force":
             reasons.append(f"{where}: mujoco's contact force is never negative; it needs release = 'force'")
-        if isinstance(contact, laws.CircleOnLine | laws.SphereOnPlane) and not is_half_space(contact):
+        if isinstance(contact, laws.CircleOnLine | laws.SphereOnPlane) and not surfaces.is_half_space(contact):
             reasons.append(f"{where}: a mujoco plane is endless and fixed to the world")
         centers = ((contact.body_a, getattr(contact, "center_a", None) or getattr(contact, "center", None)),
                    (contact.body_b, getattr(contact, "center_b", None)))  # fmt: skip

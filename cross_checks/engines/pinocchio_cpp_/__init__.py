@@ -12,9 +12,8 @@ import pinocchio as pin
 from scipy.integrate import DOP853
 
 from cross_checks.engine import RTOLS, STEPS, End, Loop, Method, Plan, Refusal, exponential
-from cross_checks.engines.pinocchio_ import Built, Pinocchio
+from cross_checks.engines.pinocchio_ import GAINS, PROXIMAL, Built, Pinocchio
 from cross_checks.engines.pinocchio_.build import joints_of
-from cross_checks.engines.pinocchio_.loop import GAINS, PROXIMAL
 from cross_checks.engines.pinocchio_cpp_.compiler import described, library, obstacle
 from mbs_ref import Scene, Status
 from mbs_ref.scene.traits import traits

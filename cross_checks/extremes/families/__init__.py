@@ -1,1 +1,1 @@
-"""Families of extremes: each file offers CASES, by the names under which `extremes.toml` describes them."""
+"""Families of extremes: each file offers CASES, by the names in `extremes.toml`, and perhaps ENGINES that run some."""

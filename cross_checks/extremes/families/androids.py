@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.extremes.extreme import Case, Measured, grid
+from cross_checks.extremes import Case, Measured, grid
 from cross_checks.truths.made_by import Formulation
 from cross_checks.truths.made_by.mechanisms.hinged_tree import formulations
 from cross_checks.truths.made_by.numerics.solvers import runge_kutta

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, grid
+from cross_checks.extremes import Case, by_positions, by_truth, grid, in_plane, invariants
 from cross_checks.extremes.parts import LENGTH, ROD_RATE, hanging, made, rod_chain, sled, swing
 from cross_checks.truths.of import sky, tops
 from mbs_ref import scenes
@@ -20,7 +19,7 @@ SPEEDS = (0.0, math.nan, math.inf)  # m/s, rad/s
 SWITCH = 0.5  # s
 TINY = 1e-11  # m, m/s: a smaller gap is roundoff, and nobody should stop
 TOLERABLE = 1e-8  # m, m/s: a smaller gap changes nothing that anybody could measure here
-SWING = measures.positions(lambda times: hanging(swing(times, ROD_RATE, 0.5 * math.pi), 0.5 * LENGTH))
+SWING = by_positions(lambda times: hanging(swing(times, ROD_RATE, 0.5 * math.pi), 0.5 * LENGTH))
 
 
 def _rod(name: str, **changes: Any) -> Scene:
@@ -51,7 +50,7 @@ def _orbit(kind: float) -> Case:
     scene = sound.model_copy(update={"bodies": (center, moved)})
     step = 2.0 * math.pi / 200.0
     return Case(
-        scene, grid(200.0 * step, step, 11), measures.truth(sky.kepler), step, 1e-10,
+        scene, grid(200.0 * step, step, 11), by_truth(sky.kepler), step, 1e-10,
         must_stop=not math.isfinite(speed), unchecked=True,
     )  # fmt: skip
 
@@ -59,9 +58,7 @@ def _orbit(kind: float) -> Case:
 def _overflow(force: float) -> Case:
     """x = F t^2 / 2 m with 1 kg, in 10 s; beyond 1.8e308 m there is no number for it."""
     is_sound = force < 3e306
-    exact = measures.positions(
-        lambda times: measures.in_plane(force * (0.5 * times**2), 0.0), 50.0 * force if is_sound else 1.0
-    )
+    exact = by_positions(lambda times: in_plane(force * (0.5 * times**2), 0.0), 50.0 * force if is_sound else 1.0)
     return Case(sled("overflow", force), grid(10.0, 1e-2), exact, 1e-2, must_stop=not is_sound)
 
 
@@ -92,7 +89,7 @@ def _moving(gap: float) -> Case:
 
 def _broken(scene: Scene, gap: float) -> Case:
     stops = {"must_stop": gap > TOLERABLE, "may_stop": gap > TINY}
-    return Case(scene, grid(0.5, samples=11), measures.invariants, unchecked=True, **stops)
+    return Case(scene, grid(0.5, samples=11), invariants, unchecked=True, **stops)
 
 
 def _norm(gap: float) -> Case:
@@ -102,7 +99,7 @@ def _norm(gap: float) -> Case:
     stretched = tuple((np.array(top.orientation) * (1.0 + gap)).tolist())
     scene: Scene = sound.model_copy(update={"bodies": (top.model_copy(update={"orientation": stretched}),)})
     solve = tops.torque_free_top
-    exact = measures.truth(lambda _, times: solve(sound, times))
+    exact = by_truth(lambda _, times: solve(sound, times))
     return Case(scene, grid(0.6, samples=11), exact, may_stop=gap > TINY)
 
 

@@ -5,8 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, Measured, grid
+from cross_checks.extremes import Case, Measured, by_positions, grid, invariants, worst
 from cross_checks.extremes.parts import GRAVITY, rod_chain
 from cross_checks.truths.made_by.mechanisms.rod_chain import Rods, lagrange
 from cross_checks.truths.made_by.numerics.solvers import runge_kutta
@@ -30,9 +29,9 @@ def _exact(angles: tuple[float, ...], masses: tuple[float, ...], times: tuple[fl
 
 
 def _folded(name: str, masses: tuple[float, ...]) -> Case:
-    measure = measures.positions(lambda times: _exact(FOLDED, masses, tuple(times.tolist())))
+    measure = by_positions(lambda times: _exact(FOLDED, masses, tuple(times.tolist())))
     is_known = max(masses) <= HEAVIEST
-    return Case(rod_chain(name, FOLDED, masses), grid(FALL), measure if is_known else measures.invariants)
+    return Case(rod_chain(name, FOLDED, masses), grid(FALL), measure if is_known else invariants)
 
 
 def _within_horizon(scene: Scene, path: Trajectory) -> Measured:
@@ -42,7 +41,7 @@ def _within_horizon(scene: Scene, path: Trajectory) -> Measured:
 
 def _tumbling(duration: float) -> Case:
     scene, step = rod_chain("chaotic_chain", TUMBLING, (1.0, 1.0, 1.0)), 5e-4
-    return Case(scene, grid(duration, step), measures.worst(_within_horizon, measures.invariants), step, 1e-10)
+    return Case(scene, grid(duration, step), worst(_within_horizon, invariants), step, 1e-10)
 
 
 CASES = {

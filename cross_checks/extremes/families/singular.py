@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, grid
+from cross_checks.extremes import Case, by_positions, grid, invariants, unjudged
 from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, ROD_RATE, hanging, pin, rod, swing, tip
 from mbs_ref.scene import GROUND, CoordinateDrive, PlanarBody, Prismatic, Scene
 from mbs_ref.scene.signals import Constant
@@ -20,7 +19,7 @@ def _pins(count: float) -> Case:
     pins = tuple(pin(f"pin{k + 1}", GROUND, "rod", origin) for k in range(round(count)))
     body = rod("rod", origin, DOWN + start)
     scene = Scene(name="many_pins", gravity=(0.0, -GRAVITY), bodies=(body,), joints=pins)
-    exact = measures.positions(lambda times: hanging(swing(times, ROD_RATE, start), 0.5 * LENGTH))
+    exact = by_positions(lambda times: hanging(swing(times, ROD_RATE, start), 0.5 * LENGTH))
     return Case(scene, grid(2.0), exact)
 
 
@@ -49,7 +48,7 @@ def _parallelogram(name: str, n: int, mass: float, start: float, t_end: float, *
         reach = hanging(swing(times, rate, start))
         return np.concatenate([np.array(feet) + 0.5 * reach, np.array([middle, 0.0]) + reach], axis=1)
 
-    return Case(scene, grid(t_end), measures.positions(exact), **stops)
+    return Case(scene, grid(t_end), by_positions(exact), **stops)
 
 
 SPEED, CRANK, START = 2.0, 0.5, 0.25  # rad/s, m, rad
@@ -58,7 +57,7 @@ SPEED, CRANK, START = 2.0, 0.5, 0.25  # rad/s, m, rad
 def _lock(lack: float) -> Case:
     """A drive turns the crank beyond where the rod reaches: r sin(phi) = l, and no motion satisfies the joints."""
     length = CRANK * (1.0 - lack) if lack else 1.2 * CRANK
-    measure = measures.unjudged if lack else measures.positions(lambda times: _prescribed(length, times))
+    measure = unjudged if lack else by_positions(lambda times: _prescribed(length, times))
     return Case(_driven(length), grid(1.0), measure, must_stop=bool(lack))
 
 
@@ -89,7 +88,7 @@ CASES = {
     "near-flat-start": lambda gap: _parallelogram("near_flat", 2, 1.0, 0.5 * math.pi - gap, 0.8, may_stop=not gap),
     # the rod is longer than the crank by `excess`: at 90 degrees the rod whips from side to side
     "dead-centre": lambda excess: Case(
-        slider_crank(crank_length=0.5, rod_length=0.5 + excess), grid(1.0, samples=41), measures.invariants
+        slider_crank(crank_length=0.5, rod_length=0.5 + excess), grid(1.0, samples=41), invariants
     ),
     "driven-lock": _lock,
 }

@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, grid
+from cross_checks.extremes import Case, by_truth, grid, invariants, unjudged
 from cross_checks.truths.made_by.sky.particles import converge
 from cross_checks.truths.of import sky
 from mbs_ref import scenes
@@ -27,7 +26,7 @@ def _eccentric(gap: float) -> Case:
     """1 - e = gap, two orbits in 1000 steps; at 0 the bodies start in one place."""
     step = TURN / 500.0
     scene = scenes.builder_of("kepler")(eccentricity=1.0 - gap, orbits=2.0) if gap else _pair("coincident", STILL, 0.0)
-    measure = measures.truth(sky.kepler) if gap else measures.unjudged
+    measure = by_truth(sky.kepler) if gap else unjudged
     return Case(scene, grid(1000.0 * step, step, 9), measure, step, 1e-10, must_stop=not gap)
 
 
@@ -51,7 +50,7 @@ def _visited(aside: float) -> Case:
     )
     scene = scene.model_copy(update={"name": "visited_jupiter", "parameters": {}, "bodies": bodies})
     step = MEETING / 1000.0
-    measure = measures.truth(converge, None) if aside >= KNOWN else measures.invariants
+    measure = by_truth(converge, None) if aside >= KNOWN else invariants
     return Case(scene, grid(MEETING, step, 9), measure, step=step, rtol=RTOL)
 
 
@@ -65,15 +64,13 @@ def _diving(altitude: float) -> Case:
     start = {"position": (high, 0.0, 0.0), "velocity": (0.0, 0.6 * speed, 0.8 * speed)}
     bodies = tuple(body if k == earth else body.model_copy(update=start) for k, body in enumerate(scene.bodies))
     scene = scene.model_copy(update={"name": "diving_satellite", "parameters": {}, "bodies": bodies})
-    return Case(scene, grid(10_000.0, 10.0, 6), measures.truth(converge, None), step=10.0, rtol=RTOL)
+    return Case(scene, grid(10_000.0, 10.0, 6), by_truth(converge, None), step=10.0, rtol=RTOL)
 
 
 CASES = {
     "eccentricity": _eccentric,
     # released at 1 m with hardly any sideways speed v: e = 1 - v^2, and with none the fall ends in collision
-    "plunge": lambda v: Case(
-        _pair("plunge", (1.0, 0.0, 0.0), v), grid(1.5), measures.invariants, rtol=1e-10, must_stop=not v
-    ),
+    "plunge": lambda v: Case(_pair("plunge", (1.0, 0.0, 0.0), v), grid(1.5), invariants, rtol=1e-10, must_stop=not v),
     "planets-approach": _visited,
     "satellite-dive": _diving,
 }

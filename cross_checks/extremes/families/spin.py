@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, grid
+from cross_checks.extremes import Case, by_positions, by_truth, grid, invariants
 from cross_checks.extremes.parts import GRAVITY, INERTIA, LENGTH, hanging, made, swing
 from cross_checks.truths.of import tops
 from mbs_ref import scenes
@@ -20,7 +19,7 @@ def _needle(ratio: float) -> Case:
         inertia_1=ratio, inertia_2=1.0, inertia_3=1.0 + 0.5 * ratio,
     )  # fmt: skip
     # thinner needles turn so fast about themselves that the truth's quadrature has too many pieces for a quick look
-    measure = measures.truth(tops.torque_free_top) if ratio >= THINNEST else measures.invariants
+    measure = by_truth(tops.torque_free_top) if ratio >= THINNEST else invariants
     return Case(scene, grid(1.256), measure)
 
 
@@ -33,13 +32,13 @@ def _wheel(inertia: float) -> Case:
         reach = hanging(swing(times, rate, start))
         return np.concatenate([0.5 * reach, reach], axis=1)
 
-    return Case(made("wheel_on_rod", inertia=inertia), grid(2.0), measures.positions(exact))
+    return Case(made("wheel_on_rod", inertia=inertia), grid(2.0), by_positions(exact))
 
 
 def _rotor(spin: float) -> Case:
     """Without gravity a hinged rod turns evenly."""
     # initial velocities are rounded: at 1e5 rad/s a joint's velocity is exact to 1e-11 m/s only
-    exact = measures.positions(lambda times: hanging(spin * times + 0.5 * math.pi, 0.5 * LENGTH))
+    exact = by_positions(lambda times: hanging(spin * times + 0.5 * math.pi, 0.5 * LENGTH))
     return Case(made("rotor", spin=spin), grid(TIME), exact)
 
 

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cross_checks.extremes import measures
-from cross_checks.extremes.extreme import Case, Measured, grid
+from cross_checks.extremes import Case, Measured, grid, open_joints, worst
 from cross_checks.extremes.parts import GRAVITY
 from mbs_ref import Trajectory, scenes
 from mbs_ref.observables import kinetic_energy
@@ -19,7 +18,7 @@ from mbs_ref.observables.momentum import angular_momentum, linear_momentum, spin
 from mbs_ref.scene import Scene, SpringDamper
 
 END, STEP, RTOL = 0.03, 1e-4, 1e-7  # s, s
-OPEN = measures.open_joints(0.154)  # m: the track's pitch
+OPEN = open_joints(0.154)  # m: the track's pitch
 
 
 def _afloat(torque: float, *ties: Any) -> Case:
@@ -30,7 +29,7 @@ def _afloat(torque: float, *ties: Any) -> Case:
         update={"name": "track_afloat", "parameters": {}, "gravity": (0.0, 0.0), "contacts": contacts,
                 "loads": (*scene.loads, *ties)},
     )  # fmt: skip
-    return Case(scene, grid(END, STEP, 6), measures.worst(momentum, OPEN), step=STEP, rtol=RTOL)
+    return Case(scene, grid(END, STEP, 6), worst(momentum, OPEN), step=STEP, rtol=RTOL)
 
 
 def _tight(force: float) -> Case:
@@ -74,7 +73,7 @@ def _slope(degrees: float) -> Case:
     scene = scenes.make("tracked_vehicle", model="paper", torque=0.0)
     pull = (GRAVITY * math.sin(angle), -GRAVITY * math.cos(angle))
     scene = scene.model_copy(update={"name": "track_on_slope", "parameters": {}, "gravity": pull})
-    return Case(scene, grid(END, STEP, 6), measures.worst(_downhill, OPEN), step=STEP, rtol=RTOL)
+    return Case(scene, grid(END, STEP, 6), worst(_downhill, OPEN), step=STEP, rtol=RTOL)
 
 
 def _downhill(scene: Scene, path: Trajectory) -> Measured:

@@ -11,7 +11,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.many.lanes import processors, scenes_in_lanes, shared, starts_in_lanes, why_not_in_lanes
 from mbs_ref.simulate.one_run import compiled, or_empty, simulate, simulated
-from mbs_ref.simulate.start.soundness import check_starts
+from mbs_ref.simulate.start_checks import check_starts
 from mbs_ref.trajectory import Trajectory
 
 

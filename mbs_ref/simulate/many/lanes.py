@@ -31,7 +31,7 @@ from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_c
 from mbs_ref.simulate.legs import Counts, Run, largest_between, planned_legs, reached, run_legs
 from mbs_ref.simulate.one_run import compiled, or_empty, sampled, simulated, trajectory, with_estimate
 from mbs_ref.simulate.plan import Plan
-from mbs_ref.simulate.start.consistent import consistent_start, rank_at_start
+from mbs_ref.simulate.start_checks import consistent_start, rank_at_start
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 NOTE = f"integrated in {WIDTH} lanes, or alone after a failure there"

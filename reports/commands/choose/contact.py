@@ -12,15 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from reports import inputs
-from reports.terminal.console import (
-    EngineAbsent,
-    NothingSelected,
-    complain,
-    echo_json,
-    progress,
-    reported_as,
-    show_table,
-)  # fmt: skip
+from reports.console import EngineAbsent, NothingSelected, complain, echo_json, progress, reported_as, show_table
 
 if TYPE_CHECKING:
     from cross_checks.contact.request import ContactModel

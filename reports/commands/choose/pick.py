@@ -18,9 +18,9 @@ from cross_checks.records import lines as record_file
 from cross_checks.records.record import BUSY_NOTE, Record
 from mbs_ref import Scene
 from reports import inputs
+from reports.console import Failed, Incomplete, NothingSelected, complain, echo_json
 from reports.page.slug import command as reproduce
 from reports.query import STORE, Interrupted, isolated, open_runs, sweep_records
-from reports.terminal.console import Failed, Incomplete, NothingSelected, complain, echo_json
 
 PATIENCE = 600.0  # s for a run that is known to finish: loading compiled code on a busy machine may take minutes
 

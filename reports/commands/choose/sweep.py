@@ -8,8 +8,8 @@ from cross_checks.records.numbers import setting
 from cross_checks.records.record import Record
 from mbs_ref.files import write_atomic
 from reports import inputs
+from reports.console import NothingSelected, echo_json, number, show_table
 from reports.query import SCHEDULER, STORE, sweep_records
-from reports.terminal.console import NothingSelected, echo_json, number, show_table
 
 
 @click.command(name="sweep", epilog="Example: mbs-ref sweep pendulum_chain -p links=10 -o chain.jsonl")

@@ -4,8 +4,8 @@ import click
 
 from cross_checks.records.store import Store
 from mbs_ref.kernels.jit import cache_folder
+from reports.console import awaited, progress
 from reports.query import STORE, store_path
-from reports.terminal.console import awaited, progress
 
 
 @click.command(name="compile", epilog="Example: mbs-ref compile")

@@ -8,7 +8,7 @@ import click
 
 from cross_checks.conformance.finding import Report
 from reports import inputs
-from reports.terminal.console import Failed, number, show_table
+from reports.console import Failed, number, show_table
 
 HEAD = ("scene", "method", "order", "documented", "error", "loop, s")
 

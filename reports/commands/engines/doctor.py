@@ -10,8 +10,8 @@ import click
 from cross_checks.isolation.environments import home_of
 from mbs_ref.kernels.jit import cache_folder
 from reports import inputs
+from reports.console import Failed, answer, number, show_table
 from reports.facts.environment import engine_versions, package_version
-from reports.terminal.console import Failed, answer, number, show_table
 
 PACKAGES = ("mbs-ref", "numpy", "scipy", "numba", "llvmlite", "pydantic")
 LARGEST_ERROR = 1e-6  # m, of a pendulum at rtol 1e-9 against its exact motion: two digits of room

@@ -10,7 +10,7 @@ from cross_checks import engines
 from cross_checks.isolation import environments
 from cross_checks.judge.capabilities import capabilities, tables
 from reports import inputs
-from reports.terminal.console import Failed, echo_json, reported_as, show_table
+from reports.console import Failed, echo_json, reported_as, show_table
 
 EXTRA = re.compile(r"^(?P<what>[^;]+);.*extra == [\"'](?P<extra>[\w-]+)[\"']")
 OF_ALL = "engines"  # the extra of the engines that are usual

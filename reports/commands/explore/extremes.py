@@ -9,8 +9,8 @@ import click
 from cross_checks.extremes.fate import Cell, Fate
 from cross_checks.records import lines
 from reports import inputs
+from reports.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 from reports.query import SCHEDULER, begun, cluster
-from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 
 
 @click.command(name="extremes", epilog="Example: mbs-ref extremes --only stiffness")

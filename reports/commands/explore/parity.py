@@ -7,7 +7,7 @@ import click
 from cross_checks.robots import RobotError
 from cross_checks.robots.parity import Difference, Dynamics, Parity, parity
 from reports import inputs
-from reports.terminal.console import Failed, NothingSelected, answer, number, reported_as, show_table
+from reports.console import Failed, NothingSelected, answer, number, reported_as, show_table
 
 
 @click.command(name="parity", epilog="Example: mbs-ref parity ur5.urdf --poses 5")

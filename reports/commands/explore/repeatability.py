@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from reports import inputs
-from reports.terminal.console import ONLY, Failed, answer, named, progress, show_table, table_file
+from reports.console import ONLY, Failed, answer, named, progress, show_table, table_file
 
 SAME_MACHINE = ("at once", "another process", "another order")  # what our own solver must repeat to the last bit
 

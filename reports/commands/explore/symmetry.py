@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from reports import inputs
-from reports.terminal.console import ONLY, Failed, answer, interruptible, named, progress, show_table, table_file
+from reports.console import ONLY, Failed, answer, interruptible, named, progress, show_table, table_file
 
 
 @click.command(name="symmetry", epilog="Example: mbs-ref symmetry")

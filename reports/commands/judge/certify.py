@@ -11,7 +11,7 @@ from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import Scene, scenes
 from reports import inputs
-from reports.terminal.console import Failed, NothingSelected, answer, number, progress, show_table
+from reports.console import Failed, NothingSelected, answer, number, progress, show_table
 
 
 @click.command(name="certify", epilog="Example: mbs-ref certify pendulum_chain -p links=10")

@@ -11,10 +11,9 @@ from cross_checks.judge.cell import tasks
 from cross_checks.judge.vocabulary import Cell, Refused, refusals
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
-from reports import inputs
+from reports import console, inputs
+from reports.console import Failed, Incomplete, NothingSelected, number, progress, show_table
 from reports.query import SCHEDULER, STORE, open_runs, reporting
-from reports.terminal import console
-from reports.terminal.console import Failed, Incomplete, NothingSelected, number, progress, show_table
 
 MOST_REASONS = 5  # printed where nothing runs
 

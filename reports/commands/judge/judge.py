@@ -5,13 +5,12 @@ from pathlib import Path
 import click
 
 from cross_checks import metrics
-from cross_checks.records.plots.plot import FLOOR, new_figure
+from cross_checks.records.plots import FLOOR, new_figure
 from cross_checks.trajectory_files.judgement import Judgement
 from mbs_ref import Scene
 from mbs_ref.files import write_atomic
-from reports import inputs
+from reports import console, inputs
 from reports.query import STORE, open_runs
-from reports.terminal import console
 
 MAP = click.Path(path_type=Path)
 

@@ -10,7 +10,7 @@ from mbs_ref.scene.scales import scales_of
 from reports import inputs
 from reports.commands.judge.certify import every_truth
 from reports.commands.judge.prove import LIMIT, RADIUS, bound, need_flint
-from reports.terminal.console import Failed, echo_json, number, progress, reported_as, show_table
+from reports.console import Failed, echo_json, number, progress, reported_as, show_table
 
 NUMBERS = ("t_end", "reached", "radius", "steps", "prover_s", "checker_s", "log_bytes")
 COLUMNS = (*NUMBERS, "distance", "turned", "uncertainty")

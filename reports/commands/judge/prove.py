@@ -11,7 +11,7 @@ import click
 import numpy as np
 
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show, table
+from reports.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show, table
 
 RADIUS = "Largest radius of an enclosure: m, rad, m/s, rad/s."
 LIMIT = "Limit of the prover's processor time for a scene, s."

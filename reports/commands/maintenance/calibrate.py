@@ -6,9 +6,8 @@ from typing import Any
 import click
 
 from cross_checks.records import lines
-from reports import inputs
-from reports.terminal import console
-from reports.terminal.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
+from reports import console, inputs
+from reports.console import Failed, NothingSelected, echo_json, interruptible, number, progress, show_table
 
 MOST_BELOW = 0.01  # share of the judged runs whose error may be above the estimate
 MOST_ABOVE = 10.0  # median of estimate over error

@@ -11,7 +11,7 @@ import click
 
 from cross_checks.records import lines as record_file
 from cross_checks.records.record import Record
-from reports.terminal import console
+from reports import console
 
 if TYPE_CHECKING:
     from benchmarks.trees.regression import Case, Finding

@@ -8,10 +8,10 @@ import click
 from benchmarks import history
 from benchmarks.history import Entry
 from cross_checks.records import lines
-from cross_checks.records.plots.plot import new_figure
+from cross_checks.records.plots import new_figure
 from mbs_ref.files import write_atomic
 from reports import inputs
-from reports.terminal.console import NothingSelected, complain, echo_json, number, show_table
+from reports.console import NothingSelected, complain, echo_json, number, show_table
 
 
 @click.command(name="history", epilog="Example: mbs-ref history -o trends.html")

@@ -19,9 +19,9 @@ from mbs_ref.files import package_data
 from reports import inputs
 from reports.commands.maintenance.compare import end, findings_of
 from reports.commands.maintenance.history import write_trends
+from reports.console import NothingSelected, complain
 from reports.facts.environment import environment
 from reports.query import sweep_records
-from reports.terminal.console import NothingSelected, complain
 
 SWEPT = package_data("reports", "scenes.toml")["nightly"]
 ERROR = 1e-6  # of the scene, at which the cheapest loop times are followed

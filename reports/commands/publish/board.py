@@ -15,8 +15,7 @@ from cross_checks.records.numbers import short
 from mbs_ref.files import write_atomic
 from reports import inputs
 from reports.commands.publish.show import last_report
-from reports.facts.cheapest import standings
-from reports.facts.report_data import ReportData
+from reports.facts.report_data import ReportData, standings
 from reports.page.render import templates
 from reports.page.sections.matrix import view
 from reports.page.sections.prices import inside, price_table

@@ -10,9 +10,8 @@ from cross_checks.judge.bounds import TARGETS
 from cross_checks.records.numbers import short
 from cross_checks.records.store import Store, default_path
 from reports import inputs
-from reports.page.browser import BROWSERS, browser
+from reports.console import Incomplete, progress
 from reports.query import SCHEDULER, cluster
-from reports.terminal.console import Incomplete, progress
 
 EXTREMES = "extremes*.jsonl"  # beside the page: what `mbs-ref extremes -o` wrote, whole or in parts
 FORMS = ("html", "single", "static", "md", "latex", "pdf", "csv")
@@ -45,7 +44,7 @@ def command(
     studies are left out then. After Ctrl-C the pages show what there is, and the exit code is 4.
     """
     from reports.commands.publish.show import chosen, last_report, print_report
-    from reports.page.build import publish, write_report
+    from reports.page.build import BROWSERS, browser, publish, write_report
 
     errors = [float(target) for target in targets]
     if form in DRAWN and browser() is None:

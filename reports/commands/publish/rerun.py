@@ -13,10 +13,10 @@ from cross_checks.judge.vocabulary import Cell
 from cross_checks.records.numbers import setting
 from cross_checks.records.store import Store
 from reports import inputs
+from reports.console import Failed, answer, echo_json, number, show_table
 from reports.query import isolated
 from reports.studies.study import every as studies
 from reports.studies.study import measure
-from reports.terminal.console import Failed, answer, echo_json, number, show_table
 
 
 @click.command(name="rerun", epilog="Example: mbs-ref rerun pendulum_chain,links=3/mujoco/rk4")

@@ -8,6 +8,7 @@ from cross_checks.judge.vocabulary import Refused, refusals
 from cross_checks.records.record import known_error, loop_time, usable
 from mbs_ref.scene.messages import suggest
 from reports import inputs
+from reports.console import NothingSelected, echo_json, show_table, text_plot
 from reports.facts.report_data import ReportData
 from reports.page.advice import advice
 from reports.page.build import read_data
@@ -15,8 +16,6 @@ from reports.page.files import PRICES, VERDICTS, price_rows
 from reports.page.sections.matrix import view
 from reports.page.sections.overview import counted
 from reports.poses_file import csv_table
-from reports.terminal.console import NothingSelected, echo_json, show_table
-from reports.terminal.text_plot import text_plot
 
 
 @click.command(name="show", epilog="Example: mbs-ref show pendulum_chain links=10")

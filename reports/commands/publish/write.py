@@ -9,7 +9,7 @@ from cross_checks import writers
 from cross_checks.engines import EngineMissing
 from mbs_ref.files import write_atomic
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed, reported_as
+from reports.console import EngineAbsent, Failed, reported_as
 
 
 @click.command(name="write", epilog="Example: mbs-ref write n_four_bar --as exudyn -o loops.py")

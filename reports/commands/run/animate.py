@@ -8,7 +8,7 @@ from cross_checks.engine import Engine
 from mbs_ref import Scene, Settings, Trajectory
 from mbs_ref.files import write_atomic
 from reports import inputs
-from reports.terminal.console import EngineAbsent, Failed, progress, reported_as
+from reports.console import EngineAbsent, Failed, progress, reported_as
 
 
 @click.command(name="animate", epilog="Example: mbs-ref animate slider_crank --engine mbs_ref -o crank.gif")

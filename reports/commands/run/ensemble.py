@@ -12,21 +12,11 @@ from mbs_ref.files import write_atomic
 from mbs_ref.simulate.many import ensemble as ensembles
 from mbs_ref.simulate.many.ensemble import Design, Ensemble, Law, Source, Statistics, Variants, coordinates
 from reports import inputs
+from reports.console import Failed, Incomplete, compiling, echo_json, number, progress, reported_as, show, table
 from reports.poses_file import FORMATS, write_ensemble
 from reports.query import SCHEDULER, cluster
 from reports.scene_summary import summary
 from reports.shared_ensemble import shared_ensemble
-from reports.terminal.console import (
-    Failed,
-    Incomplete,
-    compiling,
-    echo_json,
-    number,
-    progress,
-    reported_as,
-    show,
-    table,
-)  # fmt: skip
 
 
 @click.command(name="ensemble", epilog="Example: mbs-ref ensemble double_pendulum --vary angle_2=+-5% -n 500")
@@ -114,7 +104,7 @@ def _write(built: Ensemble, target: Path | None, drawn: Path | None) -> None:
     if target is not None:
         write_ensemble(built, target)
     if drawn is not None:
-        from cross_checks.records.plots.bands import bands
+        from cross_checks.records.bands import bands
 
         write_atomic(drawn, bands(built).to_html().encode())
 

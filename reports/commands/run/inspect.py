@@ -11,8 +11,8 @@ from mbs_ref.scene.scales import scales_of
 from mbs_ref.scene.traits import traits
 from mbs_ref.simulate.linearised import Stiffness, steady_motion_at_start, stiffness_at_start
 from reports import inputs
+from reports.console import compiling, echo_json, number, show_table
 from reports.scene_summary import summary
-from reports.terminal.console import compiling, echo_json, number, show_table
 
 SHOWN = 6  # eigenvalues
 CONTACT = ("rule_", "impact_")  # beginnings of the quantities that a scene without contacts has not

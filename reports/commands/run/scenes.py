@@ -7,7 +7,7 @@ import click
 from mbs_ref import scenes
 from mbs_ref.scene.toml import SceneFileError, write_scene
 from reports import inputs
-from reports.terminal.console import Failed, echo_json, reported_as, show_table
+from reports.console import Failed, echo_json, reported_as, show_table
 
 
 @click.command(name="scenes", epilog="Example: mbs-ref scenes pendulum slider_crank --files scenes")

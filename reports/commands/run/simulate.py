@@ -12,12 +12,11 @@ from cross_checks.metrics.metric import Metric
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
 from mbs_ref import Scene, Trajectory
-from reports import inputs
+from reports import console, inputs
+from reports.console import text_plot
 from reports.poses_file import FORMATS, write_poses
 from reports.query import STORE, store_path
 from reports.scene_summary import summary
-from reports.terminal import console
-from reports.terminal.text_plot import text_plot
 
 ENDED = ("success", "stop-event")  # statuses of a run that came to its end
 

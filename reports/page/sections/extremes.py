@@ -6,13 +6,12 @@ from collections import Counter
 from itertools import groupby
 from typing import Any
 
-from cross_checks.extremes import every
-from cross_checks.extremes.extreme import Axis, Extreme
+from cross_checks.extremes import Axis, Extreme, every
 from cross_checks.extremes.fate import Cell, Fate
 from cross_checks.judge.bounds import RESOLVED, TARGETS
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.numbers import short
-from cross_checks.records.plots.plot import style_of
+from cross_checks.records.plots import style_of
 from reports.facts.report_data import ReportData, Section
 
 LEAD = "Up to here you can trust an engine's method: scenes driven from mild to hopeless, and what became of each."

@@ -9,8 +9,7 @@ from cross_checks.judge.convergence import calibration, model
 from cross_checks.judge.vocabulary import MEANINGS
 from cross_checks.prices import timing
 from cross_checks.records.record import BUSY, is_busy, is_timed
-from reports.facts.cheapest import INSIDE
-from reports.facts.report_data import ReportData, Section
+from reports.facts.report_data import INSIDE, ReportData, Section
 
 CONSTANT = re.compile(r"^([A-Z_]+) = (.+?)  # (.+)$", re.MULTILINE)  # name, value and meaning
 

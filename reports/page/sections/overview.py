@@ -7,10 +7,9 @@ from typing import Any
 
 from cross_checks.judge.vocabulary import OURS, SILENT, Verdict
 from cross_checks.records.numbers import count, duration, of_scene, short
-from cross_checks.records.plots.plot import add_series, lines, new_figure, style_of, to_data
+from cross_checks.records.plots import add_series, lines, new_figure, style_of, to_data
 from cross_checks.records.record import known_error, loop_time, usable
-from reports.facts.cheapest import MIDDLE, entries, least_time
-from reports.facts.report_data import ReportData, Section
+from reports.facts.report_data import MIDDLE, ReportData, Section, entries, least_time
 from reports.page.slug import engine_file, scene_file
 
 DIGITS = 15  # of an error that fills its bar

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from cross_checks.records import plots as of_runs
 from cross_checks.records.numbers import duration, setting, short
-from cross_checks.records.plots.of_runs import compliance, energy, error_history
-from cross_checks.records.plots.plot import Figure, add_series, lines, new_figure, styles, to_data
+from cross_checks.records.plots import Figure, add_series, lines, new_figure, styles, to_data
 from cross_checks.records.record import Record, best_of_engines, known_error, usable
 from reports.facts.report_data import ReportData, Section
 
@@ -27,8 +27,9 @@ def _convergence(data: ReportData) -> dict[str, Any]:
 
 SECTIONS = (
     Section("compliance", "Compliance over time",
-            lambda data: {"compliance": _per_scene(data, compliance), "error": _per_scene(data, error_history)}),
-    Section("energy", "Energy drift", lambda data: {"plots": _per_scene(data, energy)}),
+            lambda data: {"compliance": _per_scene(data, of_runs.compliance),
+                          "error": _per_scene(data, of_runs.error_history)}),
+    Section("energy", "Energy drift", lambda data: {"plots": _per_scene(data, of_runs.energy)}),
     Section("convergence", "Convergence order", _convergence),
     Section("time_split", "Time split", lambda data: {"plots": _per_scene(data, time_split)}),
 )  # fmt: skip

@@ -4,10 +4,9 @@ from typing import Any
 
 from cross_checks.judge.vocabulary import ANSWERS, OURS
 from cross_checks.records.numbers import duration, metres, setting, short
-from cross_checks.records.plots.of_runs import work_precision
+from cross_checks.records.plots import work_precision
 from cross_checks.records.record import is_busy, is_timed, known_error, loop_time, usable
-from reports.facts.cheapest import INSIDE, Entry, entries, over_cheapest
-from reports.facts.report_data import ReportData, Section
+from reports.facts.report_data import INSIDE, Entry, ReportData, Section, entries, over_cheapest
 from reports.page.slug import command
 
 

@@ -4,9 +4,8 @@ from typing import Any
 
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.records.numbers import short
-from cross_checks.records.plots.plot import add_series, lines, new_figure, style_of, to_data
-from reports.facts.cheapest import Standing, standings
-from reports.facts.report_data import ReportData, Section
+from cross_checks.records.plots import add_series, lines, new_figure, style_of, to_data
+from reports.facts.report_data import ReportData, Section, Standing, standings
 
 FACTORS = (1.0, 2.0, 10.0)  # times the best
 

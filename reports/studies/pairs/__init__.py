@@ -31,9 +31,8 @@ from mbs_ref.files import package_data
 from mbs_ref.kernels.particles.directions import moon_place, sun_place
 from mbs_ref.scenes.solar_system import julian_date
 from mbs_ref.simulate import simulate
-from reports.facts.cheapest import NEAR, Entry, entries, near, reaching
 from reports.facts.curves import Curves, Measured, Row, Value
-from reports.facts.report_data import ReportData
+from reports.facts.report_data import NEAR, Entry, ReportData, entries, near, reaching
 
 Tables = dict[str, tuple[Row, ...]]
 

@@ -3,12 +3,13 @@
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from cross_checks import contact
-from cross_checks.contact import driven
+from cross_checks import contact as driven
 from cross_checks.contact.by_figure import measured
 from cross_checks.contact.drivers import contacts
 from cross_checks.contact.request import Request
@@ -67,7 +68,7 @@ def test_a_damping_below_that_of_a_step_is_refused_by_name():
 
 def test_parameters_of_ode_are_a_spring_and_a_damper():
     request = Request(rebound=0.5, friction=0.7, stiffness=1e5, mass=2.0, step=1e-4)
-    found = driven.translate("ode", request).parameters
+    found: Any = driven.translate("ode", request).parameters
     erp, cfm, h = found["soft_erp"], found["soft_cfm"], 1e-4
     assert erp / (h * cfm) == pytest.approx(1e5)  # N/m (ODE's manual, section 3.8)
     assert (1.0 - erp) / cfm + 1e5 * h == pytest.approx(request.law.damping)

@@ -56,7 +56,7 @@ def test_mujocos_warnings_leave_no_file_behind(tmp_path, monkeypatch):
 
 def test_mujocos_clock_alone_betrays_a_reset():
     mujoco = pytest.importorskip("mujoco")
-    from cross_checks.engines.mujoco_.build import clock_end
+    from cross_checks.engines.mujoco_ import clock_end
 
     data = mujoco.MjData(mujoco.MjSpec().compile())
     times = np.array([0.0, 0.25, 0.5, 0.75])
@@ -138,7 +138,7 @@ def test_poses_are_the_engines_own(name):
 
 def test_the_kinematic_trees_own_centres_of_mass_are_those_reported():
     exu = pytest.importorskip("exudyn")
-    from cross_checks.engines.exudyn_.kinematic_tree import build_tree
+    from cross_checks.engines.exudyn_.model import build_tree
 
     scene = mixed_slides()
     model = build_tree(scene)

@@ -12,11 +12,22 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Method
-from cross_checks.extremes import LISTED, every, families, fate, named, run
-from cross_checks.extremes.extreme import Axis, Case, Extreme, Measured, grid
+from cross_checks.extremes import (
+    LISTED,
+    Axis,
+    Case,
+    Extreme,
+    Measured,
+    every,
+    families,
+    fate,
+    grid,
+    named,
+    run,
+    unjudged,
+)
 from cross_checks.extremes.families import bad_input
 from cross_checks.extremes.fate import Fate, Point, judge, made_of
-from cross_checks.extremes.measures import unjudged
 from cross_checks.extremes.run import run_point
 from cross_checks.isolation.parent import Lost
 from cross_checks.records import lines

@@ -15,10 +15,9 @@ import pytest
 
 from cross_checks import engines
 from cross_checks.engine import Engine
-from cross_checks.records import figures, frames, lines, numbers
+from cross_checks.records import bands, figures, frames, lines, numbers, plots
 from cross_checks.records import record as records
 from cross_checks.records import store as naming
-from cross_checks.records.plots import bands, of_runs, plot
 from cross_checks.records.record import Record
 from cross_checks.records.store import Run, Store
 from mbs_ref import scenes
@@ -171,14 +170,14 @@ def test_work_and_precision_by_the_hover_of_each_run():
     with pytest.raises(ValueError, match="none with an error and a time"):
         figures.work_precision([replace(run, error=None) for run in runs])
     alone = replace(runs[0], times=runs[0].times | {"loop_runs": 3.0})
-    assert "(with a processor to itself)" in of_runs._hover(alone)
+    assert "(with a processor to itself)" in plots._hover(alone)
 
 
 def test_zeros_and_gaps_of_a_series():
-    figure = plot.new_figure("a", "b")
-    plot.add_series(figure, "e<", "m<", plot.Style("#1", "star", "dot"), [1.0, 2.0, 3.0], [0.0, None, -2.0])
+    figure = plots.new_figure("a", "b")
+    plots.add_series(figure, "e<", "m<", plots.Style("#1", "star", "dot"), [1.0, 2.0, 3.0], [0.0, None, -2.0])
     (line,) = figure.data
-    assert line["y"] == [plot.FLOOR, None, 2.0]
+    assert line["y"] == [plots.FLOOR, None, 2.0]
     assert (line["name"], line["legendgroup"]) == ("m&lt;", "e<")
     assert (line["line"]["color"], line["line"]["dash"], line["marker"]["symbol"]) == ("#1", "dot", "star")
 
@@ -186,15 +185,15 @@ def test_zeros_and_gaps_of_a_series():
 def test_every_method_is_drawn_in_its_engines_colour_and_a_dash_of_its_own():
     ours, *others = engines.names()[:3]
     runs = [replace(curved(5)[0], engine=e, method=m) for e in (others[1], others[0], ours) for m in "hgfedcba"]
-    found = plot.styles(runs)
+    found = plots.styles(runs)
     assert list(found) == [(e, m) for e in (ours, *sorted(others)) for m in "abcdefgh"]
     places = [name for name in engines.names() if engines.is_ours(name)]
     for engine in (ours, *others):
         own = [found[engine, m] for m in "abcdefgh"]
-        assert {style.colour for style in own} == {plot.COLOURS[places.index(engine) % len(plot.COLOURS)]}
-        assert {style.symbol.removesuffix("-open") for style in own} == {plot.SYMBOLS[places.index(engine)]}
+        assert {style.colour for style in own} == {plots.COLOURS[places.index(engine) % len(plots.COLOURS)]}
+        assert {style.symbol.removesuffix("-open") for style in own} == {plots.SYMBOLS[places.index(engine)]}
         assert len({(style.dash, style.symbol) for style in own}) == 8
-    strange = [plot.style_of.__wrapped__(name) for name in ("solver of mine", "another")]
+    strange = [plots.style_of.__wrapped__(name) for name in ("solver of mine", "another")]
     assert strange[0] != strange[1]
 
 
@@ -347,13 +346,13 @@ def test_the_code_of_an_adapter_is_that_of_its_whole_folder(monkeypatch):
     monkeypatch.setattr(naming, "source_digest", lambda name: name)
     monkeypatch.setattr(naming, "digest_of", lambda names: names)
     found = naming.code_of.__wrapped__("cross_checks.engines.mujoco_")
-    assert {"cross_checks.engines.mujoco_", "cross_checks.engines.mujoco_.build"} < set(found)
+    assert {"cross_checks.engines.mujoco_", "cross_checks.engines.mujoco_.forces"} < set(found)
     listed = naming.code_of.__wrapped__(naming.MEASURING)
     assert {"cross_checks.metrics.errors", "cross_checks.metrics.drifts"} < set(listed)
 
 
 @pytest.mark.parametrize("logs", [(True, False), (False, True)])
 def test_each_axis_of_a_figure_is_logarithmic_on_its_own(logs):
-    made = plot.new_figure("a", "b", *logs)
+    made = plots.new_figure("a", "b", *logs)
     assert [made.layout[axis]["type"] == "log" for axis in ("xaxis", "yaxis")] == list(logs)
     assert [made.layout[axis]["title"]["text"] for axis in ("xaxis", "yaxis")] == ["a", "b"]

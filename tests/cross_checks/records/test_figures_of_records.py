@@ -11,9 +11,9 @@ import pytest
 from cross_checks import engines
 from cross_checks.records import numbers, store
 from cross_checks.records import record as cost
+from cross_checks.records.bands import _add
 from cross_checks.records.lines import key_of
-from cross_checks.records.plots.bands import _add
-from cross_checks.records.plots.plot import new_figure
+from cross_checks.records.plots import new_figure
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from mbs_ref import scenes

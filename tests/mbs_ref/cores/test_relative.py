@@ -11,7 +11,7 @@ from mbs_ref.cores.relative import RelativeSystem
 from mbs_ref.scene import PlanarBody, PointMass, Prismatic, Revolute, Scene, SpatialBody, Spherical, SpringDamper, Weld
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.start.consistent import InconsistentScene
+from mbs_ref.simulate.start_checks import InconsistentScene
 
 SAME = 1e-10  # m, rad: of motions at tolerances of 1e-12
 ROUNDOFF = 1e-9  # relative, of accelerations of some hundred at general states

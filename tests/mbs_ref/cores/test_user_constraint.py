@@ -30,7 +30,7 @@ from mbs_ref.scene.toml import SceneFileError, dumps, loads
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.start.consistent import InconsistentScene
+from mbs_ref.simulate.start_checks import InconsistentScene
 from mbs_ref.trajectory import Status
 
 ROUNDOFF = 1e-12  # m, rad and their rates, of rows of size one

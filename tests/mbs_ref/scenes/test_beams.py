@@ -14,7 +14,7 @@ from mbs_ref.scene import PlanarBody, PointBushing, Scene, SpatialBody, TorsionS
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.start.equilibrium import at_equilibrium
+from mbs_ref.simulate.equilibrium import at_equilibrium
 
 LENGTH, AXIAL, BENDING, DENSITY, RATE = 10.0, 2.8e7, 1.4e4, 1.2, 6.0  # m, N, N m^2, kg/m, rad/s: Simo and Vu-Quoc
 

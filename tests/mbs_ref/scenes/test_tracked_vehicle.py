@@ -12,8 +12,8 @@ from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import rolling_slip
 from mbs_ref.scene import CoordinateDrive, PlanarBody, Revolute, Scene
 from mbs_ref.scene.signals import Constant
+from mbs_ref.scenes.tracked_vehicle import AHEAD, BUMP_HALF_WIDTH, SLOPE_RUN, foot
 from mbs_ref.scenes.tracked_vehicle.running_gear import DATA
-from mbs_ref.scenes.tracked_vehicle.terrain import AHEAD, BUMP_HALF_WIDTH, SLOPE_RUN, foot
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 

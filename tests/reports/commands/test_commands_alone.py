@@ -22,6 +22,7 @@ from cross_checks.judge.vocabulary import OURS
 from cross_checks.truths.certificate import Certificate
 from mbs_ref import scenes
 from mbs_ref.scene.toml import SceneFileError
+from reports import console
 from reports.commands.engines import engines as engines_command
 from reports.commands.judge import certify, proofs
 from reports.commands.maintenance import compare, merge
@@ -31,7 +32,6 @@ from reports.commands.run import scenes as scenes_command
 from reports.commands.run import simulate
 from reports.page.advice import advice
 from reports.page.sections.overview import counted
-from reports.terminal import console
 from tests.reports.commands.test_every_table import facts, g, run, tables
 from tests.reports.page.test_shown_figures import irregular
 

@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 import pytest
 from click.testing import CliRunner, Result
 
-from cross_checks.records.plots.bands import bands
+from cross_checks.records.bands import bands
 from mbs_ref import scenes
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.toml import write_scene

@@ -509,7 +509,7 @@ def holds(monkeypatch: pytest.MonkeyPatch, case: Case) -> None:
 @pytest.mark.usefixtures("files")
 @pytest.mark.parametrize("words", CASES)
 def test_an_option_arrives_and_changes_nothing_else(monkeypatch, words):
-    monkeypatch.setattr("reports.commands.publish.report.browser", lambda: "a browser")
+    monkeypatch.setattr("reports.page.build.browser", lambda: "a browser")
     holds(monkeypatch, CASES[words])
 
 

@@ -54,6 +54,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.trajectory import Status, Trajectory
+from reports import console
 from reports.cli import main
 from reports.commands.choose import sweep
 from reports.commands.engines import doctor
@@ -65,7 +66,6 @@ from reports.commands.publish import rerun
 from reports.page import build
 from reports.page.sections.prices import cannot, price_table
 from reports.poses_file import write_poses
-from reports.terminal import console
 from tests.reports.page.test_shown_figures import irregular
 
 Spec = list[tuple[str, Callable[[Any], object]]]  # of a table: heading, and what stands below it in the row of an item

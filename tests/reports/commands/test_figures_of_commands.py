@@ -26,11 +26,11 @@ from reports.commands.judge import judge, proofs
 from reports.commands.maintenance import compare, nightly
 from reports.commands.publish import show
 from reports.commands.run import ensemble
+from reports.console import Failed, NothingSelected
 from reports.facts import compiling
-from reports.facts.cheapest import Standing
+from reports.facts.report_data import Standing
 from reports.page import slug
 from reports.studies import papers
-from reports.terminal.console import Failed, NothingSelected
 from tests.reports.page.test_shown_figures import irregular
 
 CHANCE = random.Random(8)
@@ -178,13 +178,13 @@ def test_ends_of_single_runs(monkeypatch):
 
 
 def test_first_places_rank_before_targets_reached(monkeypatch):
-    from reports.facts import cheapest
+    from reports.facts import report_data
 
     data = irregular(1)
     engines = [engine for engine in data.engines if engine != OURS]
     found = {e: Standing(e, 10 - k, k, {}, 9) for k, e in enumerate((*engines, OURS))}
-    monkeypatch.setattr(cheapest, "Standing", lambda engine, *rest: found[engine])
-    assert [one.engine for one in cheapest._standings(data, 1e-3)] == [*reversed(engines), OURS]
+    monkeypatch.setattr(report_data, "Standing", lambda engine, *rest: found[engine])
+    assert [one.engine for one in report_data._standings(data, 1e-3)] == [*reversed(engines), OURS]
 
 
 @pytest.mark.parametrize("part", [True, False])

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from reports.cli import main
 from reports.commands.publish.report import FORMS
 from reports.gather import chosen_scenes
-from reports.page import browser, build
+from reports.page import build
 from reports.page.render import tex
 from tests.reports.page.synthetic_report import report_data
 
@@ -79,13 +79,13 @@ def test_without_a_browser_a_pdf_is_refused_before_anything_is_computed(folder, 
     monkeypatch.setattr(shutil, "which", lambda name: None)
     done = CliRunner().invoke(main, ["report", "--render", "-o", str(folder), "--format", "pdf"])
     assert done.exit_code == 2
-    assert f"install one of {', '.join(browser.BROWSERS)}" in " ".join(done.output.split())
+    assert f"install one of {', '.join(build.BROWSERS)}" in " ".join(done.output.split())
 
 
 @pytest.mark.slow
 def test_a_pdf_holds_the_pages(folder):
-    if browser.browser() is None:
-        pytest.skip(f"no browser is installed; needs one of {', '.join(browser.BROWSERS)}")
+    if build.browser() is None:
+        pytest.skip(f"no browser is installed; needs one of {', '.join(build.BROWSERS)}")
     content = render(folder, "--format", "pdf", "--scene", "pendulum", "--engine", "mujoco").read_bytes()
     assert content.startswith(b"%PDF")
     assert content.count(b"/Type /Page\n") > 5

@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from reports.page.browser import browser
+from reports.page.build import browser
 
 COMPLAINTS = ("Runtime.exceptionThrown", "Log.entryAdded")
 

@@ -13,7 +13,7 @@ from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, WRONG
 from reports.cli import main
 from reports.commands.publish.board import board
-from reports.facts.cheapest import entries, standings
+from reports.facts.report_data import entries, standings
 from reports.page.build import write_report
 from tests.reports.page.synthetic_report import report_data
 

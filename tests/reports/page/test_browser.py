@@ -11,8 +11,7 @@ import pytest
 from mbs_ref import scenes
 from reports.facts.report_data import ReportData
 from reports.facts.scene_facts import scene_facts
-from reports.page.browser import BROWSERS, browser
-from reports.page.build import publish
+from reports.page.build import BROWSERS, browser, publish
 from tests.reports.page.chromium import Chromium
 from tests.reports.page.synthetic_report import report_data
 

@@ -9,9 +9,8 @@ from typing import Any
 
 import pytest
 
-from cross_checks.records.plots.plot import style_of
-from reports.facts.cheapest import contenders
-from reports.facts.report_data import ReportData
+from cross_checks.records.plots import style_of
+from reports.facts.report_data import ReportData, contenders
 from reports.page.render import SCENE, pages
 from tests.reports.page.synthetic_report import report_data
 from tests.reports.page.test_shown_figures import LINKS, irregular

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cross_checks.extremes.extreme import Axis, Extreme
+from cross_checks.extremes import Axis, Extreme
 from cross_checks.extremes.fate import Cell as ExtremeCell
 from cross_checks.extremes.fate import Fate, Point, made_of
 from cross_checks.judge.bounds import MOST_STEPS, TARGETS
@@ -25,7 +25,7 @@ from cross_checks.truths.truth import NoTruth, Truth
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.trajectory import Trajectory
-from reports.facts import cheapest, curves, scene_facts
+from reports.facts import curves, report_data, scene_facts
 from reports.facts.report_data import ReportData
 from reports.page import advice, findings
 from reports.page.sections import extremes, matrix, method, overview, prices
@@ -307,7 +307,7 @@ def test_runs_timed_alone_and_on_a_busy_machine_are_counted():
     assert [prices.spread(run) for run in runs[:4]] == [
         "one run, beside others", "1 s to 2 s in 3 runs", "one run, beside others",
         "1 s to 2 s in 3 runs; busy machine"]  # fmt: skip
-    assert shown["inside"] == {"exudyn": cheapest.INSIDE["exudyn"]}
+    assert shown["inside"] == {"exudyn": report_data.INSIDE["exudyn"]}
     strange = ReportData((), (replace(base, engine="strange"),))
     assert method.context(strange)["inside"] == prices.inside(strange) == {}
     constants = {name: value for name, value, _ in shown["constants"]}
@@ -323,7 +323,9 @@ def test_the_overview_counts_scenes_and_cells(seed):
         engine = line["meta"]["engine"]
         for level, text in zip(line["y"], line["text"], strict=True):
             base = [
-                s for s in data.scenes if cheapest.least_time(cheapest.entries(data, s, cheapest.MIDDLE)) is not None
+                s
+                for s in data.scenes
+                if report_data.least_time(report_data.entries(data, s, report_data.MIDDLE)) is not None
             ]
             runs = {s: [r for r in data.of_scene(s) if r.engine == engine and r.error and r.status == "success"]
                     for s in base}  # fmt: skip
@@ -378,7 +380,7 @@ def test_standings_and_entries(seed):
                     run = data.measured(result.record)
                     if c.engine not in best or run.times["loop_s"] < best[c.engine]:
                         best[c.engine] = run.times["loop_s"]
-            found = cheapest.entries(data, scene, target)
+            found = report_data.entries(data, scene, target)
             reached = [e for e in found if e.answer == "reached"]
             assert [e.engine for e in reached] == sorted(best, key=best.__getitem__)
             ranked = {e: t for e, t in best.items() if e != OURS}
@@ -389,12 +391,12 @@ def test_standings_and_entries(seed):
                     (list(ANSWERS).index(r.answer), c.error or 0.0, c.method) for c in own if (r := c.result(target))
                 )
                 assert (entry.answer, entry.method) == (list(ANSWERS)[worth[0]], worth[2])
-        standing = {one.engine: one for one in cheapest.standings(data, target)}
+        standing = {one.engine: one for one in report_data.standings(data, target)}
         assert {e: one.cheapest for e, one in standing.items() if e != OURS} == {
             e: firsts.count(e) for e in standing if e != OURS}  # fmt: skip
-        places = [one for one in cheapest.standings(data, target) if one.engine != OURS]
+        places = [one for one in report_data.standings(data, target) if one.engine != OURS]
         assert places == sorted(places, key=lambda one: (-one.cheapest, -one.reached, one.median))
-        assert cheapest.standings(data, target)[-1].engine == OURS
+        assert report_data.standings(data, target)[-1].engine == OURS
 
 
 def test_what_concerns_some_scenes_and_engines_alone():
@@ -470,8 +472,8 @@ def test_the_error_of_a_run_in_a_row_of_prices_is_its_own():
     error = Error(3e-5, "exact", 2e-6, None, length=4.0)
     run = Record("pendulum", {}, "exudyn", "m", {"step": 0.1}, "success", error=error,
                  times={"loop_s": 0.25}, measures={"compliance_position": 7e-9})  # fmt: skip
-    row = prices._row(cheapest.Entry("exudyn", "reached", run), 2.5)
+    row = prices._row(report_data.Entry("exudyn", "reached", run), 2.5)
     shown = [row[key] for key in ("error", "metres", "compliance", "time", "factor", "setting", "method")]
     assert shown == ["3e-5", "1.2e-4 m", "7e-9 m", "250 ms", "2.5 ×", "h = 0.1 s", "m"]
-    assert [prices._factor(cheapest.Entry(e, "reached", run), f) for e, f in (
+    assert [prices._factor(report_data.Entry(e, "reached", run), f) for e, f in (
         ("exudyn", 1.0), (OURS, 1.0), ("exudyn", None))] == ["cheapest", "1 ×", "alone"]  # fmt: skip

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from cross_checks.extremes import MAP, every, fate, named
-from cross_checks.extremes.extreme import Axis
+from cross_checks.extremes import MAP, Axis, every, fate, named
 from cross_checks.extremes.fate import Fate, Point
 from cross_checks.judge.vocabulary import OURS
 from cross_checks.records import lines

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from cross_checks import engines
-from cross_checks.records.plots.plot import COLOURS, SYMBOLS, style_of, styles
+from cross_checks.records.plots import COLOURS, SYMBOLS, style_of, styles
 from reports.page.render import TEMPLATES, render
 from reports.page.sections.extremes import context as extremes
 from reports.page.sections.profiles import context as profiles

@@ -8,7 +8,7 @@ import re
 import plotly.graph_objects as go
 import pytest
 
-from cross_checks.records.plots.plot import new_figure
+from cross_checks.records.plots import new_figure
 from reports.page.render import render
 from tests.reports.page.synthetic_report import report_data
 

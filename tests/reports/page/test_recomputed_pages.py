@@ -16,13 +16,13 @@ import pytest
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, Verdict
-from cross_checks.records.plots.of_runs import work_precision
+from cross_checks.records.plots import work_precision
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from cross_checks.truths.truth import Truth
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
-from reports.facts import cheapest, curves
+from reports.facts import curves, report_data
 from reports.facts.report_data import ReportData, Section
 from reports.facts.scene_facts import TruthFacts, truth_facts
 from reports.facts.stored import Stored, adapter, keep, recall
@@ -116,7 +116,7 @@ def test_prices(data):
 def test_runs_that_are_timed_again_are_those_within_half_of_the_cheapest(data):
     runs = sorted(ended(data), key=lambda run: run.times["loop_s"])
     expected = [run for run in runs if run.times["loop_s"] <= 1.5 * runs[0].times["loop_s"]]
-    assert cheapest.near(runs) == expected
+    assert report_data.near(runs) == expected
     assert len(expected) < len(runs)
 
 

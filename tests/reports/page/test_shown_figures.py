@@ -15,8 +15,7 @@ from cross_checks.prices.timing import with_loops
 from cross_checks.records.numbers import count, short
 from cross_checks.records.record import BUSY_NOTE, Error, Record
 from reports.commands.publish.board import board
-from reports.facts.cheapest import MIDDLE, standings
-from reports.facts.report_data import ReportData
+from reports.facts.report_data import MIDDLE, ReportData, standings
 from reports.page.advice import advice
 from reports.page.sections.prices import price_table
 from reports.page.sections.profiles import context as profiles

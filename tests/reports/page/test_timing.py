@@ -15,7 +15,7 @@ from cross_checks.records.record import Record, is_busy, is_timed
 from cross_checks.records.store import Run, Store
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
-from reports.facts.cheapest import contenders
+from reports.facts.report_data import contenders
 from tests.reports.page.synthetic_report import report_data
 
 SCENE = scenes.make("pendulum")

@@ -19,7 +19,7 @@ from cross_checks.judge.runs import Runs
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
-from reports.page import browser, build
+from reports.page import build
 from reports.page.render import ALL
 from reports.site import __main__ as site
 from reports.site import gallery, notebooks, pictures
@@ -136,12 +136,12 @@ def test_a_browser_draws_a_page_into_a_file_of_its_own(monkeypatch, tmp_path):
         Path(target.partition("=")[2]).write_bytes(b"drawn")
         return subprocess.CompletedProcess(words, 0, b"printed")
 
-    monkeypatch.setattr(browser.shutil, "which", {"google-chrome": "/bin/google-chrome"}.get)
-    monkeypatch.setattr(browser.subprocess, "run", run)
-    assert browser.drawn("file:///a.html", "--screenshot", "--window-size=3,4") == b"drawn"
+    monkeypatch.setattr(build.shutil, "which", {"google-chrome": "/bin/google-chrome"}.get)
+    monkeypatch.setattr(build.subprocess, "run", run)
+    assert build.drawn("file:///a.html", "--screenshot", "--window-size=3,4") == b"drawn"
     ((program, *words, address),) = asked
     assert (program, address) == ("/bin/google-chrome", "file:///a.html")
-    assert {"--headless", "--window-size=3,4", f"--virtual-time-budget={browser.LOADING_MS}"} <= set(words)
+    assert {"--headless", "--window-size=3,4", f"--virtual-time-budget={build.LOADING_MS}"} <= set(words)
     monkeypatch.setattr(build, "single", lambda data: b"whole")
     seen: list[Any] = []
 
@@ -161,9 +161,10 @@ def test_a_browser_draws_a_page_into_a_file_of_its_own(monkeypatch, tmp_path):
     expected = static.replace(b"media print", b"media all").replace(b"scene-a-b=1.html#x", b"#scene-a-b=1.html")
     assert (file.name, file.read_bytes()) == ("static.html", expected)
     assert seen == [(b"whole", ALL, ("--dump-dom", "--window-size=1400,1000"))]
-    monkeypatch.setattr(browser.shutil, "which", lambda name: None)
+    monkeypatch.undo()  # the browser itself is called again
+    monkeypatch.setattr(build.shutil, "which", lambda name: None)
     with pytest.raises(FileNotFoundError, match="this needs one of chromium, "):
-        browser.drawn("a", "b")
+        build.drawn("a", "b")
 
 
 # --- the gallery -------------------------------------------------------------------------------------------

@@ -19,8 +19,8 @@ from cross_checks.records.record import Error, Record
 from mbs_ref import scenes
 from mbs_ref.scene.celestial import AU_M
 from mbs_ref.trajectory import Status, Timing, Trajectory
-from reports.facts.cheapest import Entry
 from reports.facts.curves import Measured
+from reports.facts.report_data import Entry
 from reports.studies import androids, contact, crash, crashes, document, models, pairs, sky, space, study, trust
 from reports.studies.models import Ladder, Rung, choose
 from reports.studies.papers import crash_figures, lessons

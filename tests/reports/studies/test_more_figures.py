@@ -11,13 +11,13 @@ import pytest
 
 from cross_checks.judge.vocabulary import OURS, SILENT, Cell, Verdict
 from cross_checks.records import frames
-from cross_checks.records.plots.of_runs import work_precision
+from cross_checks.records.plots import work_precision
 from cross_checks.records.record import Error, Record
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
-from reports.facts.cheapest import Entry
 from reports.facts.curves import Measured
+from reports.facts.report_data import Entry
 from reports.page.sections import overview, plots
 from reports.studies import androids, contact, pairs
 from tests.reports.page.test_shown_figures import irregular

@@ -14,8 +14,8 @@ from cross_checks.judge.vocabulary import OURS, Cell, TargetResult, Verdict
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
 from mbs_ref import scenes
-from reports.facts import cheapest
-from reports.facts.cheapest import Entry
+from reports.facts import report_data as facts
+from reports.facts.report_data import Entry
 from reports.page.render import render
 from reports.studies import pairs as measure
 from reports.studies.pairs import Request, Result, pair, shown, sky_places
@@ -33,7 +33,7 @@ def offered(monkeypatch):
 
 
 def test_every_method_enters_and_the_cheapest_one_is_shown(tmp_path: Path, monkeypatch, offered):
-    monkeypatch.setattr(cheapest, "NEAR", float("inf"))  # every run is timed again
+    monkeypatch.setattr(facts, "NEAR", float("inf"))  # every run is timed again
     monkeypatch.setattr(measure, "_loop", lambda scene, run: 1e-6 * run.rhs_calls)
     request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW, 1e-11))
     with Store(tmp_path / "runs.sqlite") as store:
@@ -65,7 +65,7 @@ def test_no_run_is_made_that_cannot_be_the_cheapest(monkeypatch, offered):
     monkeypatch.setattr(measure, "judged", judged)
     request = Request("A pendulum", "", (("pendulum", {}),), (), (FEW, 1e-11))
     measure._cells(Runs(longest=5.0), request.built()[0], OURS, request)
-    near = cheapest.NEAR * 0.3
+    near = facts.NEAR * 0.3
     assert limits == {"dop853": 5.0, "rk4": near, "euler": near}  # rk4 was the cheapest at one alone
 
 

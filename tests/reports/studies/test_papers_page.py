@@ -9,7 +9,7 @@ import pytest
 from reports.facts.curves import Curves, Measured
 from reports.page.render import pages, render
 from reports.studies.document import Claim
-from reports.studies.papers.formulations import SINGULAR, euler_angles, multipliers
+from reports.studies.papers import SINGULAR, euler_angles, multipliers
 from reports.studies.papers.lessons import block_inversion, orders
 from reports.studies.study import every, measure
 from tests.reports.page.synthetic_report import report_data

@@ -19,7 +19,7 @@ from mbs_ref.scene import Scene
 from mbs_ref.scene.base.part import Part, Role, fields_of
 from mbs_ref.scene.euler_parameters import product
 from mbs_ref.scene.messages import sentences, suggest
-from mbs_ref.simulate.start.consistent import RATES, InconsistentScene, fitted_rates
+from mbs_ref.simulate.start_checks import RATES, InconsistentScene, fitted_rates
 
 Place = tuple[str | int, ...]  # fields and places in lists, from the scene down to a number
 LISTS = ("bodies", "joints", "loads", "contacts", "events")

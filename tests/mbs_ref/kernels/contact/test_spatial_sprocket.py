@@ -11,7 +11,7 @@ from mbs_ref.scene.contact import PinOnSprocket, RegularisedCoulomb, SpringDampe
 from mbs_ref.scene.euler_parameters import from_axis_angle, rotation_matrices
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.start.equilibrium import restated
+from mbs_ref.simulate.equilibrium import restated
 
 TURN = from_axis_angle((1.0, -2.0, 0.5), 1.1)  # of the plane in space
 FRAME = rotation_matrices(TURN)  # columns: the plane's x, y and normal

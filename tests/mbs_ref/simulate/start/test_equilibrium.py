@@ -24,7 +24,7 @@ from mbs_ref.scene import (
 from mbs_ref.scene.contact import CircleOnLine, ProgressiveLaw
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
-from mbs_ref.simulate.start.equilibrium import NoEquilibrium
+from mbs_ref.simulate.equilibrium import NoEquilibrium
 
 G, MASS, STIFFNESS = 9.81, 2.0, 300.0  # m/s^2, kg, N/m and N m/rad
 DOWN = (0.0, -G)

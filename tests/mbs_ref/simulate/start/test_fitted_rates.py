@@ -5,7 +5,7 @@ import pytest
 
 from mbs_ref import scenes
 from mbs_ref.scene import GROUND, Distance, PointMass, Scene
-from mbs_ref.simulate.start.consistent import InconsistentScene, fitted_rates
+from mbs_ref.simulate.start_checks import InconsistentScene, fitted_rates
 
 CLOSED = 1e-9  # m/s, rad/s
 

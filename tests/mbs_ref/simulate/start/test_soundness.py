@@ -16,7 +16,7 @@ from mbs_ref.scene.signals import HalfSine, Table
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.simulate.plan import CHUNK
-from mbs_ref.simulate.start.soundness import UnsoundScene, clock_troubles, require_sound
+from mbs_ref.simulate.start_checks import UnsoundScene, clock_troubles, require_sound
 from mbs_ref.trajectory import Status
 
 

@@ -1,17 +1,22 @@
-"""Printing: JSON without NaN, numbers and tables for people, progress on stderr; and the exit codes of `mbs-ref`."""
+"""What a person at a terminal reads and answers: colours, progress, questions, exit codes, plots in characters.
+
+JSON without NaN, numbers and tables for people go to stdout, progress to stderr.
+"""
 
 import json
 import math
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
+from numpy.typing import ArrayLike
 from pydantic_core import to_json
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -224,3 +229,61 @@ def answer(facts: Any, target: Path | None, as_json: bool, draw: Callable[[Any],
 def write_table(facts: dict[str, Any], target: Path) -> None:
     """Write what the page shows as JSON; ValueError where a number is not finite."""
     write_atomic(target, (json.dumps(facts, indent=1, allow_nan=False) + "\n").encode())
+
+
+WIDTH, HEIGHT = 72, 16  # characters of the field
+MARKS = "ox+*#@%&"
+
+
+def text_plot(
+    lines: Mapping[str, tuple[ArrayLike, ArrayLike]], x_label: str, y_label: str,
+    log_x: bool = False, log_y: bool = False,
+) -> str:  # fmt: skip
+    """Return a plot of every line's (x, y), each with a mark of its own; empty where there is nothing to draw.
+
+    Points that are not finite, or not positive on a logarithmic axis, are left out.
+    """
+    points = {name: _on_axes(*line, log_x, log_y) for name, line in lines.items()}
+    points = {name: line for name, line in points.items() if len(line)}
+    if not points:
+        return ""
+    every = np.concatenate(list(points.values()))
+    low, high = every.min(axis=0), every.max(axis=0)
+    span = np.where(high > low, high - low, 1.0)
+    field = [[" "] * WIDTH for _ in range(HEIGHT)]
+    for mark, line in zip(_marks(len(points)), points.values(), strict=True):
+        columns, rows = np.round((line - low) / span * (WIDTH - 1, HEIGHT - 1)).astype(int).T
+        for column, row in zip(columns, rows, strict=True):
+            field[HEIGHT - 1 - row][column] = mark
+    return "\n".join(_framed(field, _ends(low, high, 1, log_y), _ends(low, high, 0, log_x), x_label, y_label, points))
+
+
+def _on_axes(x: ArrayLike, y: ArrayLike, log_x: bool, log_y: bool) -> np.ndarray:
+    """Return the points (n, 2) that can be drawn, in the axes' own measure."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        columns = [np.log10(v) if log else np.asarray(v, float) for v, log in ((x, log_x), (y, log_y))]
+    result = np.column_stack(columns)
+    return result[np.all(np.isfinite(result), axis=1)]
+
+
+def _marks(number: int) -> str:
+    return (MARKS * (number // len(MARKS) + 1))[:number]
+
+
+def _ends(low: np.ndarray, high: np.ndarray, axis: int, log: bool) -> tuple[str, str]:
+    ends = (low[axis], high[axis])
+    return tuple(f"{10.0**end if log else end:.3g}" for end in ends)  # type: ignore[return-value]
+
+
+def _framed(
+    field: list[list[str]], y_ends: tuple[str, str], x_ends: tuple[str, str], x_label: str, y_label: str,
+    names: Mapping[str, object],
+) -> list[str]:  # fmt: skip
+    """Return the field with axes, their ends and the legend."""
+    margin = max(len(end) for end in y_ends)
+    sides = [y_ends[1], *[""] * (len(field) - 2), y_ends[0]]
+    rows = [f"{side:>{margin}} |{''.join(row).rstrip()}" for side, row in zip(sides, field, strict=True)]
+    axis = f"{'':>{margin}} +{'-' * WIDTH}"
+    ends = f"{'':>{margin}}  {x_ends[0]}{x_ends[1]:>{WIDTH - len(x_ends[0])}}"
+    legend = "   ".join(f"{mark} {name}" for mark, name in zip(_marks(len(names)), names, strict=True))
+    return [y_label, *rows, axis, ends, f"{'':>{margin}}  {x_label}", f"{'':>{margin}}  {legend}"]

@@ -2,7 +2,7 @@
 
 import html
 
-from cross_checks.records.plots.plot import COLOURS, Figure, new_figure
+from cross_checks.records.plots import COLOURS, Figure, new_figure
 from mbs_ref.simulate.many.ensemble import Coordinate, Ensemble, Statistics, coordinates, statistics
 
 HEIGHT = 300  # pixels of one coordinate

@@ -1,1 +1,0 @@
-"""Plots of the pages, one concept a file."""
