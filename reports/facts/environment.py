@@ -4,7 +4,6 @@ import os
 import platform
 import subprocess
 from datetime import UTC, datetime
-from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -42,7 +41,6 @@ def package_version(package: str) -> str:
         return "not installed as a package"
 
 
-@cache
 def engine_versions() -> tuple[tuple[str, str], ...]:
     """Return every engine with its version, or why it is missing."""
     return tuple((name, _engine(name)) for name in engines.names())

@@ -36,7 +36,6 @@ from mbs_ref.scene.contact import HuntCrossleyLaw
 from mbs_ref.scene.toml import write_scene
 from mbs_ref.trajectory import Trajectory
 from reports.cli import main
-from reports.commands.engines import doctor
 from reports.commands.judge import check as checking
 
 RECORD = Record(
@@ -130,7 +129,6 @@ def stand(monkeypatch, tmp_path):
     monkeypatch.setattr(picking, "pick", pick)
     monkeypatch.setattr(engines, "get", get)
     monkeypatch.setattr(engines, "names", lambda: ["quick", "gone"])
-    monkeypatch.setattr(doctor, "engine_versions", doctor.engine_versions.__wrapped__)  # not those of an earlier test
     return fakes
 
 
