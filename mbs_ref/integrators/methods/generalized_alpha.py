@@ -4,6 +4,9 @@ Source: M. Arnold, O. Bruls, Convergence of the generalized-alpha scheme for con
 systems, Multibody System Dynamics 18 (2007) 185-202, eqs 8-11, with the parameters of J. Chung,
 G. M. Hulbert, J. Appl. Mech. 60 (1993) 371-375. In space on the group of rotations: O. Bruls, A. Cardona, J. Comput.
 Nonlinear Dyn. 5 (2010) 031002.
+
+Positions alone satisfy their constraints within a run. After an event both levels do: the state is projected, and the
+method starts anew.
 """
 
 from functools import partial
