@@ -63,6 +63,6 @@ def _of(engine: Engine, method: Method, more: tuple[Placed, ...]) -> Iterator[Ca
 
 def _settings(method: Method, placed: Placed, t_end: float) -> Settings:
     if method.kind == "fixed":
-        step = t_end / SKY_STEPS if placed in (*SKY, *RELATIVE) else STEP
+        step = t_end / SKY_STEPS if placed in SKY else STEP
         return Settings(method=method.name, t_end=t_end, step=step, estimate="off")
     return Settings(method=method.name, t_end=t_end, rtol=LOOSER * method.ladder[-1], estimate="off")

@@ -122,6 +122,15 @@ def test_the_clock_suits_the_film(end, told):
     assert clock(0.5, end) == told
 
 
+@pytest.mark.parametrize("end", np.geomspace(1.0, 1e11, 45).tolist())
+def test_the_clock_ends_at_three_of_its_unit_at_least_and_of_no_greater_one(end):
+    lengths = {"s": 1.0, "h": 3600.0, "days": 86_400.0, "years": 365.25 * 86_400.0}
+    number, word = clock(end, end).split()
+    assert float(number) == pytest.approx(end / lengths[word], abs=0.05)
+    assert word == "s" or end / lengths[word] >= 3.0
+    assert all(end / length < 3.0 for length in lengths.values() if length > lengths[word])
+
+
 def test_planets_have_names_and_orbits_and_mechanisms_have_not():
     sky = scenes.make("figure_eight")
     path = simulate(sky, Settings(samples=5, reactions=False, estimate="off"))

@@ -22,6 +22,19 @@ from reports.console import NothingSelected
 LENGTHS = {"m": 1.0, "cm": constants.centi, "mm": constants.milli, "um": constants.micro, "nm": constants.nano,
            "km": constants.kilo}  # fmt: skip
 TIMES = {"": 1.0, "s": 1.0, "ms": constants.milli, "us": constants.micro, "min": constants.minute}
+FILE = """
+name = "hung"
+gravity = [0.0, -9.81]
+[parameters]
+length = { default = 0.5 }
+mass = { default = 1.0 }
+[[bodies]]
+type = "point_mass"
+name = "bob"
+mass = "= mass"
+position = [0.0, "= -length"]
+velocity = [0.0, 0.0]
+"""
 
 
 @pytest.mark.parametrize("unit", LENGTHS)
@@ -77,6 +90,20 @@ def test_what_a_scene_is_made_with_stays_where_other_parameters_change(words):
     assert rebuild
     assert rebuild() == scene
     assert rebuild(gravity=1.625).parameters == {**scene.parameters, "gravity": 1.625}
+
+
+@pytest.mark.parametrize("words", [(), ("length=2.5",), ("length=2.5", "mass=3.0")])
+def test_what_a_file_is_read_with_stays_where_other_parameters_change(tmp_path, words):
+    file = str(tmp_path / "hung.toml")
+    (tmp_path / "hung.toml").write_text(FILE)
+    scene = inputs.scene(file, words)
+    rebuild = inputs.rebuilder(file, scene)
+    assert rebuild
+    assert rebuild() == scene
+    given = dict(word.split("=") for word in words)
+    lighter = rebuild(mass=0.25)
+    assert lighter.parameters["length"] == float(given.get("length", 0.5))
+    assert (lighter.bodies[0].mass, lighter.bodies[0].position[1]) == (0.25, -lighter.parameters["length"])
 
 
 def test_limits_of_runs_are_seconds_and_mebibytes(monkeypatch):

@@ -24,6 +24,15 @@ def test_bodies_loops_and_freedoms(name, parameters, bodies, loops, freedoms):
     assert (found.bodies, found.loops, found.freedoms) == (bodies, loops, freedoms)
 
 
+@pytest.mark.parametrize("name", ["puma560", "stanford_arm", "straight_line_linkage"])
+def test_a_drive_closes_no_loop(name):
+    """It takes freedoms, and connects nothing that its joint does not."""
+    driven = scenes.make(name)
+    free = driven.model_copy(update={"joints": tuple(one for one in driven.joints if "drive" not in one.type)})
+    assert summary(driven).loops == summary(free).loops
+    assert summary(driven).joints > summary(free).joints
+
+
 def test_a_forgotten_joint_is_seen():
     crank = scenes.make("slider_crank")
     found = summary(crank.model_copy(update={"joints": crank.joints[1:]}))

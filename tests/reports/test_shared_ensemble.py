@@ -17,7 +17,7 @@ SETTINGS = Settings(t_end=0.1, samples=3)
 def test_parts_join_to_the_whole():
     source = ensembles.Source(scenes.make("pendulum"))
     variants = ensembles.Variants(source, [source.target("bob.mass")])
-    design = ensembles.design({"bob.mass": ensembles.Uniform(1.0, 2.0)}, 5)
+    design = ensembles.design({"bob.mass": ensembles.Uniform(1.0, 2.0)}, 5, seed=3)
     whole = ensembles.run_ensemble(variants, design, SETTINGS, threads=1)
     parts = [Part(design.laws, design.count, design.seed, *ends) for ends in ((0, 2), (2, 5))]
     assert np.array_equal(np.concatenate([part.values for part in parts]), design.values)

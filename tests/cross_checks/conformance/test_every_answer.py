@@ -74,6 +74,17 @@ def test_a_deviation_that_stays_is_stated_and_one_that_vanishes_or_is_small_is_n
     assert ladder._peak(np.array([1.0, -3.0, 2.0])) == 3.0
 
 
+@pytest.mark.parametrize(("errors", "is_explained"), [
+    ([9e-3, 4.5e-3, 4e-3], True), ([4.5e-3, 9e-3, 4e-3], True), ([4.5e-3, 4.4e-3, 4e-3], False),
+    ([9e-3, 4.5e-3, 4.4e-3, 4e-3], False), ([4e-3, 4e-3, 9e-4], True), ([0.5, 0.4, 0.2], False),
+])  # fmt: skip
+def test_contacts_may_be_off_by_twice_the_way_from_the_two_runs_before(errors, is_explained):
+    """Runs before those do not count, an error within the first target needs no reason, and a large one has none."""
+    told = ladder._contact(runs(errors, [1.0] * len(errors)))
+    assert bool(told) != is_explained
+    assert is_explained or f"as they must: error {errors[-1]:.1e} of the scene" in told
+
+
 @pytest.mark.parametrize("order", [3.6, 3.7, 4.3, 4.4])
 def test_an_order_far_from_the_documented_one_is_wrong_either_way(order):
     (found,) = examine._order(RK4, [Row("rk4", str(k), x, 4, 1.0, 1.0) for k, x in enumerate((order, None, order))])

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from cross_checks.trajectory_files import library
 from cross_checks.trajectory_files.column_map import ColumnMap
@@ -104,7 +105,7 @@ def test_velocities_seen_in_a_turning_world_are_the_slopes_of_its_places():
 
 
 def test_an_inertia_about_another_point_is_that_of_the_bodys_masses():
-    """A body of four point masses: its inertia about the centre and about another point are their sums."""
+    """A turned body of four point masses: in its own axes its inertias about centre and point are their sums."""
     rng = np.random.default_rng(2)
     places, point = rng.normal(size=(4, 3)), rng.normal(size=3)
     places -= places.mean(axis=0)
@@ -113,8 +114,10 @@ def test_an_inertia_about_another_point_is_that_of_the_bodys_masses():
         return np.sum([0.75 * (r @ r * np.eye(3) - np.outer(r, r)) for r in places - about], axis=0)
 
     six = [inertia(np.zeros(3))[pair] for pair in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-    body = SpatialBody(name="a", mass=3.0, inertia=tuple(six), position=(1.0, 2.0, 3.0))
-    moved = _moved(body, point + np.array(body.position))
+    turn = Rotation.from_rotvec(rng.normal(size=3))
+    ways = {"position": (1.0, 2.0, 3.0), "orientation": tuple(turn.as_quat(scalar_first=True).tolist())}
+    body = SpatialBody(name="a", mass=3.0, inertia=tuple(six), **ways)
+    moved = _moved(body, turn.apply(point) + np.array(body.position))
     about = inertia(point)
     assert moved == pytest.approx([*np.diag(about), about[0, 1], about[0, 2], about[1, 2]])
     places[:, 2] = point[2] = 0.0

@@ -18,6 +18,7 @@ from datetime import datetime
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -45,6 +46,7 @@ from cross_checks.records.numbers import setting
 from cross_checks.records.record import BUSY_NOTE, CANNOT, MISSING, Error, Record
 from cross_checks.records.store import code_of
 from cross_checks.robots.parity import Difference, Parity
+from cross_checks.trajectory_files.judgement import Judgement
 from cross_checks.truths.certificate import Certificate
 from cross_checks.truths.truth import NoTruth
 from mbs_ref import scenes
@@ -61,8 +63,8 @@ from reports.commands.engines import doctor
 from reports.commands.engines import engines as engines_command
 from reports.commands.explore import extremes as extremes_command
 from reports.commands.explore import parity as parity_command
-from reports.commands.judge import certify, check, proofs
-from reports.commands.publish import rerun
+from reports.commands.judge import certify, check, judge, proofs
+from reports.commands.publish import rerun, show
 from reports.page import build
 from reports.page.sections.prices import cannot, price_table
 from reports.poses_file import write_poses
@@ -273,11 +275,11 @@ def test_simulate(monkeypatch, tables, seed):
         events={"hit": [size(chance) for _ in range(14)], "miss": []},
         bounds={unknown: size(chance)},
     )
-    made = replace(made, measures=made.measures | {unknown: None, hidden: None})
+    made = replace(made, measures=made.measures | {unknown: None, hidden: None}, notes=("known before",))
     errors = {one.name: size(chance) for one in COMPONENTS}
     error = Error(size(chance), "exact: by hand", size(chance), None, "velocity of lower", size(chance))
     curve = [0.0, *(size(chance) for _ in range(n - 1))]
-    after = replace(made, error=error, notes=("a note",), measures=made.measures | errors, bounds={},
+    after = replace(made, error=error, notes=(*made.notes, "a note"), measures=made.measures | errors, bounds={},
                     history={"error": curve})  # fmt: skip
     monkeypatch.setattr(one_run, "judged_run", lambda *given, **more: (made, path))
     monkeypatch.setattr(runs, "against", lambda scene, given, truth: after)
@@ -311,7 +313,8 @@ def test_simulate(monkeypatch, tables, seed):
     assert shown["truth"] == f"exact: by hand, {known}"
     assert {one.label: shown[one.label] for one in COMPONENTS} == {
         one.label: f"{g(errors[one.name])} {one.unit}" for one in COMPONENTS}  # fmt: skip
-    assert shown["note"] == "a note"
+    assert [[row[1] for row in table.rows if row[0] == "note"] for table in (own, truth)] == [
+        ["known before"], ["a note"]]  # fmt: skip
     plots = done.stdout.split("position, m")[1].split("error over the scene's scales")
     places = path.position[:, -1]
     assert [text.split("|")[0].strip() for text in plots[0].splitlines() if "|" in text][:: 15] == [
@@ -500,7 +503,7 @@ def test_symmetry(monkeypatch, tables, place, engine, code):
             }
         )
     made.append({"engine": "drake", "method": "whole", "scene": "s", "judged": 9, "broken": [], "stopped": ""})
-    given = iter(made * 2)
+    given = iter(made * 3)
     faked(monkeypatch, 4)
     monkeypatch.setattr(violation, "isolated", lambda case, call: next(given))
     assert run("symmetry").exit_code == code
@@ -517,6 +520,9 @@ def test_symmetry(monkeypatch, tables, place, engine, code):
     assert tables[1].head == ["engine", "method", "scene", "symmetry", "by, m", "roundoff, m", "error, m"]
     assert tables[1].rows == expected
     assert json_of(code, "symmetry")["cases"] == made
+    for each in made[place]["broken"]:
+        each["exceeds_error"] = False
+    assert run("symmetry").exit_code == 0, "what the method's own error explains is a finding"
 
 
 @pytest.mark.parametrize("place", range(3))
@@ -541,8 +547,11 @@ def test_repeatability(monkeypatch, tables, tmp_path, place):
         rows.append(["e", method, str(len(own)), *texts])
     assert tables[0].head == ["engine", "method", "runs", *repeatability.WAYS]
     assert tables[0].rows == rows
-    for engine, way, code in ((OURS, "another order", 1), (OURS, "two threads", 0), ("exudyn", "at once", 0)):
-        made[place] |= {"engine": engine, "differs": dict.fromkeys(repeatability.WAYS, 0.0) | {way: 1e-16}}
+    # None stands for another end, which is no less than other bits
+    for engine, way, size_of, code in ((OURS, "another order", 1e-16, 1), (OURS, "two threads", 1e-16, 0),
+                                       ("exudyn", "at once", 1e-16, 0), (OURS, "another process", None, 1),
+                                       (OURS, "two threads", None, 0)):  # fmt: skip
+        made[place] |= {"engine": engine, "differs": dict.fromkeys(repeatability.WAYS, 0.0) | {way: size_of}}
         assert run("repeatability").exit_code == code
         printed = json_of(code, "repeatability", "--table", str(tmp_path / "table.json"))
         assert printed == json.loads((tmp_path / "table.json").read_text()) | {"runs": made}
@@ -777,6 +786,21 @@ def test_judge(tables, tmp_path):
         assert shown.get(metric.label) == (None if value is None else f"{g(value)} {metric.unit}")
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_judgement_states_each_of_its_sentences_once_under_its_own_heading(tables, seed):
+    chance = random.Random(seed)
+
+    def sentences(kind: str) -> tuple[str, ...]:
+        return tuple(f"{kind} {chance.random():.9f}" for _ in range(chance.randint(1, 4)))
+
+    said = {kind: sentences(kind) for kind in ("suspicions", "missing", "notes")}
+    judge._show(Judgement("scene", "not-judged", "a reason", 1e-6, None, (), {}, curves={}, **said))
+    (verdict, *others), _ = tables[0].rows, tables[1]
+    assert verdict == ["verdict", "not-judged: a reason"]
+    assert others == [["suspicion", one] for one in said["suspicions"]] + [
+        ["note", one] for kind in ("missing", "notes") for one in said[kind]]  # fmt: skip
+
+
 def test_certify(monkeypatch, tables):
     chance = random.Random(5)
     library = [scenes.make("pendulum"), scenes.make("kepler"), scenes.make("double_pendulum")]
@@ -822,6 +846,18 @@ def test_proofs(monkeypatch, tables):
     words = [("scene", "scene"), ("truth", "truth")]
     holds(tables[0], made, [*keyed(*words, form=str), *keyed(*((key.replace("_", " "), key) for key in keys)),
                             *keyed(("not proven because", "reason"), form=str)])  # fmt: skip
+
+
+def test_a_scene_of_a_report_is_chosen_by_its_whole_name_or_label():
+    """A name that is a part of another chooses its own scene alone; without one, all are chosen."""
+    labels = ["pendulum", "double_pendulum", "pendulum_chain links=1", "pendulum_chain links=11"]
+    data: Any = SimpleNamespace(scenes=labels)
+    assert [show.chosen(data, label) for label in labels] == [[label] for label in labels]
+    assert show.chosen(data, "pendulum_chain") == labels[2:]
+    assert show.chosen(data, "") == labels
+    for part in ("pend", "links=1", "double"):
+        with pytest.raises(click.UsageError, match=f"scene '{part}' is not in the report"):
+            show.chosen(data, part)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -46,6 +46,14 @@ def test_only_the_chosen_scene_engine_and_error_are_shown(folder):
     assert (folder / build.DATA).read_bytes() == before, "the data stay whole"
 
 
+def test_a_report_that_is_computed_shows_the_chosen_error_and_keeps_all(tmp_path):
+    page, _ = build.write_report(tmp_path, (report_data for _ in range(1)), "md", [1e-6])
+    text = page.read_text()
+    assert "| 1e-6 | mbs_ref |" in text
+    assert "| 1e-3 | mbs_ref |" not in text
+    assert build.read_data(tmp_path).targets == report_data().targets
+
+
 def test_latex_is_escaped_and_whole(folder):
     text = render(folder, "--format", "latex").read_text()
     assert text.startswith("\\documentclass")

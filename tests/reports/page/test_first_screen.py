@@ -12,8 +12,10 @@ from cross_checks.records.record import Error, Record
 from reports.facts.report_data import ReportData
 from reports.page.build import publish
 from reports.page.findings import findings
+from reports.page.render import pages
 from reports.page.sections.overview import context, frontier_plot
 from tests.reports.page.synthetic_report import report_data
+from tests.reports.page.test_shown_figures import irregular
 
 # engine -> scene -> (seconds, error) of its runs
 RUNS = {
@@ -72,6 +74,19 @@ def test_a_scene_on_which_a_method_is_silently_wrong_is_marked():
     }
     silent = {(c.label, c.engine) for c in report_data().cells if c.verdict in ("wrong-limit", "lost", "diverged")}
     assert shown == silent
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_first_screen_names_the_six_worst_findings_and_counts_all(seed):
+    """The page of findings holds all of them; the pages of scenes and engines hold none."""
+    data = irregular(seed)
+    listed, shown = findings(data), {}
+    for page in pages(data):
+        for section in page.sections:
+            if "findings" in (given := section.context(page.data)):
+                shown[page.file] = given["findings"], given["number"]
+    assert len(listed) > 6
+    assert shown == {"index.html": (listed[:6], len(listed)), "findings.html": (listed, len(listed))}
 
 
 def test_findings_are_ranked_by_the_delivered_error_and_lead_to_their_scene_and_command(tmp_path: Path):

@@ -129,6 +129,18 @@ def test_a_curve_is_thinned_where_it_is_long_alone(count, kept):
     assert len(made.x) == kept
 
 
+@pytest.mark.parametrize(
+    "changed", [{"scene": "kepler", "parameters": {}}, {"parameters": {"links": 99}}, {"engine": "x"}, {"method": "x"}]
+)
+def test_equal_settings_on_another_scene_or_by_another_method_are_another_run(data, changed):
+    """Whatever else two runs share, each is measured as itself."""
+    for run in data.records:
+        other = replace(run, **changed, steps=-7)
+        both = ReportData((), (run, other))
+        assert [both.measured(replace(one, steps=0)) for one in (run, other)] == [run, other]
+        assert ReportData((), (run,)).measured(other) is other
+
+
 def test_runs_that_differ_in_one_setting_are_two_runs(data):
     run = data.records[0]
     for changed in ({"step": 1.0}, {"rtol": 1.0}, {"step": 2.0, "rtol": 1.0}):

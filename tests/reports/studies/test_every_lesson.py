@@ -568,6 +568,16 @@ def test_blocks_of_a_document():
     assert made.context(SimpleNamespace(studies={}))["shown"] is None  # type: ignore[arg-type]
 
 
+def test_a_figure_of_a_row_stands_before_those_of_studies_with_its_name():
+    shows: list[dict[str, Any]] = [{"text": "{size} of {all}"}, {"text": "large", "where": [["size", ">", 5.0]]}]
+    made = document.Document("own", "p.html", "T", "n", "h", "l", [{"each": "rows", "blocks": shows}])
+    facts = Measured({"size": 9.0, "all": 7.0}, {"rows": ({"size": 1.0}, {"size": 6.0})})
+    data: Any = SimpleNamespace(studies={"own": facts, "other": Measured({"size": 8.0})})
+    (shown,) = made.context(data)["shown"]
+    assert [[block["value"] for block in one["blocks"]] for one in shown["items"]] == [
+        ["1 of 7"], ["6 of 7", "large"]]  # fmt: skip
+
+
 def test_what_a_study_depends_on(monkeypatch):
     """Its code and data files, but not what presents them; whether it is full, where that makes a difference."""
     own = study._sources("papers")

@@ -358,6 +358,17 @@ def test_what_models_show(monkeypatch):
     assert digits == pytest.approx(-math.log10(0.1 / 0.4))
 
 
+@pytest.mark.parametrize("length", [0.3, 1.0, 17.0])
+def test_the_digits_of_a_model_count_its_error_over_the_scenes_own_length(monkeypatch, length):
+    """A pendulum of any length that ends a hundredth of it away has two digits."""
+    scene = scenes.make("pendulum", length=length)
+    path: Any = SimpleNamespace(step_compliance=np.array([[0.0, 1e-9], [0.1, 3e-7]]))
+    monkeypatch.setattr(models, "off_truth", lambda scene, path: [0.01 * length, 9.0, 9.0, 9.0])
+    assert models._error(scene, path) == ({"largest |C|, m": 3e-7}, pytest.approx(2.0))
+    monkeypatch.setattr(models, "off_truth", lambda scene, path: None)
+    assert models._error(scene, path)[1] is None
+
+
 def result(scene: str, engine: str, target: float, chance: random.Random) -> pairs.Result:
     error = Error(target * chance.uniform(0.1, 0.9), "exact", 0.0, None, length=3.0)
     run = Record(scene, {}, engine, chance.choice("pq"), {"step": chance.random()}, "success", error=error,
