@@ -170,7 +170,7 @@ def by_us(path: Path, q: Values, v: Values) -> Dynamics:
 
 
 def _read_of(path: Path) -> tuple[Callable[..., Any], tuple[str, ...]]:
-    """Return our reader of the format, and what it may ignore: none of it is part of these figures."""
+    """Return our reader of the format, and what it may ignore, which these figures do not contain."""
     urdf = ElementTree.parse(path).getroot().tag == "robot"
     module, name = ("pinocchio_", "read_urdf") if urdf else ("mujoco_", "read_mjcf")
     try:

@@ -43,7 +43,7 @@ def build_of(system: Any) -> bytes:
 
 
 def side_by_side(system: Any) -> SideBySide:
-    """Return room for systems of this one's build."""
+    """Return arrays for systems of this one's structure."""
     figures, taken, kept = room_for_lanes(len(figures_of(system))), 0, []
     inner: list[int] = []
 

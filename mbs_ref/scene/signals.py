@@ -157,7 +157,7 @@ def _from_zero(pieces: list[Segment]) -> list[Segment]:
 
 
 def _anchored(pieces: list[Segment]) -> list[Segment]:
-    """Give a constant first segment a finite origin, before everything that matters."""
+    """Return the signal with a finite start of its constant first segment, before all other times."""
     first, *following = pieces
     if math.isfinite(first.start):
         return pieces

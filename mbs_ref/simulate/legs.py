@@ -203,7 +203,7 @@ def _leg(options: Options, times: np.ndarray, start: float, end: float, length: 
 
 
 def _refined(times: np.ndarray, step: float, shares: np.ndarray) -> np.ndarray:
-    """Divide the intervals that are shorter than the step (s), in which outputs shorten steps, at these shares."""
+    """Divide at these shares the output intervals that are shorter than the step (s), where outputs shorten steps."""
     gaps = np.diff(times)
     short = np.flatnonzero(gaps < step * (1.0 - ON_GRID))
     parts = [times[short] + gaps[short] * share for share in shares]

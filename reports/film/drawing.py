@@ -110,7 +110,7 @@ def _marks(part) -> list[tuple[str, tuple[float, ...]]]:
 
 
 def _accent(scene: Scene) -> int:
-    """Return the first of the bodies of one mass, where they are many; -1 without such."""
+    """Return the index of the first of many bodies of equal mass; -1 where there are none."""
     masses = Counter(body.mass for body in scene.bodies)
     return next((k for k, body in enumerate(scene.bodies) if masses[body.mass] >= ALIKE), -1)
 

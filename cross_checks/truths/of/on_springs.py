@@ -122,7 +122,7 @@ def _governor(scene: Scene) -> Governor:
 
 
 def _heights(g: Governor) -> Formulation:
-    """y = (z, a, z', a', psi), forces on the slider and moments on the arms."""
+    """Return the equations of y = (z, a, z', a', psi): forces on the slider and moments on the arms."""
 
     def derivative(t, y):
         z, a, dz, da, _ = y

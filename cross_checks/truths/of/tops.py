@@ -171,7 +171,7 @@ def _orientations(
 
 
 def _triad(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Columns: first, the part of second across it, and their product."""
+    """Return a rotation (3, 3): columns along `first`, along the part of `second` normal to it, and normal to both."""
     first = first / np.sqrt(first @ first)
     second = second - first * (first @ second)
     second = second / np.sqrt(second @ second)

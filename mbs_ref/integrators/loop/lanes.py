@@ -255,7 +255,7 @@ def _judge_all(tableau, options, runs, side, times):
 
 @bare_loop
 def advance_in_lanes(model, work, tableau, options, runs, side, times, first, last):
-    """Make the runs from first to last, up to the last time or the first trouble of each."""
+    """Integrate the runs from `first` to `last`, each to its last time or to its first failure."""
     atol, y, new = in_lanes(side.atol), in_lanes(side.y), in_lanes(side.new)
     slopes, now = in_lanes(side.slopes), in_lanes(side.now)
     final = tableau.b.shape[0]

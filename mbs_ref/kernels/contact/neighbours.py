@@ -136,7 +136,7 @@ def _find(grains):
 
 @jit
 def refresh_neighbours(grains):
-    """Make the list anew where it no longer covers the places."""
+    """Rebuild the list where the places have left what it covers."""
     if _has_moved(grains):
         copy_rows(grains.place, grains.built)
         _find(grains)

@@ -20,7 +20,7 @@ HEAD = ("scene", "method", "order", "documented", "error", "loop, s")
 @click.option("--timeout", type=inputs.POSITIVE, metavar="S", help="s that one run may compute or sleep  [default: 60]")
 @click.option("--self-test", is_flag=True, help="examine copies of mbs_ref with one mistake each instead")
 def command(engine: str, file: Path | None, badge: Path | None, timeout: float | None, self_test: bool) -> None:
-    """Examine a solver by what every engine must fulfil.
+    """Examine a solver by the requirements of every engine.
 
     That is refusals, times, velocities, clock, order, truths, energy, joints, and how it fails.
     ADAPTER.py holds a subclass of cross_checks.engine.Engine and the line ENGINE = <that class>. Errors are relative
