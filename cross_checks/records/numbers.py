@@ -34,13 +34,18 @@ def of_scene(value: float | None) -> str:
     return short(value)
 
 
+SPANS = (  # s from which a unit reads best, s of the unit, and its name
+    (2.0 * 365.25 * 86400.0, 365.25 * 86400.0, "years"), (2.0 * 86400.0, 86400.0, "days"), (7200.0, 3600.0, "h"),
+    (600.0, 60.0, "min"), (1.0, 1.0, "s"), (1e-3, 1e-3, "ms"), (0.0, 1e-6, "µs"),
+)  # fmt: skip
+
+
 def duration(seconds: float | None) -> str:
     """Return a time span (s) in the unit that reads best."""
     if seconds is None or not math.isfinite(seconds):
         return ABSENT
-    if seconds >= 1.0:
-        return f"{short(seconds, 3)} s"
-    return f"{short(seconds * 1e3, 3)} ms" if seconds >= 1e-3 else f"{short(seconds * 1e6, 3)} µs"
+    _, size, unit = next((span for span in SPANS if seconds >= span[0]), SPANS[-1])
+    return f"{short(seconds / size, 3)} {unit}"
 
 
 def order_of(observed: float | None, documented: int | None) -> str:

@@ -315,6 +315,11 @@ def test_numbers_at_the_ends_of_their_classes():
     assert [numbers.metres(x) for x in (0.5, None, float("inf"))] == ["0.5 m", "–", "–"]
     assert [numbers.count(k, "cell") for k in (0, 1, 2)] == ["0 cells", "1 cell", "2 cells"]
     assert [numbers.duration(x) for x in (1.0, 1e-3, 9.99e-4, None)] == ["1 s", "1 ms", "999 µs", "–"]
+    day = 24 * 3600
+    spans = [
+        numbers.duration(float(x)) for x in (599, 600, 7199, 7200, 2 * day - 3600, 2 * day, 730 * day, 730.5 * day)
+    ]
+    assert spans == ["599 s", "10 min", "120 min", "2 h", "47 h", "2 days", "730 days", "2 years"]
     given = ("step=0.00201613", "rtol=1e-06, atol=1e-09", "rtol=1e-06, mass=2", "defaults")
     assert [numbers.in_words(text) for text in given] == ["h = 2e-3 s", "rtol = 1e-6, atol = 1e-9", *given[2:]]
     assert numbers.setting({"step": 0.5, "stabilization": "none"}) == "h = 0.5 s, none"
