@@ -5,7 +5,8 @@ from statistics import median
 
 import numpy as np
 
-from cross_checks.conformance.apart import Apart, called, uncounted_work
+from cross_checks.conformance.apart import Apart, called
+from cross_checks.conformance.clock import uncounted_work
 from cross_checks.conformance.finding import Finding, Report, Row, verdict
 from cross_checks.conformance.ladder import climb
 from cross_checks.conformance.questions import Question, impossible, open_pendulum, questions, rungs, uncovered

@@ -11,7 +11,8 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from cross_checks.conformance.apart import Called, called, impossible_time
+from cross_checks.conformance.apart import Called, called
+from cross_checks.conformance.clock import impossible_time
 from cross_checks.conformance.finding import Finding, Row, verdict
 from cross_checks.conformance.questions import Question, rungs
 from cross_checks.engine import Engine

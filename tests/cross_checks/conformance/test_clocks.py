@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cross_checks.conformance import apart
+from cross_checks.conformance import clock
 from cross_checks.conformance.apart import Called
 from cross_checks.conformance.questions import Question
 from cross_checks.truths.truth import Truth
@@ -27,23 +27,23 @@ def run(cpu: float, loop: float, wall: float | None = None, steps: int = 100) ->
 @pytest.mark.parametrize(("share", "is_reported"), [(0.0, True), (0.4, True), (0.55, True), (0.7, False), (1.0, False)])
 def test_a_clock_that_leaves_out_much_of_the_work_is_detected(share, is_reported):
     short, long = run(0.1, 0.1 * share), run(1.0, 1.0 * share)
-    wrong = apart.uncounted(lambda: (short, long), short, long)
+    wrong = clock.uncounted(lambda: (short, long), short, long)
     both = f"costs 9.00e-01 s more, of which the loop's clock reports {0.9 * share:.2e} s"
     assert (both in wrong) is is_reported
 
 
 def test_a_dear_call_must_come_again_to_count():
     short, dear, usual = run(0.1, 0.1), run(1.0, 0.2), run(0.2, 0.2)
-    assert not apart.uncounted(lambda: (short, usual), short, dear)
-    assert apart.uncounted(lambda: (short, dear), short, dear)
+    assert not clock.uncounted(lambda: (short, usual), short, dear)
+    assert clock.uncounted(lambda: (short, dear), short, dear)
 
 
 def test_threads_and_short_runs_are_not_compared():
     """Two threads use twice the time that passes; a difference below 0.1 s may be anything."""
     short, threads = run(0.2, 0.1, wall=0.1), run(2.0, 1.0, wall=1.0)
-    assert not apart.uncounted(lambda: (short, threads), short, threads)
+    assert not clock.uncounted(lambda: (short, threads), short, threads)
     short, quick = run(0.01, 0.001), run(0.09, 0.001)
-    assert not apart.uncounted(lambda: (short, quick), short, quick)
+    assert not clock.uncounted(lambda: (short, quick), short, quick)
 
 
 def test_the_span_grows_until_the_work_can_be_compared(monkeypatch):
@@ -53,10 +53,10 @@ def test_the_span_grows_until_the_work_can_be_compared(monkeypatch):
         spans.append(float(times[-1]))
         return run(1e-3 * times[-1], 4e-4 * times[-1])
 
-    monkeypatch.setattr(apart, "called", called)
+    monkeypatch.setattr(clock, "called", called)
     scene, times = scenes.make("pendulum"), np.array([0.0, 1.0])
     truth = Truth(np.zeros((2, 1, 2)), np.zeros((2, 1)), 0.0, "exact", "")
-    assert apart.uncounted_work(None, Question(scene, times, truth), RK4)  # type: ignore[arg-type]
+    assert clock.uncounted_work(None, Question(scene, times, truth), RK4)  # type: ignore[arg-type]
     assert spans == [1.0, 4.0, 16.0, 64.0, 256.0, 1.0, 256.0]
 
 
@@ -65,5 +65,5 @@ def test_the_span_grows_until_the_work_can_be_compared(monkeypatch):
     [(0.0, 1.0, 1, "not timed"), (2.0, 1.0, 1, "are reported of a call"), (1e-6, 1.0, 10**6, "beyond any processor")],
 )
 def test_a_time_that_cannot_be_is_named(loop, wall, steps, words):
-    assert words in apart.impossible_time([run(wall, loop, steps=steps)])
-    assert not apart.impossible_time([run(1.0, 0.9, steps=1000)])
+    assert words in clock.impossible_time([run(wall, loop, steps=steps)])
+    assert not clock.impossible_time([run(1.0, 0.9, steps=1000)])

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cross_checks import engines
-from cross_checks.conformance import apart, examine, ladder, loading, questions, repeatability
+from cross_checks.conformance import clock, examine, ladder, loading, questions, repeatability
 from cross_checks.conformance.apart import Apart, Called
 from cross_checks.conformance.cases import LABORATORY, LOOSER, RELATIVE, SKY, SKY_STEPS, STEP, cases
 from cross_checks.conformance.finding import Finding, Report, Row, verdict
@@ -80,9 +80,9 @@ def test_a_deviation_that_stays_is_stated_and_one_that_vanishes_or_is_small_is_n
 ])  # fmt: skip
 def test_contacts_may_be_off_by_twice_the_way_from_the_two_runs_before(errors, is_explained):
     """Runs before those do not count, an error within the first target needs no reason, and a large one has none."""
-    told = ladder._contact(runs(errors, [1.0] * len(errors)))
-    assert bool(told) != is_explained
-    assert is_explained or f"as they must: error {errors[-1]:.1e} of the scene" in told
+    found = ladder._contact(runs(errors, [1.0] * len(errors)))
+    assert bool(found) != is_explained
+    assert is_explained or f"as they must: error {errors[-1]:.1e} of the scene" in found
 
 
 @pytest.mark.parametrize("order", [3.6, 3.7, 4.3, 4.4])
@@ -246,14 +246,14 @@ def test_a_clock_must_report_six_tenths(share):
         path = motion(np.random.default_rng(1), timing=Timing(build_s=1.0, loop_s=share * work))
         return Called(Settings(), path, wall_s=1.0 + work, cpu_s=1.0 + work)
 
-    assert apart._leaves_out(call(0.1), call(1.0)) == (share < 0.6)
+    assert clock._leaves_out(call(0.1), call(1.0)) == (share < 0.6)
 
 
 def test_times_must_fit_into_their_call():
     def seen(build: float, first: float, loop: float, wall: float, steps: int = 1, calls: int = 1) -> str:
         timing = Timing(build_s=build, first_call_s=first, loop_s=loop)
         path = motion(np.random.default_rng(1), timing=timing, steps=steps, rhs_calls=calls)
-        return apart.impossible_time([Called(Settings(step=0.1), path, wall_s=wall)])
+        return clock.impossible_time([Called(Settings(step=0.1), path, wall_s=wall)])
 
     assert not seen(0.3, 0.3, 0.4, 1.0)
     assert all(
