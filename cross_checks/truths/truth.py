@@ -110,3 +110,27 @@ def check_time(t: float) -> None:
     """Raise NoConvergenceError with the time reached, t (s) of the motion, where the limit is exceeded."""
     if time.thread_time() > _limit.get()[0]:
         raise NoConvergenceError(f"the limit of processor time ends the computation at t = {float(t):.6g} s")
+
+
+SHARE, MARGIN = 0.1, 2.0  # of the limit after which the pace counts; the factor by which a motion may speed up later
+
+
+class Pace:
+    """Whether an integration over `times` (s, increasing) will end within the limit of processor time."""
+
+    def __init__(self, times: np.ndarray) -> None:
+        self.first, self.last, self.began = float(times[0]), float(times[-1]), time.thread_time()
+
+    def check(self, t: float) -> None:
+        """Raise NoConvergenceError where the limit is exceeded, or would be by far, at t (s) of the motion."""
+        check_time(t)
+        if not t > self.first:
+            self.began = time.thread_time()  # compilation is no part of the pace
+            return
+        length, spent = _limit.get()[1], time.thread_time() - self.began
+        if spent > SHARE * length:
+            needed = spent * (self.last - self.first) / (t - self.first)
+            if needed > MARGIN * length:
+                raise NoConvergenceError(
+                    f"the computation needs some {needed:.2g} s of processor time, and its limit is {length:g} s"
+                )

@@ -15,6 +15,7 @@ NUDGED_TOLERANCE = 1e-2 * NUDGE  # of the nudged run: one digit of the growth is
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
 LOOKS = 0.01  # s, longest step of both solvers where forces set in or end: a longer one may miss a short force
 RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
+EXTENDED_TOLERANCE, DOUBLE_TOLERANCE = 1e-16, 64 * EPS  # of extrapolation: below it is roundoff
 ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
 
 
@@ -44,8 +45,7 @@ def agree(
     """
     looks = [] if second.switches is None else np.arange(LOOKS, times[-1], LOOKS)
     grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints, *looks))
-    kind = np.longdouble if extended else float
-    tolerance = 64 * float(np.finfo(kind).eps)
+    kind, tolerance = (np.longdouble, EXTENDED_TOLERANCE) if extended else (float, DOUBLE_TOLERANCE)
     solve = lsoda if is_stiff else runge_kutta
     states = solve(first.derivative, first.start, grid, RK_TOLERANCE)
     coarse, rates = _poses(first, grid, states), _rates(first, grid, states)

@@ -3,14 +3,14 @@
 The unit: M z'' + C z' + K z = k_tire y(t), z from static equilibrium.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
 
 from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.truth import Truth, unturned
+from mbs_ref.kernels.jit import strict_jit
 from mbs_ref.scene import Scene, SpatialBody
 from mbs_ref.scene.euler_parameters import from_axis_angle, product
 
@@ -65,8 +65,7 @@ def flyball_governor(scene: Scene, times: np.ndarray) -> Truth:
     return agree(*both, times, ways, extended=False, is_stiff=True, is_costly=True)
 
 
-@dataclass(frozen=True)
-class Governor:
+class Governor(NamedTuple):
     """Shaft, slider, arms with their balls, and couplers; a is the arms' droop below the horizontal."""
 
     arm: float  # kg
@@ -80,28 +79,6 @@ class Governor:
     spin: float  # rad/s at t = 0
     gravity: float  # m/s^2
 
-    @property
-    def swing(self) -> float:
-        """Inertia of both arms about their hinges, kg m^2."""
-        return 2.0 * (self.arm * self.reach**2 + self.across)
-
-    def vertical(self, a: float) -> tuple[float, float]:
-        """Return the whole's inertia about the vertical and its slope by a."""
-        c, s, out = np.cos(a), np.sin(a), OFFSET + self.reach * np.cos(a)
-        size = self.still + 2.0 * (self.arm * out**2 + self.axial * s**2 + self.across * c**2)
-        return size, 4.0 * (-self.arm * out * self.reach * s + (self.axial - self.across) * s * c)
-
-    @property
-    def momentum(self) -> float:
-        return self.spin * self.vertical(DROOP)[0]
-
-    def turning(self, a: float) -> float:
-        return self.momentum / self.vertical(a)[0]
-
-    def fling(self, a: float) -> float:
-        """Return what the turn and gravity do on the arms, N m."""
-        return 0.5 * self.turning(a) ** 2 * self.vertical(a)[1] + 2.0 * self.arm * self.gravity * self.reach * np.cos(a)
-
     def poses(self, z: float, a: float, psi: float) -> tuple[np.ndarray, np.ndarray]:
         """Return centres (4, 3) and Euler parameters (4, 4) of shaft, slider, left and right arm."""
         turned = from_axis_angle((0.0, 0.0, 1.0), psi)
@@ -111,6 +88,23 @@ class Governor:
         arms = [product(turned, from_axis_angle((0.0, 1.0, 0.0), angle)) for angle in (np.pi - a, a)]
         places = [0.5 * LENGTH * top, z * top, -out * where + up * top, out * where + up * top]
         return np.array(places), np.array([turned, turned, *arms])
+
+
+@strict_jit
+def _vertical(g, a):
+    """Return the whole's inertia about the vertical and its slope by a."""
+    c, s, out = np.cos(a), np.sin(a), OFFSET + g.reach * np.cos(a)
+    size = g.still + 2.0 * (g.arm * out**2 + g.axial * s**2 + g.across * c**2)
+    return size, 4.0 * (-g.arm * out * g.reach * s + (g.axial - g.across) * s * c)
+
+
+@strict_jit
+def _arms(g, a):
+    """Return the turn (rad/s), what it and gravity do on the arms (N m), and the arms' inertia about their hinges."""
+    size, slope = _vertical(g, a)
+    turning = g.spin * _vertical(g, DROOP)[0] / size
+    fling = 0.5 * turning**2 * slope + 2.0 * g.arm * g.gravity * g.reach * np.cos(a)
+    return turning, fling, 2.0 * (g.arm * g.reach**2 + g.across)
 
 
 def _governor(scene: Scene) -> Governor:
@@ -123,45 +117,49 @@ def _governor(scene: Scene) -> Governor:
 
 def _heights(g: Governor) -> Formulation:
     """Return the equations of y = (z, a, z', a', psi): forces on the slider and moments on the arms."""
+    start = np.array([SLIDER_HEIGHT, DROOP, 0.0, 0.0, 0.0])
+    return Formulation(lambda t, y: _height_slope(g, y), start, lambda t, y: g.poses(y[0], y[1], y[4]))
 
-    def derivative(t, y):
-        z, a, dz, da, _ = y
-        run, rise = HALF * np.cos(a), LENGTH - HALF * np.sin(a) - z  # of a coupler, from slider to arm
-        length = np.hypot(run, rise)
-        by_a, by_z = (-run * HALF * np.sin(a) - rise * HALF * np.cos(a)) / length, -rise / length
-        pull = 2.0 * (g.stiffness * (length - REST) + g.damping * (by_a * da + by_z * dz))
-        ddz, dda = -g.gravity - pull * by_z / g.slider, (g.fling(a) - pull * by_a) / g.swing
-        return np.array([dz, da, ddz, dda, g.turning(a)])
 
-    return Formulation(
-        derivative, np.array([SLIDER_HEIGHT, DROOP, 0.0, 0.0, 0.0]), lambda t, y: g.poses(y[0], y[1], y[4])
-    )
+@strict_jit
+def _height_slope(g, y):
+    z, a, dz, da, _ = y
+    run, rise = HALF * np.cos(a), LENGTH - HALF * np.sin(a) - z  # of a coupler, from slider to arm
+    length = np.hypot(run, rise)
+    by_a, by_z = (-run * HALF * np.sin(a) - rise * HALF * np.cos(a)) / length, -rise / length
+    pull = 2.0 * (g.stiffness * (length - REST) + g.damping * (by_a * da + by_z * dz))
+    turning, fling, swing = _arms(g, a)
+    return np.array([dz, da, -g.gravity - pull * by_z / g.slider, (fling - pull * by_a) / swing, turning])
 
 
 def _lengths(g: Governor) -> Formulation:
     """y = (l, a, p_l, p_a, psi): z = LENGTH - HALF sin(a) - sqrt(l^2 - HALF^2 cos(a)^2)."""
-
-    def height(length, a):
-        rise = np.sqrt(length**2 - (HALF * np.cos(a)) ** 2)
-        by_a = -HALF * np.cos(a) - HALF**2 * np.cos(a) * np.sin(a) / rise
-        return LENGTH - HALF * np.sin(a) - rise, -length / rise, by_a, rise
-
-    def derivative(t, y):
-        length, a, p, q, _ = y
-        _, u, w, rise = height(length, a)  # z' = u l' + w a'
-        speed = p / (g.slider * u)  # of the slider
-        da = (q - w * p / u) / g.swing
-        dl = (speed - w * da) / u
-        cs = HALF**2 * np.cos(a) * np.sin(a)
-        du = -dl / rise + length * (length * dl + cs * da) / rise**3
-        slope = HALF * np.sin(a) - HALF**2 * np.cos(2.0 * a) / rise
-        dw = slope * da + cs * (length * dl + cs * da) / rise**3
-        # d/dt(m z' u) = m z' u' - dV/dl - coupler; d/dt(m z' w + I a') = m z' w' - dV/da + the arms'
-        push = g.slider * speed
-        dp = push * du - g.slider * g.gravity * u - 2.0 * (g.stiffness * (length - REST) + g.damping * dl)
-        dq = push * dw - g.slider * g.gravity * w + g.fling(a)
-        return np.array([dl, da, dp, dq, g.turning(a)])
-
+    start = np.array([REST, DROOP, 0.0, 0.0, 0.0])
     return Formulation(
-        derivative, np.array([REST, DROOP, 0.0, 0.0, 0.0]), lambda t, y: g.poses(height(y[0], y[1])[0], y[1], y[4])
-    )
+        lambda t, y: _length_slope(g, y), start,
+        lambda t, y: g.poses(LENGTH - HALF * np.sin(y[1]) - _rise(y[0], y[1]), y[1], y[4]),
+    )  # fmt: skip
+
+
+@strict_jit
+def _rise(length, a):
+    return np.sqrt(length**2 - (HALF * np.cos(a)) ** 2)
+
+
+@strict_jit
+def _length_slope(g, y):
+    length, a, p, q, _ = y
+    rise, cs = _rise(length, a), HALF**2 * np.cos(a) * np.sin(a)
+    u, w = -length / rise, -HALF * np.cos(a) - cs / rise  # z' = u l' + w a'
+    turning, fling, swing = _arms(g, a)
+    speed = p / (g.slider * u)  # of the slider
+    da = (q - w * p / u) / swing
+    dl = (speed - w * da) / u
+    du = -dl / rise + length * (length * dl + cs * da) / rise**3
+    slope = HALF * np.sin(a) - HALF**2 * np.cos(2.0 * a) / rise
+    dw = slope * da + cs * (length * dl + cs * da) / rise**3
+    # d/dt(m z' u) = m z' u' - dV/dl - coupler; d/dt(m z' w + I a') = m z' w' - dV/da + the arms'
+    push = g.slider * speed
+    dp = push * du - g.slider * g.gravity * u - 2.0 * (g.stiffness * (length - REST) + g.damping * dl)
+    dq = push * dw - g.slider * g.gravity * w + fling
+    return np.array([dl, da, dp, dq, turning])

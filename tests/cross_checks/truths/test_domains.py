@@ -7,7 +7,7 @@ import pytest
 
 from cross_checks import truths
 from cross_checks.judge.runs import Runs
-from cross_checks.truths import seek_truth
+from cross_checks.truths import seek_truth, truth
 from cross_checks.truths.made_by.numerics import closed_forms, rates
 from cross_checks.truths.made_by.numerics.closed_forms import integral, rounding_error, running_integral
 from cross_checks.truths.of.bouncing import impact
@@ -125,6 +125,23 @@ def test_an_unexpected_exception_and_the_time_limit_are_reasons(monkeypatch):
     assert "processor time" in late.reason
     assert "t = 0 s" in late.reason
     assert late.limit_s == 0.0
+
+
+def test_a_computation_that_cannot_end_in_time_is_given_up_early(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(truth.time, "thread_time", lambda: now[0])
+
+    def at(spent, t):
+        now[0] = 3.0 + spent
+        pace.check(t)
+
+    with time_limit(10.0):
+        pace = truth.Pace(np.array([5.0, 6.0]))
+        at(0.0, 5.0)  # compiled meanwhile
+        at(0.9, 5.001)  # no tenth of the limit is spent
+        at(2.0, 5.11)  # some 18 s are needed, and a motion may become easier
+        with pytest.raises(NoConvergenceError, match=r"needs some 2e\+01 s of processor time, and its limit is 10 s"):
+            at(2.0, 5.09)
 
 
 def test_what_a_limit_of_time_ended_is_computed_again_within_a_longer_one():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cross_checks.truths import seek_truth
-from cross_checks.truths.made_by.mechanisms.spherical_tree import hamilton, newton_euler, spherical_tree
+from cross_checks.truths.made_by.mechanisms.spherical_tree import hamilton, newton_euler, spherical_tree, turned
 from cross_checks.truths.made_by.numerics.closed_forms import periodic_integral
 from cross_checks.truths.of import tops
 from cross_checks.truths.truth import Truth
@@ -44,10 +44,10 @@ def test_both_formulations_of_a_spherical_tree_turn_alike():
     tree = spherical_tree(scenes.make("double_gyroscope"))
     newton, momenta = newton_euler(tree), hamilton(tree)
     y = newton.start + 0.1 * np.random.default_rng(1).standard_normal(len(newton.start))
-    y[:8] = (y[:8].reshape(2, 4) / np.linalg.norm(y[:8].reshape(2, 4), axis=1, keepdims=True)).ravel()
+    y[:8] = (y[:8].reshape(4, 2) / np.linalg.norm(y[:8].reshape(4, 2), axis=0)).ravel()
 
     def with_momenta(x):
-        return np.concatenate([x[:8], tree.turned(x[:8].reshape(2, 4))[2] @ x[8:]])
+        return np.concatenate([x[:8], turned(tree, x[:8].reshape(4, 2))[2] @ x[8:]])
 
     h = 1e-6
     slope = newton.derivative(0.0, y)

@@ -8,6 +8,7 @@ import numpy as np
 
 from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.made_by.numerics.jet import Jet, parameter
+from cross_checks.truths.made_by.numerics.tabulated import Tabulated
 from cross_checks.truths.truth import Truth
 from mbs_ref.scene import PlanarBody, Scene, SpatialBody, symmetric
 from mbs_ref.scene.euler_parameters import from_matrix
@@ -54,10 +55,11 @@ def _axial(matrices):
 
 def lagrange(given: OneFreedom) -> Formulation:
     """J s'' + J' s'^2 / 2 + V' = 0 with the slopes by the rules of differentiation."""
+    terms = Tabulated(lambda s: np.array(given.at(s)))
 
     def derivative(t, y):
-        size, half_slope, _, pull = given.at(y[0])
-        return np.array([y[1], -(half_slope * y[1] ** 2 + pull) / size])
+        size, half_slope, _, pull = terms(y[0])
+        return np.array([y[1], -(half_slope * y[1] ** 2 + pull) / size], dtype=y.dtype)
 
     return Formulation(derivative, np.array([given.start, given.rate]), lambda t, y: given.world(y[0]))
 
@@ -66,10 +68,16 @@ def hamilton(given: OneFreedom) -> Formulation:
     """p = J s', p' = J' s'^2 / 2 - V', with J' and V' by a complex step: exact to rounding."""
     tiny = np.clongdouble(1e-30j)
 
+    def stepped(s: np.longdouble) -> np.ndarray:
+        size, _, height, _ = given.at(s + tiny)
+        return np.array([size.real, size.imag / tiny.imag, height.real, height.imag / tiny.imag])
+
+    terms = Tabulated(stepped)
+
     def derivative(t, y):
-        size, _, height, _ = given.at(y[0] + tiny)
-        turning = y[1] / size.real
-        return np.array([turning, (0.5 * size.imag * turning**2 - height.imag) / tiny.imag])
+        size, slope, _, pull = terms(y[0])
+        turning = y[1] / size
+        return np.array([turning, 0.5 * slope * turning**2 - pull], dtype=y.dtype)
 
     start = np.array([given.start, given.at(given.start)[0] * given.rate])
     return Formulation(derivative, start, lambda t, y: given.world(y[0]))

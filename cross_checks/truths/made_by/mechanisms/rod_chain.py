@@ -97,7 +97,7 @@ def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     work = np.column_stack([matrix, right])
     for k in range(n):
         work[k] /= work[k, k]
-        work[k + 1 :] -= np.outer(work[k + 1 :, k], work[k])
+        work[k + 1 :] -= work[k + 1 :, k, None] * work[k]
     x = work[:, n]
     for k in range(n - 1, 0, -1):
         x[:k] -= work[:k, k] * x[k]

@@ -2,9 +2,12 @@
 
 The centre of body i is r_i = o_i + sum_j A_j c_ij with constant c_ij. With d_ij = A_j c_ij its velocity is
 sum_j omega_j x d_ij: the angular velocities are free, and no constraint is left.
+
+Arrays hold components first.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,37 +19,16 @@ from mbs_ref.scene.euler_parameters import rotation_matrices
 EXTENDED_UP_TO = 4  # bodies; beyond, an elimination in Python takes minutes
 
 
-@dataclass(frozen=True)
-class SphericalTree:
+class SphericalTree(NamedTuple):
     """A tree of spherical joints that hangs on ground."""
 
     mass: np.ndarray  # (n,) kg
-    inertia: np.ndarray  # (n, 3, 3) kg m^2 about the centres, body axes
-    gravity: np.ndarray  # (3,) m/s^2
-    pivot: np.ndarray  # (n, 3) m, o_i
-    arms: np.ndarray  # (n, n, 3) m, c_ij
-    theta: np.ndarray  # (n, 4) Euler parameters at t = 0
-    omega: np.ndarray  # (n, 3) rad/s at t = 0, world axes
-
-    def turned(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return d (n, n, 3), the inertias in world axes and the mass matrix (3 n, 3 n) of the angular velocities."""
-        n = len(self.mass)
-        axes = rotation_matrices(theta)
-        d = np.einsum("jab,ijb->ija", axes, self.arms)
-        inertia = axes @ self.inertia @ np.swapaxes(axes, 1, 2)
-        weighed = self.mass[:, None, None] * d
-        blocks = -np.einsum("ika,ijb->jakb", d, weighed)
-        inner = np.einsum("ija,ika->jk", d, weighed)
-        for a in range(3):
-            blocks[:, a, :, a] += inner
-        for j in range(n):
-            blocks[j, :, j, :] += inertia[j]
-        return d, inertia, blocks.reshape(3 * n, 3 * n)
-
-    def poses(self, t, y) -> tuple[np.ndarray, np.ndarray]:
-        """Return the centres (n, 3) and Euler parameters (n, 4)."""
-        theta = y[: 4 * len(self.mass)].reshape(-1, 4)
-        return self.pivot + np.einsum("jab,ijb->ia", rotation_matrices(theta), self.arms), theta
+    inertia: np.ndarray  # (3, 3, n) kg m^2 about the centres, body axes
+    gravity: np.ndarray  # (3, 1) m/s^2
+    pivot: np.ndarray  # (3, n) m, o_i
+    arms: np.ndarray  # (3, n, n) m, c_ij
+    theta: np.ndarray  # (4, n) Euler parameters at t = 0
+    omega: np.ndarray  # (3, n) rad/s at t = 0, world axes
 
 
 def spherical_tree(scene: Scene) -> SphericalTree:
@@ -66,49 +48,96 @@ def spherical_tree(scene: Scene) -> SphericalTree:
             pivot[b], arms[b] = pivot[k], arms[k]
             arms[b, k] = arms[k, k] + back[k] @ (point - centre[k])
         arms[b, b] = back[b] @ (centre[b] - point)
-    return SphericalTree(
-        np.array([b.mass for b in bodies]), np.array([symmetric(b.inertia) for b in bodies]), np.array(scene.gravity),
-        pivot, arms, theta, np.array([b.angular_velocity for b in bodies]),
-    )  # fmt: skip
+    inertia, omega = [symmetric(b.inertia) for b in bodies], [b.angular_velocity for b in bodies]
+    firsts = (np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in (inertia, pivot, theta, omega))
+    inertia, pivot, theta, omega = firsts
+    mass, gravity = np.array([b.mass for b in bodies]), np.array(scene.gravity, dtype=float).reshape(3, 1)
+    return SphericalTree(mass, inertia, gravity, pivot, np.ascontiguousarray(np.moveaxis(arms, 2, 0)), theta, omega)
 
 
 def newton_euler(tree: SphericalTree) -> Formulation:
     """Return y = (theta, omega): moments of forces less those of inertia, about each body's joint."""
-
-    def derivative(t, y):
-        theta, omega = _split(tree, y)
-        d, inertia, matrix = tree.turned(theta)
-        inward = np.sum(np.cross(omega, np.cross(omega, d)), axis=1) - tree.gravity
-        moment = np.cross(d, tree.mass[:, None, None] * inward[:, None]).sum(axis=0)
-        moment = moment + np.cross(omega, np.einsum("jab,jb->ja", inertia, omega))
-        return np.concatenate([_rates(theta, omega).ravel(), solve(matrix, -moment.ravel())])
-
-    return Formulation(derivative, np.concatenate([tree.theta.ravel(), tree.omega.ravel()]), tree.poses)
+    return _formulation(tree, _newton_euler, tree.omega.ravel())
 
 
 def hamilton(tree: SphericalTree) -> Formulation:
     """Return y = (theta, p) with p = M omega: p_j' = sum_i m_i [(omega_j x d_ij) x v_i + d_ij x g]."""
+    return _formulation(tree, _hamilton, turned(tree, tree.theta)[2] @ tree.omega.ravel())
 
+
+def _formulation(tree: SphericalTree, slope: Callable, rates: np.ndarray) -> Formulation:
     def derivative(t, y):
-        theta, p = _split(tree, y)
-        d, _, matrix = tree.turned(theta)
-        omega = solve(matrix, p.ravel()).reshape(-1, 3)
-        parts = np.cross(omega, d)
-        velocity = parts.sum(axis=1)
-        pull = np.cross(parts, velocity[:, None]) + np.cross(d, tree.gravity.astype(y.dtype))
-        change = np.einsum("i,ija->ja", tree.mass, pull)
-        return np.concatenate([_rates(theta, omega).ravel(), change.ravel()])
+        return slope(tree, y[: 4 * len(tree.mass)].reshape(4, -1), y[4 * len(tree.mass) :])
 
-    p = tree.turned(tree.theta)[2] @ tree.omega.ravel()
-    return Formulation(derivative, np.concatenate([tree.theta.ravel(), p]), tree.poses)
+    def poses(t, y):
+        theta = y[: 4 * len(tree.mass)].reshape(4, -1)
+        return (tree.pivot + turned(tree, theta)[0].sum(axis=2)).T, theta.T
+
+    return Formulation(derivative, np.concatenate((tree.theta.ravel(), rates)), poses)
 
 
-def _split(tree: SphericalTree, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    n = 4 * len(tree.mass)
-    return y[:n].reshape(-1, 4), y[n:].reshape(-1, 3)
+def _newton_euler(tree: SphericalTree, theta: np.ndarray, y: np.ndarray) -> np.ndarray:
+    omega, (d, inertia, matrix) = y.reshape(3, -1), turned(tree, theta)
+    spin = omega[:, None]
+    inward = (spin * (spin * d).sum(axis=0) - d * (omega * omega).sum(axis=0)).sum(axis=2)
+    moment = _moments(d, tree.mass * (inward - tree.gravity)) + _cross(omega, (inertia * omega).sum(axis=1))
+    return np.concatenate((_rates(theta, omega).ravel(), solve(matrix, -moment.ravel())))
+
+
+def _hamilton(tree: SphericalTree, theta: np.ndarray, y: np.ndarray) -> np.ndarray:
+    d, _, matrix = turned(tree, theta)
+    omega = solve(matrix, y).reshape(3, -1)
+    parts = _cross(omega[:, None], d)
+    change = _moments(parts, tree.mass * parts.sum(axis=2)) + _moments(d, tree.mass * tree.gravity)
+    return np.concatenate((_rates(theta, omega).ravel(), change.ravel()))
+
+
+def turned(tree: SphericalTree, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return d (3, n, n), the inertias in world axes (3, 3, n) and the matrix (3 n, 3 n) of the angular velocities."""
+    n = len(tree.mass)
+    axes = _axes(theta)
+    d = (axes[:, :, None] * tree.arms).sum(axis=1)
+    half = (axes[:, :, None] * tree.inertia).sum(axis=1)
+    inertia = (half[:, None] * axes).sum(axis=2)
+    along = np.moveaxis(d, 1, 0).reshape(n, 3 * n)
+    products = (along.T @ (tree.mass[:, None] * along)).reshape(3, n, 3, n)
+    matrix = -products.transpose(2, 1, 0, 3)
+    each, inner = np.arange(3), products[0, :, 0] + products[1, :, 1] + products[2, :, 2]
+    matrix[each, :, each] += inner
+    matrix[:, np.arange(n), :, np.arange(n)] += np.moveaxis(inertia, 2, 0)
+    return d, inertia, matrix.reshape(3 * n, 3 * n)
+
+
+def _axes(theta: np.ndarray) -> np.ndarray:
+    """Return the matrices (3, 3, n) from body axes into world axes."""
+    e0, e1, e2, e3 = theta[0], theta[1], theta[2], theta[3]
+    s = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
+    axes = np.empty((3, 3, len(e0)), theta.dtype)
+    axes[0, 0] = 1.0 - s * (e2 * e2 + e3 * e3)
+    axes[1, 1] = 1.0 - s * (e1 * e1 + e3 * e3)
+    axes[2, 2] = 1.0 - s * (e1 * e1 + e2 * e2)
+    axes[0, 1], axes[1, 0] = s * (e1 * e2 - e0 * e3), s * (e1 * e2 + e0 * e3)
+    axes[0, 2], axes[2, 0] = s * (e1 * e3 + e0 * e2), s * (e1 * e3 - e0 * e2)
+    axes[1, 2], axes[2, 1] = s * (e2 * e3 - e0 * e1), s * (e2 * e3 + e0 * e1)
+    return axes
+
+
+def _moments(arms: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Return sum_i arms_ij x force_i (3, n)."""
+    result = np.empty_like(force)
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        result[a] = force[c] @ arms[b] - force[b] @ arms[c]
+    return result
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def _rates(theta: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """Return theta' = E^T omega / 2."""
-    e0, e = theta[:, :1], theta[:, 1:]
-    return 0.5 * np.concatenate([-np.sum(e * omega, axis=1, keepdims=True), e0 * omega + np.cross(omega, e)], axis=1)
+    """Return theta' = E^T omega / 2 (4, n)."""
+    rates = np.empty_like(theta)
+    rates[0] = -0.5 * (theta[1:] * omega).sum(axis=0)
+    rates[1:] = 0.5 * (theta[0] * omega + _cross(omega, theta[1:]))
+    return rates

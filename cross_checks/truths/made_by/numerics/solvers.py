@@ -7,29 +7,45 @@ import numpy as np
 import scipy
 
 from cross_checks.truths.made_by.numerics.closed_forms import legendre
-from cross_checks.truths.truth import EPS, NoConvergenceError, check_time
+from cross_checks.truths.truth import EPS, NoConvergenceError, Pace
 
-COLUMNS = 9  # order 18 at most
-EASY = 5  # converged this early, the next step may be longer: twice the step takes some three columns more
+COLUMNS = 10  # order 20 at most
+SAFE = 0.9  # of the step that the error allows
+LEAST, MOST = 0.1, 4.0  # of a step's length, the next one's
 SMALLEST_STEP = 1e-9  # s
 
 
-def attempt(derivative: Callable, t, y: np.ndarray, h, tolerance: float) -> tuple[np.ndarray | None, int]:
-    """Return the state after one step and the columns it took; None where they do not converge."""
+def attempt(derivative: Callable, t, y: np.ndarray, h, tolerance: float) -> tuple[np.ndarray | None, float]:
+    """Return the state after one step, None where its columns do not converge, and the next step's length over h.
+
+    That length has the least work for its length among the columns seen and the one after them (ibid., II.9).
+    """
     row: list[np.ndarray] = []
     slope = derivative(t, y)
     scale = max(1.0, float(np.max(np.abs(y))))
+    before, pace, longer = np.inf, 0.0, LEAST  # pace: most length for an evaluation so far, with a step so much longer
     for j in range(COLUMNS):
         fresh = [_midpoint(derivative, t, y, slope, h, 2 * (j + 1))]
         for k in range(1, j + 1):
             ratio = (y.dtype.type(j + 1) / (j + 1 - k)) ** 2
             fresh.append(fresh[k - 1] + (fresh[k - 1] - row[k - 1]) / (ratio - 1))
-        if j and np.max(np.abs(fresh[-1] - row[-1])) <= tolerance * scale:
-            return fresh[-1], j + 1
         if not np.all(np.isfinite(fresh[-1])):
-            break
+            return None, LEAST
+        if j:
+            error = float(np.max(np.abs(fresh[-1] - row[-1]))) / (tolerance * scale)
+            allowed, work = SAFE / max(error, EPS) ** (1 / (2 * j + 1)), (j + 1) * (j + 2)
+            is_better = allowed / work > pace
+            if is_better:
+                pace, longer = allowed / work, allowed
+            if error <= 1.0:
+                if is_better and j + 1 < COLUMNS:
+                    longer *= (j + 3) / (j + 1)  # a further column takes so much more work
+                return fresh[-1], min(max(longer, LEAST), MOST)
+            if error * (error / before) ** (COLUMNS - 1 - j) > 1.0:
+                break  # at this rate the columns left do not converge
+            before = error
         row = fresh
-    return None, COLUMNS
+    return None, min(max(longer, LEAST), 0.5)
 
 
 def _midpoint(derivative: Callable, t, y: np.ndarray, slope: np.ndarray, h, substeps: int) -> np.ndarray:
@@ -64,16 +80,16 @@ def extrapolate(
     states = np.empty((len(times), len(start)), dtype=start.dtype)
     states[0] = y = start
     t, step, changes = start.dtype.type(times[0]), start.dtype.type(FIRST_STEP if switches else 0.05), 0
-    on = None if switches is None else switches(t, y) > 0.0
+    on, pace = None if switches is None else switches(t, y) > 0.0, Pace(times)
     for k, goal in enumerate(times[1:].astype(start.dtype), start=1):
         while t < goal:
-            check_time(t)
+            pace.check(float(t))
             whole = step >= goal - t
             h = goal - t if whole else step
             slope = partial(derivative, on=on) if switches else derivative
-            ahead, columns = attempt(slope, t, y, h, tolerance)
+            ahead, factor = attempt(slope, t, y, h, tolerance)
             if ahead is None:
-                step = h / 2
+                step = h * factor
                 if step < SMALLEST_STEP:
                     raise NoConvergenceError(f"extrapolation stalls at t = {float(t):.6g} s")
                 continue
@@ -86,7 +102,7 @@ def extrapolate(
                 on = switches(t, y) > 0.0
                 continue
             t, y = goal if whole else t + h, ahead
-            step = max(step, 2 * h) if columns <= EASY else step
+            step = max(step, h * factor) if h < step else h * factor
         states[k] = y
     return states
 
@@ -120,7 +136,7 @@ def _by_scipy(name: str, derivative: Callable, start: np.ndarray, times: np.ndar
 
     The solver of that name is stepped onto every time: its dense output is of lower order.
     """
-    states, step = np.empty((len(times), len(start))), None
+    states, step, pace = np.empty((len(times), len(start))), None, Pace(times)
     states[0], tolerance = start, max(tolerance, TIGHTEST.get(name, 0.0))
     for k in range(1, len(times)):
         first = None if step is None else min(step, times[k] - times[k - 1])
@@ -128,7 +144,7 @@ def _by_scipy(name: str, derivative: Callable, start: np.ndarray, times: np.ndar
             derivative, times[k - 1], states[k - 1], times[k], rtol=tolerance, atol=tolerance, first_step=first
         )
         while solver.status == "running":
-            check_time(solver.t)
+            pace.check(solver.t)
             message = solver.step()
             if solver.status == "failed":
                 raise NoConvergenceError(f"{name} stops at t = {solver.t:.6g} s: {message}")
@@ -158,10 +174,10 @@ def collocate(
     """
     result = np.empty((len(times), *place.shape), dtype=np.longdouble)
     result[0] = place
-    t, step = np.longdouble(times[0]), np.longdouble(0.05)
+    t, step, pace = np.longdouble(times[0]), np.longdouble(0.05), Pace(times)
     for k, goal in enumerate(times[1:].astype(np.longdouble), start=1):
         while t < goal:
-            check_time(float(t))
+            pace.check(float(t))
             h = min(step, goal - t)
             stages, force, last = _attempt(acceleration, t, place, rate, h, tolerance)
             factor = min(2.0, 0.9 * (tolerance / max(last, 1e-30)) ** (1 / STAGES))
