@@ -48,11 +48,9 @@ def spherical_tree(scene: Scene) -> SphericalTree:
             pivot[b], arms[b] = pivot[k], arms[k]
             arms[b, k] = arms[k, k] + back[k] @ (point - centre[k])
         arms[b, b] = back[b] @ (centre[b] - point)
-    inertia, omega = [symmetric(b.inertia) for b in bodies], [b.angular_velocity for b in bodies]
-    firsts = (np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in (inertia, pivot, theta, omega))
-    inertia, pivot, theta, omega = firsts
+    inertia, omega = np.array([symmetric(b.inertia) for b in bodies]), np.array([b.angular_velocity for b in bodies])
     mass, gravity = np.array([b.mass for b in bodies]), np.array(scene.gravity, dtype=float).reshape(3, 1)
-    return SphericalTree(mass, inertia, gravity, pivot, np.ascontiguousarray(np.moveaxis(arms, 2, 0)), theta, omega)
+    return SphericalTree(mass, np.moveaxis(inertia, 0, 2), gravity, pivot.T, np.moveaxis(arms, 2, 0), theta.T, omega.T)
 
 
 def newton_euler(tree: SphericalTree) -> Formulation:
