@@ -97,12 +97,12 @@ def turned(tree: SphericalTree, theta: np.ndarray) -> tuple[np.ndarray, np.ndarr
     d = (axes[:, :, None] * tree.arms).sum(axis=1)
     half = (axes[:, :, None] * tree.inertia).sum(axis=1)
     inertia = (half[:, None] * axes).sum(axis=2)
-    along = np.moveaxis(d, 1, 0).reshape(n, 3 * n)
+    along = d.transpose(1, 0, 2).reshape(n, 3 * n)
     products = (along.T @ (tree.mass[:, None] * along)).reshape(3, n, 3, n)
     matrix = -products.transpose(2, 1, 0, 3)
     each, inner = np.arange(3), products[0, :, 0] + products[1, :, 1] + products[2, :, 2]
     matrix[each, :, each] += inner
-    matrix[:, np.arange(n), :, np.arange(n)] += np.moveaxis(inertia, 2, 0)
+    matrix[:, np.arange(n), :, np.arange(n)] += inertia.transpose(2, 0, 1)
     return d, inertia, matrix.reshape(3 * n, 3 * n)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from cross_checks.truths.truth import ALIKE, NoConvergenceError, check_time
+from cross_checks.truths.truth import ALIKE, NoConvergenceError, Pace
 from mbs_ref import Scene
 from mbs_ref.scene.contact import RigidLaw
 
@@ -91,6 +91,7 @@ class _Walk:
         self.seen: tuple[float, float, np.ndarray] | None = None  # s: event looked from, how far beyond; state there
 
     def through(self, times: np.ndarray) -> np.ndarray:
+        self.pace = Pace(times)
         t, z = 0.0, np.concatenate((self.line.position, self.line.velocity, [1.0]))
         self.modes = [OPEN] * len(self.rows)
         for k, contact in enumerate(self.line.contacts):
@@ -99,7 +100,7 @@ class _Walk:
         result, events = np.empty((len(times), self.n)), 0
         for place, goal in enumerate(times):
             while True:
-                check_time(t)
+                self.pace.check(t)
                 instant, here = self._until(t, z, float(goal))
                 if instant is None:
                     break
@@ -166,7 +167,7 @@ class _Walk:
         before, now = self.seen[1:] if self.seen and self.seen[0] == t else (0.0, z)
         step, ahead = scipy.linalg.expm(self._generator() * look), [now]
         while before < end - t:
-            check_time(t + before)
+            self.pace.check(t + before)
             for _ in range(TOGETHER):
                 ahead.append(step @ ahead[-1])
             broken = self._guards(np.array(ahead[1:])) < 0.0
