@@ -220,3 +220,14 @@ def test_a_bounce_needs_two_samples_of_flight_on_both_sides(lacking):
     rows = {"before": slice(1, None), "after": slice(None, -1), "neither": slice(None)}[lacking]
     found = contact_figures._flights(gap[rows], rate[rows])
     assert found == (((0, 1), (4, 5)) if lacking == "neither" else (None, None))
+
+
+def test_every_metric_has_its_label_and_unit():
+    assert {one.name: (one.label, one.unit, one.plotted) for one in metrics.every().values()} == {
+        "compliance_position": ("compliance", "m, rad", True),
+        "compliance_velocity": ("rate compliance", "m/s, rad/s", False),
+        "energy_drift": ("energy drift", "J", True),
+        "momentum_drift": ("momentum drift", "kg m/s, kg m^2/s", False),
+        "reaction_error": ("joint force error", "N, N m", False),
+        **{name: (name.replace("_", " "), unit, False) for name, unit in UNITS.items()},
+    }

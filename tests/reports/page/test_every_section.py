@@ -225,6 +225,11 @@ def test_findings_of_wrong_answers(seed):
     assert [(-one.error, one.tone == "fair") for one in found] == sorted(
         (-one.error, one.tone == "fair") for one in found
     )
+    last = len(Verdict)  # orders follow all verdicts
+    words = [one.title.split(": ")[-1] for one in found]
+    places = [list(Verdict).index(Verdict(word)) if word in [*Verdict] else last for word in words]
+    ranks = [(-one.error, one.tone, place) for one, place in zip(found, places, strict=True)]
+    assert ranks == sorted(ranks)
     first = findings.context(ReportData(tuple(cells), ()), 3)
     assert (first["findings"], first["number"]) == (found[:3], len(found))
 
@@ -443,7 +448,11 @@ def test_lines_of_several_curves_on_one_figure():
     assert [line["name"] for line in shown["data"]] == ["one: a", "one: b", "two", "c"]
     assert [line["x"][0] for line in shown["data"]] == [0.0, 0.0, 4.0, 4.0]
     assert [line["marker"]["color"] for line in shown["data"]] == [line["line"]["color"] for line in shown["data"]]
-    assert len({line["marker"]["symbol"] for line in shown["data"]}) == 4
+    marks = [(line["marker"]["color"], line["marker"]["symbol"]) for line in shown["data"]]
+    assert marks == list(zip(curves.COLOURS, curves.SYMBOLS, strict=True))[:4]
+    (known,) = curves.overlay({"": curves.curves(x, {"exudyn": x}, "y, m")})["data"]
+    assert (known["marker"]["color"], known["marker"]["symbol"]) == (
+        curves.style_of("exudyn").colour, curves.style_of("exudyn").symbol)  # fmt: skip
     assert shown["data"][1]["y"] == [curves.FLOOR, 1.0, 2.0]
     assert shown["data"][2]["y"] == [0.0, 3.0, 6.0]
     assert [line["mode"] for line in shown["data"]] == ["lines", "lines", "markers", "markers"]

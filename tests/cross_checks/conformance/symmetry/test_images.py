@@ -106,3 +106,13 @@ def test_masses_of_attracting_bodies_follow_the_order_of_the_bodies():
     before, after = ([load.gm for load in own.loads if isinstance(load, Newton)] for own in (scene, seen))
     assert after == [gm[::-1] for gm in before if gm]
     assert after
+
+
+def test_one_force_that_varies_is_enough_whatever_stands_beside_it():
+    steady = _pushed_along_its_own_axes(2)
+    ramp = Table(times=(0.0, 1.0), values=(0.0, 1.0))
+    (push,) = steady.loads
+    for loads in ((push, push.model_copy(update={"name": "varied", "factor": ramp})),
+                  (push.model_copy(update={"factor": ramp}), push.model_copy(update={"name": "other"}))):  # fmt: skip
+        assert placement.cut_obstacle(steady.model_copy(update={"loads": loads}), back=False) == (
+            "signals are not carried over a cut")  # fmt: skip
