@@ -196,7 +196,10 @@ def test_loop_times_of_a_record_and_an_interval():
     ("ratio", "low", "high", "pace"),
     [(1.06, 1.01, 1.2, "slower"), (1.06, 0.99, 1.2, "inconclusive"), (1.04, 1.01, 1.06, "inconclusive"),
      (0.94, 0.9, 0.99, "faster"), (0.94, 0.9, 1.01, "inconclusive"), (1.0, 0.96, 1.04, "same"),
-     (1.0, 0.95, 1.04, "inconclusive"), (1.02, 1.01, 1.04, "same"), (1.0, 0.96, 1.06, "inconclusive")],
+     (1.0, 0.95, 1.04, "inconclusive"), (1.02, 1.01, 1.04, "same"), (1.0, 0.96, 1.06, "inconclusive"),
+     (1.0, 0.96, timing.LIMIT, "inconclusive"), (1.0, 1.0 / timing.LIMIT, 1.04, "inconclusive"),
+     (1.06, 1.0, 1.2, "inconclusive"), (0.94, 0.9, 1.0, "inconclusive"),
+     (timing.LIMIT, 1.01, 1.2, "inconclusive"), (1.0 / timing.LIMIT, 0.9, 0.99, "inconclusive")],
 )  # fmt: skip
 def test_the_pace_of_an_interval(ratio, low, high, pace):
     assert timing.verdict(ratio, low, high) == pace
@@ -327,3 +330,25 @@ def test_nothing_is_chosen_so_far_before_a_truth_is_known(monkeypatch):
     command._swept(scenes.make("pendulum"), (), None, Bounds(1.0), False)
     assert best[0]([replace(run, error=None) for run in runs_of(1)]) == ""
     assert best[0](runs_of(1)) == f"{pick(runs_of(1), 1.0).sentence} {basis(runs_of(1))}"
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_times_of_this_machine_are_held_unless_a_setting_is_timed_again(monkeypatch, again):
+    monkeypatch.setattr(timing, "machine", lambda: "box")
+    scene, run, seen = scenes.make("pendulum"), replace(runs_of(6)[0], settings={"method": "rk4", "step": 0.1}), []
+    with Store() as store:
+        for host, loops in (("box", [0.4, 0.6]), ("another box", [0.1])):
+            store.keep_timings(timing._key(scene, run), host, loops)
+        timing.measured(store, lambda *given: seen.append(given) or ([0.5], 1.0), scene, run, again)
+    ((function, *given),) = seen
+    assert (function, given) == (timing.time_loops, [scene, run.engine, Settings(method="rk4", step=0.1),
+                                                     [] if again else [0.4, 0.6]])  # fmt: skip
+
+
+@pytest.mark.parametrize("side", ["error", "compliance", "budget"])
+def test_a_run_that_meets_a_bound_exactly_is_within_it(side):
+    run = runs_of(4)[0]
+    bounds = {"error": worst(run), "compliance": gap(run), "budget": loop(run)}
+    assert math.isfinite(gap(run))
+    assert pick([run], **bounds).best == run
+    assert pick([run], **bounds | {side: bounds[side] * (1.0 - 1e-9)}).best is None

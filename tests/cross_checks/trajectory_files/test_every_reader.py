@@ -287,3 +287,12 @@ def test_a_program_judges_by_the_machines_store(monkeypatch):
     found: Any = library.judge(SCENE, "a.csv", error=1e-3, column_map="m.toml")
     assert found == (SCENE, (Path("a.csv"), SCENE, Path("m.toml")), "at", 1e-3)
     assert opened == [(library.default_path(),)]
+
+
+@pytest.mark.parametrize("count", [1, 19, 20, 21, 40])
+def test_a_column_that_is_missing_is_told_beside_the_first_twenty(tmp_path, count):
+    columns = columns_of({"t": np.arange(2.0), **{f"c{k}": np.zeros(2) for k in range(count - 1)}}, "t", None)
+    names = ["t", *(f"c{k}" for k in range(count - 1))]
+    with pytest.raises(FileError) as raised:
+        _column(columns, "zzzz", "bodies.a.position")
+    assert str(raised.value).endswith(f"it has: {', '.join(names[:20])}{', ...' if count > 20 else ''}")

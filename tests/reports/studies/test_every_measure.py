@@ -584,3 +584,22 @@ def test_a_pair_has_a_row_for_each_target_and_one_for_who_cannot_run_the_scene(m
         (1e-3, "x", "reached", 0.5), (1e-3, OURS, "reached", 1.0), (1e-6, "x", "reached", None),
         (1e-6, OURS, "not-reached", None), (None, "z", "cannot", None)]  # fmt: skip
     assert (rows[-1].entry.reason, {row.constrained for row in rows[:-1]}) == ("no ropes", {True})
+
+
+@pytest.mark.parametrize(("scene", "words"), [
+    (scenes.make("solar_system", model="newton", start="1998-01-01", days=10.0), "solar_system 1998-01-01"),
+    (scenes.make("satellite", orbit="leo" if "leo" in sky.ORBITS else sky.ORBITS[0], days=1.0), None),
+], ids=["decade", "satellite"])  # fmt: skip
+def test_a_lap_is_named_by_its_date_or_its_orbit_and_is_the_rivals_time_over_ours(monkeypatch, scene, words):
+    """The least time of all turns counts."""
+    asked: list[Any] = []
+    path = lambda loop_s: SimpleNamespace(timing=SimpleNamespace(loop_s=loop_s))  # noqa: E731
+    solvers = {name: SimpleNamespace(run=lambda *given, name=name: asked.append((name, *given)) or name)
+               for name in ("mbs_ref", "heyoka")}  # fmt: skip
+    monkeypatch.setattr(sky.engines, "get", solvers.__getitem__)
+    monkeypatch.setattr(sky, "interleaved", lambda runs, count: [[path(2.0), path(0.5)], [path(1.5), path(3.0)]])
+    monkeypatch.setattr(sky, "_apart", lambda *given: given)
+    row = sky._lap("heyoka", sky.TAYLOR, scene)
+    assert row == {"scene": words or f"satellite {scene.parameters['orbit']}", "ratio": 3.0,
+                   "apart": (scene, "mbs_ref", "heyoka")}  # fmt: skip
+    assert asked == [("mbs_ref", scene, sky.FINE), ("heyoka", scene, sky.TAYLOR)]

@@ -583,3 +583,28 @@ def test_clocks_and_light_time_of_frames(monkeypatch):
     assert days == pytest.approx([-62.5, 43200.0 - 62.5], abs=1e-4)
     mars = [rows[f"Mars from the Earth: {name}"]() for name in ("geometric", "light time", "and aberration")]
     assert mars == [(False, False), (True, False), (True, True)]
+
+
+@pytest.mark.parametrize(("gaps", "shown"), [([2e-5, 7e-4, np.inf], None), ([2e-5, np.nan], None), ([2e-5], 2e-5)])
+def test_a_compliance_that_is_not_finite_is_unknown_and_its_curve_ends(monkeypatch, android, gaps, shown):
+    held = np.array([[0.0, 0.0], *([0.1 * (k + 1), gap] for k, gap in enumerate(gaps))])
+    path = motion(android, step_compliance=held)
+    monkeypatch.setattr(androids, "with_test", lambda scene, settings, tested: (path, path, 3e-6))
+    measured = Measured()
+    androids.add_run(measured, android, androids.Settings(method="rk4", step=1e-4))
+    assert measured.tables["runs"][0]["compliance"] == shown
+    (line,) = measured.curves.values()
+    assert line.lines["|C|"] == tuple(gap for gap in gaps if np.isfinite(gap))
+
+
+def test_the_head_and_the_hip_are_each_their_own_body(monkeypatch, android):
+    """The hip is the bottom."""
+    paths = [motion(android), motion(android)]
+    apart = np.zeros((len(paths[0].times), len(android.bodies), 4))
+    apart[1:, android.body_index("head"), 0], apart[1:, android.body_index("bottom"), 0] = 0.25, 0.5
+    monkeypatch.setattr(androids, "distances", lambda scene, one, other: apart)
+    monkeypatch.setattr(androids, "truth_for", lambda *given: None)
+    monkeypatch.setattr(androids, "off_truth", lambda *given: None)
+    monkeypatch.setattr(androids.ladder, "grid", lambda scene: paths[0].times)
+    row = androids.add_convergence(Measured(), android, dict(zip(androids.UNLIKE, paths, strict=True)))
+    assert (row["head"], row["hip"]) == (0.25, 0.5)
