@@ -462,3 +462,24 @@ def test_grains_with_corners_are_drawn_as_large_as_the_sphere_around_them():
     found = drawn._circles(grains, scene.bodies)
     assert [(name, place) for name, place, _ in found] == [(body.name, body.position) for body in scene.bodies]
     assert [size for _, _, size in found] == pytest.approx([radius + float(np.hypot(np.hypot(*half[:2]), half[2]))] * 3)
+
+
+@pytest.mark.parametrize("k", [0, 2])
+def test_a_picture_states_its_time_in_the_unit_of_the_whole_film_and_a_round_length(monkeypatch, k):
+    """The bar ends 8 pixels from the right, 6 above the lower edge, and is as long as its words say."""
+    texts: list[tuple[Any, str]] = []
+    bars: list[tuple[float, ...]] = []
+    pen = SimpleNamespace(line=lambda ends, **how: bars.append(ends), text=lambda at, text, **how: texts.append(
+        (at, text)))  # fmt: skip
+    monkeypatch.setattr(files.ImageDraw, "Draw", lambda image: pen)
+    for name in ("_bodies", "_orbits"):
+        monkeypatch.setattr(Camera, name, lambda *given: None)
+    shown = replace(scenery(np.random.default_rng(3)), times=np.array([0.0, 7200.0, 10_800.0]))
+    camera = Camera(shown)
+    assert camera.picture(shown, k, "rk4").size == camera.size
+    wide, high = camera.size
+    length, words = round_length(0.3 * wide / camera.scale)
+    assert [text for _, text in texts] == [words, f"t = {'0.0 h' if k == 0 else '3.0 h'}", "rk4"]
+    (bar,) = bars
+    assert bar == pytest.approx((2 * (wide - 8) - 2 * length * camera.scale, 2 * (high - 6), 2 * (wide - 8),
+                                 2 * (high - 6)))  # fmt: skip

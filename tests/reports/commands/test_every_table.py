@@ -172,6 +172,7 @@ def test_sweep(monkeypatch, tables, seed):
         ("status", lambda r: r.status), ("error", lambda r: g(r.error.value if r.error else None)),
         ("compliance", lambda r: g(r.measures["compliance_position"])), ("loop, s", lambda r: g(r.times["loop_s"])),
     ])  # fmt: skip
+    assert run("sweep", "pendulum").stdout == ""  # but the table
     printed = run("sweep", "pendulum", "--json").stdout.splitlines()
     assert [lines.adapter(Record).validate_python(json.loads(line)) for line in printed] == made
 
@@ -367,7 +368,9 @@ def test_inspect(tables, name):
     limits = printed["largest_step_s"].items()
     assert text["largest_step_s"] == ", ".join(
         f"{one} {'not limited by stability' if limit is None else g(limit)}" for one, limit in limits)  # fmt: skip
+    assert (tables[-1].title, tables[-1].head) == (f"{name} at t = 0", ["quantity", "value"])
     counted = [row for row in tables[-1].rows if row[0].endswith(", closed")]
+    assert all(("contacts" in row[0]) == (row[0].split()[0] != "1") for row in counted)
     assert sum(int(row[0].split()[0]) for row in counted) == len(printed["closed_contacts"])
     assert all(f"(impact at {g(speed)} m/s)" in said or "impulses" in said for _, said in counted)
 

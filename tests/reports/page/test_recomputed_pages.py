@@ -30,7 +30,7 @@ from reports.facts.stored import Stored, adapter, keep, recall
 from reports.page import advice, findings
 from reports.page.render import RECORDS, templates
 from reports.page.sections import extremes, matrix, method, overview, plots, prices, profiles
-from tests.reports.page.test_shown_figures import LINKS, OFFERED, irregular
+from tests.reports.page.test_shown_figures import LINKS, irregular
 
 SEEDS = range(3)
 UNITS = {"m": 1.0, "J": 1.0, "s": 1.0, "ms": 1e-3, "µs": 1e-6, "%": 1e-2, "×": 1.0}
