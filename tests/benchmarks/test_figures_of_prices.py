@@ -352,3 +352,31 @@ def test_a_run_that_meets_a_bound_exactly_is_within_it(side):
     assert math.isfinite(gap(run))
     assert pick([run], **bounds).best == run
     assert pick([run], **bounds | {side: bounds[side] * (1.0 - 1e-9)}).best is None
+
+
+def test_a_run_five_times_as_dear_as_the_cheapest_may_still_prove_the_cheapest():
+    first, *others = (replace(runs_of(4)[0], times={"loop_s": loop_s}) for loop_s in (0.25, 1.25, 1.2501, 0.5))
+    assert contenders([first, *others], Bounds(1.0)) == [first, others[0], others[2]]
+
+
+@pytest.mark.parametrize(
+    ("loops", "enough"),
+    [([1.0], False), ([1.001], True), ([0.25, 0.5, 0.25], False), ([1.0, 0.5, 0.5], True),
+     ([1.0, 1.1, 0.9], True), ([0.1] * 2, False), ([0.1, 0.111, 0.1], False), ([0.1, 0.109, 0.1], True),
+     ([0.01, 0.03, 0.01, 0.03, 0.01], True), ([0.01, 0.03, 0.01, 0.03], False)],
+)  # fmt: skip
+def test_runs_of_a_setting_are_enough_at_these_counts_and_times(loops, enough):
+    """One beyond a second; three whose interval is narrower than a twentieth, or beyond a second; else five."""
+    assert timing.is_enough(loops) == enough
+
+
+@pytest.mark.parametrize(("factor", "doubt", "move"), [(2.0, 0.0, "same"), (2.01, 0.0, "worse"), (0.5, 0.0, "same"),
+                                                       (0.49, 0.0, "better"), (4.0, 4.0, "same"),
+                                                       (4.0, 3.9, "worse")])  # fmt: skip
+def test_errors_within_a_factor_of_two_or_within_the_truths_uncertainty_are_the_same(factor, doubt, move):
+    run = runs_of(8)[0]
+    assert run.error
+    pair = [replace(run, error=replace(run.error, value=x, uncertainty=u)) for x, u in ((0.5, 0.0), (
+        0.5 * factor, 0.5 * doubt))]  # fmt: skip
+    (one,) = changes(*([r] for r in pair))
+    assert one.move == move

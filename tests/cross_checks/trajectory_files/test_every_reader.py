@@ -296,3 +296,12 @@ def test_a_column_that_is_missing_is_told_beside_the_first_twenty(tmp_path, coun
     with pytest.raises(FileError) as raised:
         _column(columns, "zzzz", "bodies.a.position")
     assert str(raised.value).endswith(f"it has: {', '.join(names[:20])}{', ...' if count > 20 else ''}")
+
+
+@pytest.mark.parametrize(("value", "doubt", "verdict"), [
+    (0.25, 0.0, "agrees"), (0.125, 0.125, "agrees"), (0.375, 0.125, "not-judged"), (0.376, 0.125, "departs"),
+    (0.251, 0.0, "departs"), (0.126, 0.125, "not-judged"),
+])  # fmt: skip
+def test_an_error_equal_to_the_limit_agrees_and_one_that_the_doubt_explains_is_not_judged(value, doubt, verdict):
+    _, truth, _ = irregular(1)
+    assert _verdict(Error(value, "exact", doubt, None), truth, 0.25)[0] == verdict
