@@ -698,7 +698,8 @@ def test_conformance(monkeypatch, tables, tmp_path, seed):
     chance.shuffle(outcomes)
     found = [Finding(f"question{k}", f"method{k}", f"scene{k}", outcome, f"detail{k}", "weak" * (outcome == "exempt"))
              for k, outcome in enumerate(outcomes)]  # type: ignore[arg-type]  # fmt: skip
-    report = Report("mbs_ref", "9.9", tuple(found), tuple(rows), ("belt",))
+    strange = ("belt", "chain")[:seed]  # parts that it declares and no scene has
+    report = Report("mbs_ref", "9.9", tuple(found), tuple(rows), strange)
     monkeypatch.setattr(examine, "examine", lambda *given: report)
     files = [str(tmp_path / name) for name in ("all.json", "badge.json")]
     done = run("conformance", "--json", files[0], "--badge", files[1])
@@ -714,6 +715,8 @@ def test_conformance(monkeypatch, tables, tmp_path, seed):
         start = {"exempt": "exempt: ", "failed": "FAILED: ", "passed": "none"}[one.outcome]
         assert any(line.startswith(f"{start}{one.question}: {one.scene}") and line.endswith(one.detail)
                    for line in said) == (one.outcome != "passed")  # fmt: skip
+    lacking = f"declared, and in none of the scenes: {', '.join(strange)}"
+    assert [line for line in said if line.startswith("declared")] == ([lacking] if strange else [])
     counts = Counter(outcomes)
     assert said[-1] == ", ".join(f"{counts[word]} {word}" for word in ("passed", "exempt", "failed"))
     badge = json.loads((tmp_path / "badge.json").read_text())
@@ -821,6 +824,8 @@ def test_certify(monkeypatch, tables):
     assert run("certify").exit_code == 0
     one, other = fresh[library[0].name], fresh[library[2].name]
     assert tables[0].head == ["truth", "verdict", "kind", "known to, m", "two ways, m", "departs by, m"]
+    names = [certify.certificate.file_name(scene).removesuffix(".json") for scene in library]
+    assert [row[0] for row in tables[0].rows] == names
     assert [row[1:] for row in tables[0].rows] == [
         ["holds", "exact", "0.02", g(one.difference), "0.05"], ["no truth: none known", "", "", "", ""],
         ["new", "exact", "0.3", g(other.difference), "-"]]  # fmt: skip

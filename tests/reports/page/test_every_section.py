@@ -170,6 +170,10 @@ def test_verdicts_by_method(seed):
         assert row["command"] == f"mbs-ref rerun {label.replace(' ', ',')}/{cell.engine}/{cell.method}"
         assert [t["reason"] for t in row["targets"]] == [f"why {t:g}" for t in TARGETS]
         assert [t["text"] for t in row["targets"]] == [ANSWERS[t.answer][0] for t in cell.targets]
+        run = Record("s", {}, cell.engine, "m", {"step": 0.25}, "success")
+        met = replace(cell, targets=tuple(replace(t, record=run, answer="reached") for t in cell.targets))
+        assert {t["text"] for t in matrix.view(met)["targets"]} == {"h = 0.25 s"}
+        assert [t["target"] for t in matrix.view(met)["targets"]] == ["1e-3", "1e-6", "1e-9"]
         assert [t["tone"] for t in row["targets"]] == [ANSWERS[t.answer][1] for t in cell.targets]
     refused = [c for c in data.cells if c.verdict is Verdict.CANNOT]
     assert sum(len(r.scenes.split(", ")) * len(r.methods.split(", ")) for r in shown["refused"]) == len(refused)
@@ -484,5 +488,11 @@ def test_the_error_of_a_run_in_a_row_of_prices_is_its_own():
     row = prices._row(report_data.Entry("exudyn", "reached", run), 2.5)
     shown = [row[key] for key in ("error", "metres", "compliance", "time", "factor", "setting", "method")]
     assert shown == ["3e-5", "1.2e-4 m", "7e-9 m", "250 ms", "2.5 ×", "h = 0.1 s", "m"]
+    missed = prices._row(report_data.Entry("exudyn", "not-tried", None, "exudyn is slow", "m"), None)
+    for own in (row, missed):
+        assert (own["inside"], own["ours"]) == (report_data.INSIDE["exudyn"], False)
+    assert missed["missed"] == f"{ANSWERS['not-tried'][0]}: exudyn is slow (m)"
+    assert prices._row(report_data.Entry("strange", "cannot", None, "", "m"), None)["missed"] == (
+        f"{ANSWERS['cannot'][0]}: no reason was given")  # fmt: skip
     assert [prices._factor(report_data.Entry(e, "reached", run), f) for e, f in (
         ("exudyn", 1.0), (OURS, 1.0), ("exudyn", None))] == ["cheapest", "1 ×", "alone"]  # fmt: skip

@@ -195,7 +195,7 @@ def test_another_engines_method_is_judged_and_its_joint_forces_compared(monkeypa
                 setting="step=0.05", loop_s=0.7)  # fmt: skip
     asked: list[Any] = []
     monkeypatch.setattr(androids, "search", lambda *given: asked.append(given) or (SimpleNamespace(records=records), 1))
-    monkeypatch.setattr(androids, "cell_of", lambda tried, answers: cell)
+    monkeypatch.setattr(androids, "cell_of", lambda tried, answers: cell if tried.records and answers == 1 else None)
     monkeypatch.setattr(androids, "_ours", lambda *given: given)
 
     def again(scene: Any, engine: str, settings: Settings, times: Any, truth: Any, reference: Any) -> Any:

@@ -116,3 +116,14 @@ def test_one_force_that_varies_is_enough_whatever_stands_beside_it():
                   (push.model_copy(update={"factor": ramp}), push.model_copy(update={"name": "other"}))):  # fmt: skip
         assert placement.cut_obstacle(steady.model_copy(update={"loads": loads}), back=False) == (
             "signals are not carried over a cut")  # fmt: skip
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_vectors_along_a_bodys_own_axes_are_inverted_or_reflected_by_a_mirror_and_torques_never(dimension, sense):
+    """Axes of a mirrored body are inverted in space, and reflected at its x axis in the plane."""
+    image = Placement(np.diag([1.0] * (dimension - 1) + [sense]), np.zeros(dimension))
+    value = np.array([1.0, 2.0, 3.0][:dimension])
+    mirrored = -value if dimension == 3 else np.array([1.0, -2.0])
+    seen = {what: placement._in_body_axes(value, what, image) for what in ("polar", "axial")}
+    assert seen == {"polar": tuple(value if sense > 0.0 else mirrored), "axial": tuple(value)}
