@@ -165,3 +165,7 @@ def test_costs_are_those_of_the_runs_that_have_an_estimate():
     empty = table([replace(made(None, None), cost=None)])[0]
     assert [empty[name] for name in ("with_estimate", "judged", "below", "share_below", "cost_median")] == [
         0, 0, 0, None, None]  # fmt: skip
+
+
+def test_before_the_first_run_nothing_is_stored(tmp_path):
+    assert stored(tmp_path / "none.jsonl") == {}

@@ -88,3 +88,8 @@ def test_what_is_awaited_is_announced_only_while_it_lasts(monkeypatch, capsys, l
         time.sleep(0.2 * longer)
     time.sleep(0.1)
     assert capsys.readouterr().err == "the truth ...\n" * longer
+
+
+def test_complaints_are_on_stderr_line_by_line(capsys):
+    console.complain(["first", "second"])
+    assert tuple(capsys.readouterr()) == ("", "first\nsecond\n")

@@ -70,6 +70,7 @@ def test_a_deviation_that_stays_is_stated_and_one_that_vanishes_or_is_small_is_n
     assert text.startswith("joints open by 2.0e-03 1.1e-03 1.0e-03 1.0e-03, coarse to fine, ")
     assert not rising.deviation("x", [curve * 16.0**-k for k, curve in enumerate(stays)], 1e-8)
     assert not rising.deviation("x", stays, 1.01e-3)
+    assert not rising.deviation("x", stays, float(np.abs(stays[-1]).max()))
     assert not rising.deviation("x", [*stays[:-1], None], 1e-8)
     assert ladder._peak(np.array([1.0, -3.0, 2.0])) == 3.0
 

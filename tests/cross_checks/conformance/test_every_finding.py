@@ -12,7 +12,7 @@ import pytest
 
 from cross_checks.conformance import examine, repeatability
 from cross_checks.conformance import symmetry as violation
-from cross_checks.conformance.apart import Apart, Called
+from cross_checks.conformance.apart import Apart, Called, Wrapped
 from cross_checks.conformance.finding import Finding, Row
 from cross_checks.conformance.questions import STEPS
 from cross_checks.engine import Engine
@@ -230,3 +230,16 @@ def test_repeatability_counts_for_every_engine_in_its_turn(monkeypatch):
         for name in ("times", "position", "orientation", "velocity", "angular_velocity")
     }
     assert Timing().loop_s == 0.0
+
+
+def test_a_wrapped_engine_answers_as_the_one_inside():
+    inner: Any = SimpleNamespace(
+        name="toy", package="toy-package", part_types=frozenset({"weld"}), methods=lambda: ("m",), version=lambda: "7",
+        refusals=lambda scene: [f"no {scene}"], method_refusals=lambda scene, method: [f"{method} no {scene}"],
+        run=lambda *given: given,
+    )  # fmt: skip
+    made: Any = Wrapped(inner)
+    assert (made.name, made.package, made.part_types) == ("toy", "toy-package", {"weld"})
+    assert (made.methods(), made.version()) == (("m",), "7")
+    assert (made.refusals("scene"), made.method_refusals("scene", "m")) == (["no scene"], ["m no scene"])
+    assert made.run("scene", "settings", "times") == ("scene", "settings", "times")

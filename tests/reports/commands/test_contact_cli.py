@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import pytest
@@ -106,3 +107,21 @@ def test_an_instant_is_of_a_scene_that_is_named_or_of_a_block_that_friction_hold
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout) == {"name": "a", "value": 0.25}
     assert asked == [(("another", 0.0, 1e-4) if holding else ("the scene flat", 0.5, 1e-4), file)]
+
+
+KINDS = (("--figures",), ("--holding",), ("--instant", "x.npz"), ("--tosses",), ("--folder", "."))
+
+
+@pytest.mark.parametrize("words", [(*one, *other) for one, other in combinations(KINDS, 2)])
+def test_kinds_of_comparisons_exclude_each_other(monkeypatch, words):
+    """But the instant is of a block that friction holds, and a folder holds tosses."""
+    reached: list[Any] = []
+    monkeypatch.setattr("cross_checks.contact.models", lambda names: ({"mujoco": "model"}, []))
+    monkeypatch.setattr("cross_checks.contact.by_figure.holding", dict)
+    monkeypatch.setattr("reports.commands.choose.contact._violations", lambda *given: reached.append(given) or [])
+    noted = lambda *given, **more: reached.append(given) or []  # noqa: E731
+    monkeypatch.setattr("reports.commands.choose.contact._predictions", noted)
+    done = CliRunner().invoke(main, ["contact", *words])
+    together = {"--holding", "--instant"} <= {*words} or {"--tosses", "--folder"} <= {*words}
+    assert (done.exit_code, bool(reached)) == ((5, True) if together else (2, False))
+    assert together or "exclude each other" in done.stderr

@@ -649,6 +649,10 @@ def test_compare_files(tables, tmp_path):
     assert (printed["verdict"], printed["only_in_a"], printed["only_in_b"]) == ("worse", 4, 2)
     assert printed["median_time_ratio"] == float(np.median(ratios))
     assert [(one["move"], one["ratio"]) for one in printed["runs"]] == list(zip(moves, ratios, strict=True))
+    for text in {one.method for one in new}:
+        named = json.loads(run("compare", *files, "--only", text, "--json").stdout)["runs"]
+        assert named == [one for one in printed["runs"] if text in one["run"].split()]
+    assert run("compare", *files, "--only", "no such run").exit_code == 5
     assert run("compare", files[0], files[0]).exit_code == 0
     assert "0 worse, 0 not measured, 0 better, 9 same" in run("compare", files[0], files[0]).stdout
 
