@@ -113,6 +113,9 @@ def test_without_its_package_an_mp4_says_what_to_install(monkeypatch):
         (1.0, 1.0, "1 m"),
         (7e4, 5e4, "50 km"),
         (3.2e11, 2 * 1.495978707e11, "2 au"),
+        (6e-4, 5e-4, "0.5 mm"),
+        (1e-3, 1e-3, "1 mm"),
+        (999.0, 500.0, "500 m"),
     ],
 )
 def test_the_scale_is_a_round_length(most, length, told):

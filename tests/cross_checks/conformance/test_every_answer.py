@@ -231,8 +231,10 @@ def test_what_differs_is_counted_and_the_largest_shown():
 
 def test_settings_and_spans_of_an_examination():
     times = np.linspace(0.0, 2.0, SAMPLES)
-    assert [one.step for one in questions.rungs(RK4, times)] == [2.0 / n for n in STEPS]
-    assert [one.rtol for one in questions.rungs(DOP853, times)] == list(questions.RTOLS)
+    shared = {"estimate": "off", "refuse_unstable": False}
+    assert questions.rungs(RK4, times) == [Settings(method="rk4", step=2.0 / n, **shared) for n in STEPS]
+    assert questions.rungs(DOP853, times) == [
+        Settings(method="dop853", rtol=rtol, estimate="off") for rtol in questions.RTOLS]  # fmt: skip
     for method in (*METHODS.values(), replace(DOP853, locates_events=False)):
         few = method.kind == "adaptive" and not method.locates_events
         assert len(questions.rungs(method, times, jumps=True)) == (2 if few else 4)
