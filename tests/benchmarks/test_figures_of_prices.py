@@ -380,3 +380,18 @@ def test_errors_within_a_factor_of_two_or_within_the_truths_uncertainty_are_the_
         0.5 * factor, 0.5 * doubt))]  # fmt: skip
     (one,) = changes(*([r] for r in pair))
     assert one.move == move
+
+
+def test_each_reason_for_no_choice_is_stated_with_the_run_that_comes_nearest():
+    """Too dear, joints too open, too far off, in this order."""
+    runs = [replace(run, measures={"compliance_position": 10.0**-k}, times={"loop_s": 0.5 * (k + 1)},
+                    error=replace(run.error, value=1e-6 * (k + 1), uncertainty=0.0))
+            for k, run in enumerate(runs_of(2)[:3]) if run.error]  # fmt: skip
+    cheapest = f"the cheapest is {setting(runs[0])} at 500 ms"
+    assert pick(runs, 1.0, budget=0.25).sentence == f"none within 250 ms; {cheapest}"
+    assert pick(runs, 1.0, 1.0, 0.25).sentence == f"none within 250 ms; {cheapest}"
+    tight = "2 settings reach 2.0e-06, but none keeps the constraints within 1.0e-03"
+    assert pick(runs, 2e-6, 1e-3).sentence == pick(runs, 2e-6, 1e-3, 9.0).sentence == tight
+    nearest = f"the nearest is {setting(runs[0])} with {said(runs[0])}"
+    assert pick(runs, 1e-7).sentence == pick(runs, 1e-7, 1e-9, 1e-9).sentence == (
+        f"none reached 1.0e-07 of the scene; {nearest}")  # fmt: skip

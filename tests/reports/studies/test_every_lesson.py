@@ -538,7 +538,7 @@ def blocks() -> Iterator[dict[str, Any]]:
     yield {"table": "of *", "columns": {"v": "", "w": ""}}
     yield {"table": "ragged"}
     yield {"text": "hidden", "where": [["all", ">", 9.0]]}
-    yield {"text": "shown", "where": [["all", "<", 9.0], ["x", "=", "one"]]}
+    yield {"text": "shown", "layout": "pairs", "where": [["all", "<", 9.0], ["x", "=", "one"]]}
     yield {"claims": True}
 
 
@@ -565,7 +565,8 @@ def test_blocks_of_a_document():
     assert third["value"] == [{"title": name, "head": ["v", "w"], "rows": [[value, "–"]]} for name, value in
                               (("x", "3"), ("y", "4"))]  # fmt: skip
     assert ragged["value"] == [{"title": "", "head": ["a", "b", "c"], "rows": [["1", "2", "–"], ["–", "–", "5"]]}]
-    assert shown["value"] == "shown"
+    assert shown == {"kind": "text", "layout": "pairs", "value": "shown"}
+    assert (claims["kind"], claims["layout"], first["kind"]) == ("claims", "", "each")
     assert claims["counted"] == "2 reproduced, 1 partly, 1 not reproduced"
     assert [len(rows) for rows in claims["groups"].values()] == [3, 1]
     assert claims["groups"]["g"][0]["result"] == "7"

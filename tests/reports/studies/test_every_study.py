@@ -538,10 +538,14 @@ def test_paths_of_two_methods_are_compared_at_their_largest_distance(monkeypatch
     monkeypatch.setattr(androids, "off_truth", lambda scene, path: None)
     monkeypatch.setattr(androids.ladder, "grid", lambda scene: TIMES)
     monkeypatch.setattr(androids, "constraint_residual", lambda scene, path: np.array([[0.1, -0.3], [0.2, 0.0]]))
-    row = androids.add_convergence(Measured(), android, dict(zip(androids.UNLIKE, (one, other), strict=True)))
+    measured = Measured()
+    row = androids.add_convergence(measured, android, dict(zip(androids.UNLIKE, (one, other), strict=True)))
+    (curve,) = measured.curves.values()
+    assert curve.x == pytest.approx(TIMES[1:], rel=1e-5)
     for name, body in androids.WATCHED.items():
         apart = (one.position - other.position)[1:, android.body_index(body)]
         assert row[name] == pytest.approx(max(math.hypot(*gap) for gap in apart))
+        assert curve.lines[name] == pytest.approx([math.hypot(*gap) for gap in apart], rel=1e-5)
     assert [row[method] for method in androids.UNLIKE] == [0.3, 0.3]
 
 
