@@ -211,6 +211,10 @@ def test_runs_that_fail_are_no_rungs(monkeypatch):
     (finding,), rungs = ladder.climb(None, method, question)  # type: ignore[arg-type]
     assert rungs == 1
     assert finding.detail == "fewer than two runs end: h: NaN arose; h: NaN arose"
+    assert finding.exemption == ladder.ALOUD  # what stops before the end says so
+    answers, method.exemption = iter((good, bad, bad)), lambda scene: "springs hold its loops"
+    ((finding,), _) = ladder.climb(None, method, question)  # type: ignore[arg-type]
+    assert finding.exemption == "springs hold its loops"
 
 
 @pytest.mark.parametrize("verdict", ["agrees", "departs", "no truth"])

@@ -231,3 +231,20 @@ def test_every_metric_has_its_label_and_unit():
         "reaction_error": ("joint force error", "N, N m", False),
         **{name: (name.replace("_", " "), unit, False) for name, unit in UNITS.items()},
     }
+
+
+@pytest.mark.parametrize(("met", "parted", "found"), [
+    ((-2.0, 0.25, 1.0), (1.0, 0.5, 1.0), {"restitution": 0.5, "duration, s": 0.25}), (None, (1.0, 0.5, 1.0), {}),
+    ((-2.0, 0.25, 1.0), None, {}), (None, None, {}), ((2.0, 0.25, 1.0), (1.0, 0.5, 1.0), {}),
+    ((-2.0, 0.25, 1.0), (-1.0, 0.5, 1.0), {}), ((-2.0, 0.6, 1.0), (1.0, 0.5, 1.0), {}),
+    ((-2.0, 0.25, -1.0), (1.0, 0.5, 1.0), {}), ((-2.0, 0.5, 1.0), (1.0, 0.5, 1.0), {
+        "restitution": 0.5, "duration, s": 0.0}),
+])  # fmt: skip
+def test_a_bounce_is_an_approach_and_then_a_parting_on_the_same_side(monkeypatch, met, parted, found):
+    """Each is the rate at the surface, its time, and the side from which the body comes."""
+    ends = iter(None if one is None else (*one[:2], np.array([one[2]])) for one in (met, parted))
+    monkeypatch.setattr(contact_figures, "_flights", lambda gap, rate: ((0, 1), (4, 5)))
+    monkeypatch.setattr(contact_figures, "_at_surface", lambda *given: next(ends))
+    monkeypatch.setattr(contact_figures, "_free_mass", lambda *given: None)
+    nothing: Any = None
+    assert contact_figures._bounce(nothing, nothing, nothing, nothing) == found

@@ -496,3 +496,14 @@ def test_the_error_of_a_run_in_a_row_of_prices_is_its_own():
         f"{ANSWERS['cannot'][0]}: no reason was given")  # fmt: skip
     assert [prices._factor(report_data.Entry(e, "reached", run), f) for e, f in (
         ("exudyn", 1.0), (OURS, 1.0), ("exudyn", None))] == ["cheapest", "1 ×", "alone"]  # fmt: skip
+
+
+def test_methods_of_an_engine_stand_together_where_they_fail_on_the_same_scenes():
+    """And apart where one of them fails on one scene more, or with another verdict."""
+
+    def cell(method: str, links: int, verdict: Verdict = Verdict.LOST) -> Cell:
+        return Cell("chain", {"links": links}, "exudyn", method, verdict, "why")
+
+    cells = (cell("a", 1), cell("b", 1), cell("c", 1), cell("c", 2), cell("d", 2, Verdict.FAILED))
+    found = list(findings.grouped(ReportData(cells, ()), Verdict.LOST))
+    assert found == [("exudyn", "a, b", list(cells[:2])), ("exudyn", "c", list(cells[2:4]))]
