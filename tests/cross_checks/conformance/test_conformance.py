@@ -230,7 +230,7 @@ def test_a_good_engine_raises_no_alarm(name):
     ("", "<your class>"), ("class Toy(Engine): ...\n", "Toy"),
     ("class Base(Engine): ...\nclass Toy(base.Engine): ...\nclass Other: ...\n", "Toy"),
 ])  # fmt: skip
-def test_a_file_without_its_line_is_told_the_last_class_of_it(tmp_path, source, named):
+def test_the_message_on_a_missing_line_names_the_last_class_of_the_file(tmp_path, source, named):
     file = tmp_path / "toy_.py"
     file.write_text(source)
     said = loading._explained(str(file), AttributeError("module 'toy_' has no attribute 'ENGINE'"))

@@ -290,7 +290,7 @@ def test_a_program_judges_by_the_machines_store(monkeypatch):
 
 
 @pytest.mark.parametrize("count", [1, 19, 20, 21, 40])
-def test_a_column_that_is_missing_is_told_beside_the_first_twenty(tmp_path, count):
+def test_the_message_on_a_missing_column_lists_the_first_twenty(tmp_path, count):
     columns = columns_of({"t": np.arange(2.0), **{f"c{k}": np.zeros(2) for k in range(count - 1)}}, "t", None)
     names = ["t", *(f"c{k}" for k in range(count - 1))]
     with pytest.raises(FileError) as raised:

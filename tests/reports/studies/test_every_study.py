@@ -611,7 +611,8 @@ def test_the_head_and_the_hip_are_each_their_own_body(monkeypatch, android):
     """The hip is the bottom."""
     paths = [motion(android), motion(android)]
     apart = np.zeros((len(paths[0].times), len(android.bodies), 4))
-    apart[1:, android.body_index("head"), 0], apart[1:, android.body_index("bottom"), 0] = 0.25, 0.5
+    apart[0] = 9.0  # at the start they are where the scene has them
+    apart[1, android.body_index("head"), 0], apart[-1, android.body_index("bottom"), 0] = 0.25, 0.5
     monkeypatch.setattr(androids, "distances", lambda scene, one, other: apart)
     monkeypatch.setattr(androids, "truth_for", lambda *given: None)
     monkeypatch.setattr(androids, "off_truth", lambda *given: None)
