@@ -177,7 +177,7 @@ def _fall(law: Any, mass: float, gravity: float, times: np.ndarray) -> tuple[np.
     touch = 2.0 * GAP / (SPEED + np.sqrt(SPEED**2 + 2.0 * gravity * GAP))
     impact = SPEED + gravity * touch
     numbers = law.numbers()
-    factor = numbers.damping + numbers.impact_damping * numbers.stiffness / max(impact, numbers.slowest)
+    factor = numbers.damping + numbers.impact_damping * numbers.stiffness / impact
 
     def force(depth: float, inward: float) -> float:
         depth = max(depth, 0.0)

@@ -72,14 +72,14 @@ def _physics(scene: Scene) -> list[str]:
     return [scenes.label(scene.name, scene.parameters), physics_of(scene), truth_name(scene, grid(scene))]
 
 
-def stored_answers(store: Store, wanted: list[Question], full: bool = False) -> dict[Question, Stored]:
+def stored_answers(store: Store, wanted: list[Question], full: bool) -> dict[Question, Stored]:
     """Return the answers that the store holds."""
     held = {question: recall(store, _question_key(question, full), Stored) for question in wanted}
     return {question: answer for question, answer in held.items() if answer is not None}
 
 
 def settled_answers(
-    store: Store, wanted: list[Question], report: Report, call: Isolated | None = None, full: bool = False,
+    store: Store, wanted: list[Question], report: Report, call: Isolated | None, full: bool,
     preparations: Sequence[Preparation] = (),
 ) -> Iterator[Answer]:  # fmt: skip
     """Yield the settled answer to every question; the store keeps those in which the machine had no part.

@@ -156,3 +156,16 @@ def test_estimates_are_honest():
     assert row["judged"] > 150
     assert row["below"] <= 0.01 * row["judged"] + 2.0 * (0.01 * row["judged"]) ** 0.5
     assert row["overestimate_median"] < 10.0
+
+
+def test_costs_are_those_of_the_runs_that_have_an_estimate():
+    every = [replace(made(1.0, 2.0), cost=cost) for cost in (4.0, None, 1.0, 3.0)]
+    row = table(every)[0]
+    assert (row["runs"], row["with_estimate"], row["cost_median"]) == (4, 3, 3.0)
+    empty = table([replace(made(None, None), cost=None)])[0]
+    assert [empty[name] for name in ("with_estimate", "judged", "below", "share_below", "cost_median")] == [
+        0, 0, 0, None, None]  # fmt: skip
+
+
+def test_before_the_first_run_nothing_is_stored(tmp_path):
+    assert stored(tmp_path / "none.jsonl") == {}

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import random
 from contextlib import nullcontext
+from itertools import chain
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks import calibration, method_table
+from benchmarks import calibration, history, method_table
 from benchmarks.calibration import Trial, table
 from benchmarks.history import Entry, _strongest, from_benchmarks, from_records, new_levels, series
 from benchmarks.suites import bench_rhs, bench_timing
@@ -251,3 +252,19 @@ def test_an_error_of_a_choice_is_of_poses_and_infinite_where_a_run_fails(monkeyp
     method_table._run(None, "radau", 1e-7)  # type: ignore[arg-type]
     (settings,) = given
     assert (settings.method, settings.rtol, settings.estimate, settings.reactions) == ("radau", 1e-7, "off", False)
+
+
+@pytest.mark.parametrize(("by_chance", "where"), [(5, [9]), (6, [])])
+def test_a_split_counts_unless_more_than_a_hundredth_of_permutations_are_as_strong(monkeypatch, by_chance, where):
+    """Of 500; one that is exactly as strong counts as such."""
+    strengths = iter([2.0] * by_chance + [1.0] * (500 - by_chance))
+    shuffled, found = SimpleNamespace(permutation=lambda x: x), chain([2.0], strengths)
+    monkeypatch.setattr(history, "_strongest", lambda x: (4, next(found)) if len(x) == 8 else (0, 0.0))
+    assert history._split(np.repeat([0.0, 1.0], 4), 5, shuffled) == where  # type: ignore[arg-type]
+
+
+def test_levels_that_differ_by_less_than_a_twentieth_are_one(monkeypatch):
+    for factor, where in ((1.049, []), (1.051, [4])):
+        by_chance = iter([(4, 9.0)] + [(4, 1.0)] * 500 + [(0, 0.0)] * 2)
+        monkeypatch.setattr(history, "_strongest", lambda x, told=by_chance: next(told))
+        assert history.change_points([2.0] * 4 + [2.0 * factor] * 4) == where

@@ -196,7 +196,10 @@ def test_loop_times_of_a_record_and_an_interval():
     ("ratio", "low", "high", "pace"),
     [(1.06, 1.01, 1.2, "slower"), (1.06, 0.99, 1.2, "inconclusive"), (1.04, 1.01, 1.06, "inconclusive"),
      (0.94, 0.9, 0.99, "faster"), (0.94, 0.9, 1.01, "inconclusive"), (1.0, 0.96, 1.04, "same"),
-     (1.0, 0.95, 1.04, "inconclusive"), (1.02, 1.01, 1.04, "same"), (1.0, 0.96, 1.06, "inconclusive")],
+     (1.0, 0.95, 1.04, "inconclusive"), (1.02, 1.01, 1.04, "same"), (1.0, 0.96, 1.06, "inconclusive"),
+     (1.0, 0.96, timing.LIMIT, "inconclusive"), (1.0, 1.0 / timing.LIMIT, 1.04, "inconclusive"),
+     (1.06, 1.0, 1.2, "inconclusive"), (0.94, 0.9, 1.0, "inconclusive"),
+     (timing.LIMIT, 1.01, 1.2, "inconclusive"), (1.0 / timing.LIMIT, 0.9, 0.99, "inconclusive")],
 )  # fmt: skip
 def test_the_pace_of_an_interval(ratio, low, high, pace):
     assert timing.verdict(ratio, low, high) == pace
@@ -327,3 +330,68 @@ def test_nothing_is_chosen_so_far_before_a_truth_is_known(monkeypatch):
     command._swept(scenes.make("pendulum"), (), None, Bounds(1.0), False)
     assert best[0]([replace(run, error=None) for run in runs_of(1)]) == ""
     assert best[0](runs_of(1)) == f"{pick(runs_of(1), 1.0).sentence} {basis(runs_of(1))}"
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_times_of_this_machine_are_held_unless_a_setting_is_timed_again(monkeypatch, again):
+    monkeypatch.setattr(timing, "machine", lambda: "box")
+    scene, run, seen = scenes.make("pendulum"), replace(runs_of(6)[0], settings={"method": "rk4", "step": 0.1}), []
+    with Store() as store:
+        for host, loops in (("box", [0.4, 0.6]), ("another box", [0.1])):
+            store.keep_timings(timing._key(scene, run), host, loops)
+        timing.measured(store, lambda *given: seen.append(given) or ([0.5], 1.0), scene, run, again)
+    ((function, *given),) = seen
+    assert (function, given) == (timing.time_loops, [scene, run.engine, Settings(method="rk4", step=0.1),
+                                                     [] if again else [0.4, 0.6]])  # fmt: skip
+
+
+@pytest.mark.parametrize("side", ["error", "compliance", "budget"])
+def test_a_run_that_meets_a_bound_exactly_is_within_it(side):
+    run = runs_of(4)[0]
+    bounds = {"error": worst(run), "compliance": gap(run), "budget": loop(run)}
+    assert math.isfinite(gap(run))
+    assert pick([run], **bounds).best == run
+    assert pick([run], **bounds | {side: bounds[side] * (1.0 - 1e-9)}).best is None
+
+
+def test_a_run_five_times_as_dear_as_the_cheapest_may_still_prove_the_cheapest():
+    first, *others = (replace(runs_of(4)[0], times={"loop_s": loop_s}) for loop_s in (0.25, 1.25, 1.2501, 0.5))
+    assert contenders([first, *others], Bounds(1.0)) == [first, others[0], others[2]]
+
+
+@pytest.mark.parametrize(
+    ("loops", "enough"),
+    [([1.0], False), ([1.001], True), ([0.25, 0.5, 0.25], False), ([1.0, 0.5, 0.5], True),
+     ([1.0, 1.1, 0.9], True), ([0.1] * 2, False), ([0.1, 0.111, 0.1], False), ([0.1, 0.109, 0.1], True),
+     ([0.01, 0.03, 0.01, 0.03, 0.01], True), ([0.01, 0.03, 0.01, 0.03], False)],
+)  # fmt: skip
+def test_runs_of_a_setting_are_enough_at_these_counts_and_times(loops, enough):
+    """One beyond a second; three whose interval is narrower than a twentieth, or beyond a second; else five."""
+    assert timing.is_enough(loops) == enough
+
+
+@pytest.mark.parametrize(("factor", "doubt", "move"), [(2.0, 0.0, "same"), (2.01, 0.0, "worse"), (0.5, 0.0, "same"),
+                                                       (0.49, 0.0, "better"), (4.0, 4.0, "same"),
+                                                       (4.0, 3.9, "worse")])  # fmt: skip
+def test_errors_within_a_factor_of_two_or_within_the_truths_uncertainty_are_the_same(factor, doubt, move):
+    run = runs_of(8)[0]
+    assert run.error
+    pair = [replace(run, error=replace(run.error, value=x, uncertainty=u)) for x, u in ((0.5, 0.0), (
+        0.5 * factor, 0.5 * doubt))]  # fmt: skip
+    (one,) = changes(*([r] for r in pair))
+    assert one.move == move
+
+
+def test_each_reason_for_no_choice_is_stated_with_the_run_that_comes_nearest():
+    """Too dear, joints too open, too far off, in this order."""
+    runs = [replace(run, measures={"compliance_position": 10.0**-k}, times={"loop_s": 0.5 * (k + 1)},
+                    error=replace(run.error, value=1e-6 * (k + 1), uncertainty=0.0))
+            for k, run in enumerate(runs_of(2)[:3]) if run.error]  # fmt: skip
+    cheapest = f"the cheapest is {setting(runs[0])} at 500 ms"
+    assert pick(runs, 1.0, budget=0.25).sentence == f"none within 250 ms; {cheapest}"
+    assert pick(runs, 1.0, 1.0, 0.25).sentence == f"none within 250 ms; {cheapest}"
+    tight = "2 settings reach 2.0e-06, but none keeps the constraints within 1.0e-03"
+    assert pick(runs, 2e-6, 1e-3).sentence == pick(runs, 2e-6, 1e-3, 9.0).sentence == tight
+    nearest = f"the nearest is {setting(runs[0])} with {said(runs[0])}"
+    assert pick(runs, 1e-7).sentence == pick(runs, 1e-7, 1e-9, 1e-9).sentence == (
+        f"none reached 1.0e-07 of the scene; {nearest}")  # fmt: skip

@@ -22,6 +22,7 @@ from cross_checks import engines
 from cross_checks.judge import ladder, one_run
 from cross_checks.prices.timing import Comparison, Pace, Sample
 from cross_checks.records.record import Error, Record
+from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Timing
 
@@ -100,10 +101,14 @@ def test_the_first_call_of_a_growth_compiles_and_is_left_out(monkeypatch):
 
     system = SimpleNamespace(initial_state=lambda: np.zeros(2))
     monkeypatch.setattr(bench_growth, "time", SimpleNamespace(process_time=now))
-    monkeypatch.setattr(bench_growth, "compiled", lambda *given: (None, system, None))
+    asked: dict[str, Any] = {}
+    monkeypatch.setattr(bench_growth, "compiled", lambda *given: asked.update(compiled=given) or ("plan", system, None))
     for name in ("simulate", "start_run", "run_legs"):
-        monkeypatch.setattr(bench_growth, name, lambda *given: None)
+        monkeypatch.setattr(bench_growth, name, lambda *given, name=name: asked.update({name: given}))
     found = bench_growth.times("pendulum_chain", 3, Settings())
+    scene = scenes.make("pendulum_chain", links=3)
+    assert (asked["compiled"], asked["simulate"]) == ((scene, Settings(), None), (scene, Settings()))
+    assert asked["start_run"][:2] == asked["run_legs"][:2] == (system, "plan")
     spans = np.diff(seen)[::2]
     assert len(spans) == 2 * (1 + bench_growth.TURNS)
     assert found == pytest.approx((median(spans[2::2]), median(spans[3::2])))

@@ -115,11 +115,13 @@ def test_the_worst_verdict_stands_for_all():
 def test_a_comparison_is_stated_of_its_case(monkeypatch):
     case, timing = replace(CASES[0], error=1e-5), Comparison(Pace.SAME, 1.0, 0.9, 1.1, 9, 0.12)
     rungs = [{"status": "success", "error": error, "settings": {"step": error}} for error in (None, 1e-4, 1e-5)]
-    tree: Any = SimpleNamespace(climb=lambda **given: rungs, time=lambda **given: given)
+    climbed: list[Any] = []
+    tree: Any = SimpleNamespace(climb=lambda **given: climbed.append(given) or rungs, time=lambda **given: given)
     seen: list[Any] = []
     monkeypatch.setattr(regression, "compare", lambda one, other, seed: seen.append((one(), other(), seed)) or timing)
     found = regression.examine(tree, tree, case, 5)
     assert seen == [(case.what | {"settings": {"step": 1e-5}},) * 2 + (5,)]
+    assert climbed == [case.what | {"method": case.method}] * 2
     sentence = "1.000 times the baseline's loop time [0.900, 1.100] to 1e-05 of the scene, 9 blocks"
     assert found == Finding(case.name, "same", f"{sentence}; 12% of the runs shared the machine", 1e-5, timing)
     rungs.pop()

@@ -88,3 +88,16 @@ def test_what_is_awaited_is_announced_only_while_it_lasts(monkeypatch, capsys, l
         time.sleep(0.2 * longer)
     time.sleep(0.1)
     assert capsys.readouterr().err == "the truth ...\n" * longer
+
+
+def test_complaints_are_on_stderr_line_by_line(capsys):
+    console.complain(["first", "second"])
+    assert tuple(capsys.readouterr()) == ("", "first\nsecond\n")
+
+
+def test_words_of_a_table_are_no_markup_and_a_long_one_is_folded(capsys):
+    console.show_table("of [bold]all[/]", ("a [red]", "b"), [("[x] 1", 2.5), ("w" * 300, None)])
+    title, head, first, *folded = capsys.readouterr().out.splitlines()
+    assert (title.strip(), head.split(), first.split()) == ("of [bold]all[/]", ["a", "[red]", "b"], ["[x]", "1", "2.5"])
+    assert sum(line.count("w") for line in folded) == 300
+    assert max(map(len, (head, first, *folded))) <= 160

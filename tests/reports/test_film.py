@@ -22,6 +22,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Trajectory
 from reports.film import drawing as drawn
+from reports.film import files
 from reports.film.drawing import Drawing, _paper, drawing
 from reports.film.files import (
     STRIP,
@@ -92,7 +93,10 @@ def test_a_page_holds_every_picture_and_its_time(runs):
     for text, picture in zip(kept, pictures, strict=True):
         shown = np.asarray(Image.open(io.BytesIO(base64.b64decode(text))).convert("RGB"), dtype=int)
         assert np.abs(shown - np.asarray(picture, dtype=int)).mean() < 2.0  # of 255: few colours are kept
-    assert len(json.loads(re.search(r"times = (\[.*?\]), pause = 222;", page).group(1))) == 9
+    assert json.loads(re.search(r"times = (\[.*?\]), pause = 222;", page).group(1)) == [
+        f"{time:.3f} s" for time in paths["one"].times]  # fmt: skip
+    late = as_page("", pictures[:3], np.array([0.0, 9000.0, 10_800.0]), 2.0).decode()  # three hours
+    assert json.loads(re.search(r"times = (\[.*?\]), pause = 667;", late).group(1)) == ["0.0 h", "2.5 h", "3.0 h"]
 
 
 def test_without_its_package_an_mp4_says_what_to_install(monkeypatch):
@@ -109,6 +113,9 @@ def test_without_its_package_an_mp4_says_what_to_install(monkeypatch):
         (1.0, 1.0, "1 m"),
         (7e4, 5e4, "50 km"),
         (3.2e11, 2 * 1.495978707e11, "2 au"),
+        (6e-4, 5e-4, "0.5 mm"),
+        (1e-3, 1e-3, "1 mm"),
+        (999.0, 500.0, "500 m"),
     ],
 )
 def test_the_scale_is_a_round_length(most, length, told):
@@ -436,3 +443,46 @@ def test_bodies_are_drawn_where_they_are_and_the_ground_below_its_joints(name):
     others = lines[: len(straight[0])] + lines[len(straight[0]) + len(shown.springs) :]
     for ends, places in zip([*straight[0], *straight[1]], others, strict=True):
         assert places == pytest.approx(np.array([camera(end) for end in ends]))
+
+
+def test_the_one_coloured_body_of_many_has_its_colour_alone():
+    scene = scenes.make("pendulum_chain", links=8)
+    shown = drawing(scene, simulate(scene, Settings(samples=2, t_end=0.1, estimate="off", reactions=False)))
+    pen = Pen()
+    Camera(shown)._bodies(pen, shown, 0)  # type: ignore[arg-type]
+    spokes = [how["fill"] for kind, _, how in pen.drawn if kind == "line"]
+    assert shown.accent == 0
+    assert len(spokes) == len(shown.spokes)
+    assert [fill == files.ACCENT for fill in spokes] == [body == 0 for body, _ in shown.spokes]
+    fills = [how["fill"] for kind, _, how in pen.drawn if kind == "polygon"][len(shown.pins) :]
+    assert [fill == files.ACCENT_FILL for fill in fills] == [body == 0 for body, _ in shown.fills]
+
+
+def test_grains_with_corners_are_drawn_as_large_as_the_sphere_around_them():
+    scene = scenes.make("granular_column", search=True, space=True, shape="box", grains=3)
+    (grains,) = (load for load in scene.loads if load.type == "granules")
+    (half,), (radius,) = grains.half, grains.radius
+    found = drawn._circles(grains, scene.bodies)
+    assert [(name, place) for name, place, _ in found] == [(body.name, body.position) for body in scene.bodies]
+    assert [size for _, _, size in found] == pytest.approx([radius + float(np.hypot(np.hypot(*half[:2]), half[2]))] * 3)
+
+
+@pytest.mark.parametrize("k", [0, 2])
+def test_a_picture_states_its_time_in_the_unit_of_the_whole_film_and_a_round_length(monkeypatch, k):
+    """The bar ends 8 pixels from the right, 6 above the lower edge, and is as long as its words say."""
+    texts: list[tuple[Any, str]] = []
+    bars: list[tuple[float, ...]] = []
+    pen = SimpleNamespace(line=lambda ends, **how: bars.append(ends), text=lambda at, text, **how: texts.append(
+        (at, text)))  # fmt: skip
+    monkeypatch.setattr(files.ImageDraw, "Draw", lambda image: pen)
+    for name in ("_bodies", "_orbits"):
+        monkeypatch.setattr(Camera, name, lambda *given: None)
+    shown = replace(scenery(np.random.default_rng(3)), times=np.array([0.0, 7200.0, 10_800.0]))
+    camera = Camera(shown)
+    assert camera.picture(shown, k, "rk4").size == camera.size
+    wide, high = camera.size
+    length, words = round_length(0.3 * wide / camera.scale)
+    assert [text for _, text in texts] == [words, f"t = {'0.0 h' if k == 0 else '3.0 h'}", "rk4"]
+    (bar,) = bars
+    assert bar == pytest.approx((2 * (wide - 8) - 2 * length * camera.scale, 2 * (high - 6), 2 * (wide - 8),
+                                 2 * (high - 6)))  # fmt: skip

@@ -59,8 +59,8 @@ def test_capabilities_truths_films_and_extremes_are_those_of_the_scenes(monkeypa
     monkeypatch.setattr(gather.facts, "truth_key", lambda scene: f"truth of {scene.name}")
     monkeypatch.setattr(gather.facts, "scene_key", lambda scene: f"scene {scene.name}")
     held = {"truth of kepler": SimpleNamespace(scene="kepler")}
-    monkeypatch.setattr(gather.facts, "recall", lambda store, key, kind: held.get(key))
-    remembered = lambda store, key, kind, make: seen.append(key) or make()  # noqa: E731
+    monkeypatch.setattr(gather.facts, "recall", lambda store, key, kind: held.get(key) if store == "store" else None)
+    remembered = lambda store, key, kind, make: seen.append(key) or make() if store == "store" else None  # noqa: E731
     monkeypatch.setattr(gather.facts, "remembered", remembered)
     monkeypatch.setattr(gather.facts, "engine_keys", list)
     monkeypatch.setattr(gather, "scene_facts", lambda scene: SimpleNamespace(scene=scene.name))

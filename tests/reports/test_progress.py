@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from reports import console
+from reports.commands.engines import conformance
 from reports.console import Lines
 from reports.query import reporting
 
@@ -33,3 +34,10 @@ def test_the_best_so_far_is_printed_once_it_is_known_and_when_its_time_has_doubl
         clock[0], best[0] = now, text
         report(0, 1)
     assert capsys.readouterr().err.splitlines() == ["So far, after 21 s: first", "So far, after 42 s: second"]
+
+
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_an_examination_overwrites_one_line_of_a_terminal_and_writes_none_to_a_log(monkeypatch, capsys, is_terminal):
+    monkeypatch.setattr(conformance.sys.stderr, "isatty", lambda: is_terminal, raising=False)
+    conformance._progress("pendulum by rk4")
+    assert tuple(capsys.readouterr()) == ("", f"\r{'pendulum by rk4':<60}" if is_terminal else "")

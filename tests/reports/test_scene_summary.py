@@ -6,7 +6,7 @@ import pytest
 from mbs_ref import scenes
 from mbs_ref.scene.scales import scales_of
 from mbs_ref.simulate.linearised import stiffness_at_start
-from reports.scene_summary import summary
+from reports.scene_summary import Summary, summary
 
 KNOWN = [  # bodies, loops, freedoms by Gruebler's count, or as the papers say where it fails
     ("slider_crank", {}, 3, 1, 1),
@@ -69,3 +69,15 @@ def test_bodies_that_no_joint_connects_are_counted():
     assert (" groups that no joint connects" in summary(loose).sentence()) == (
         1 < summary(loose).groups < len(loose.bodies)
     )
+
+
+@pytest.mark.parametrize(("figures", "sentence"), [
+    ((1, 1, 1, 1, 1, 0.5, 2.0, None), "1 body, 1 joint, 1 closed loop, 1 degree of freedom; size 0.5 m, mass 2 kg"),
+    ((3, 2, 2, 0, 0, 1234.5, 1e-4, 98.765), "3 bodies in 2 groups that no joint connects, 2 joints, 0 closed loops, "
+                                            "0 degrees of freedom; size 1.23e+03 m, mass 0.0001 kg, "
+                                            "fastest frequency 98.8 Hz"),
+    ((2, 2, 0, 2, None, 1.0, 1.0, None), "2 bodies, 0 joints, 2 closed loops, freedoms not counted; size 1 m, "
+                                         "mass 1 kg"),
+])  # fmt: skip
+def test_the_sentence_as_a_whole(figures, sentence):
+    assert Summary(*figures).sentence() == sentence

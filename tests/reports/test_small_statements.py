@@ -258,12 +258,12 @@ def test_columns_of_another_program_need_a_map(tmp_path):
 
 def test_marks_below_a_resting_surface_are_a_pitch_apart_and_slant():
     """At whole multiples of the pitch along the surface; a surface that moves, or is a point, has none."""
-    ends = np.array([[0.5, 1.0], [3.2, 1.0]])
-    moving = np.stack((ends, ends + 0.1))
-    found = drawing._hatching([np.stack((ends, ends)), moving, np.zeros((2, 2, 2))], 1.0)
+    ends = np.array([[0.5, 1.0], [1.7, 1.0]])
+    moving = np.stack((ends + 7.0, ends + 7.1))
+    found = drawing._hatching([np.stack((ends, ends)), moving, np.zeros((2, 2, 2))], 0.5)
     assert [line.shape for line in found] == [(2, 2, 2)] * 3
     assert np.array([line[0] for line in found]) == pytest.approx(
-        np.array([[[x, 1.0], [x - 0.3, 0.7]] for x in (1.0, 2.0, 3.0)])
+        np.array([[[x, 1.0], [x - 0.15, 0.85]] for x in (0.5, 1.0, 1.5)])
     )
 
 

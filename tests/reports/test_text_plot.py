@@ -38,6 +38,7 @@ def test_every_mark_stands_where_its_point_is(seed, log_x, log_y):
     assert texts[0] == "up"
     assert [texts[1].split("|")[0].strip(), texts[HEIGHT].split("|")[0].strip()] == [f"{max(ys):.3g}", f"{min(ys):.3g}"]
     assert texts[HEIGHT + 2].split() == [f"{min(xs):.3g}", f"{max(xs):.3g}"]
+    assert {len(texts[HEIGHT + 1]), len(texts[HEIGHT + 2])} == {texts[1].index("|") + 1 + WIDTH}
     assert (texts[-2].strip(), texts[-1].strip()) == ("across", "o line 0   x line 1   + line 2")
 
 

@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from cross_checks import engines
+from cross_checks.conformance import loading
 from cross_checks.conformance.broken_engines import Broken, Mistake, mistakes
 from cross_checks.conformance.examine import examine
 from cross_checks.conformance.finding import Report
@@ -223,3 +224,14 @@ def test_single_precision_that_is_declared_is_forgiven_its_errors(few):
 def test_a_good_engine_raises_no_alarm(name):
     report = examine(engine(name), name)
     assert [f"{f.question}: {f.scene} {f.method}: {f.detail}" for f in report.of("failed")] == []
+
+
+@pytest.mark.parametrize(("source", "named"), [
+    ("", "<your class>"), ("class Toy(Engine): ...\n", "Toy"),
+    ("class Base(Engine): ...\nclass Toy(base.Engine): ...\nclass Other: ...\n", "Toy"),
+])  # fmt: skip
+def test_the_message_on_a_missing_line_names_the_last_class_of_the_file(tmp_path, source, named):
+    file = tmp_path / "toy_.py"
+    file.write_text(source)
+    said = loading._explained(str(file), AttributeError("module 'toy_' has no attribute 'ENGINE'"))
+    assert said == f"{file} has no line ENGINE = <class>; add ENGINE = {named}"

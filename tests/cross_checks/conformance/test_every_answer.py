@@ -70,6 +70,7 @@ def test_a_deviation_that_stays_is_stated_and_one_that_vanishes_or_is_small_is_n
     assert text.startswith("joints open by 2.0e-03 1.1e-03 1.0e-03 1.0e-03, coarse to fine, ")
     assert not rising.deviation("x", [curve * 16.0**-k for k, curve in enumerate(stays)], 1e-8)
     assert not rising.deviation("x", stays, 1.01e-3)
+    assert not rising.deviation("x", stays, float(np.abs(stays[-1]).max()))
     assert not rising.deviation("x", [*stays[:-1], None], 1e-8)
     assert ladder._peak(np.array([1.0, -3.0, 2.0])) == 3.0
 
@@ -230,8 +231,10 @@ def test_what_differs_is_counted_and_the_largest_shown():
 
 def test_settings_and_spans_of_an_examination():
     times = np.linspace(0.0, 2.0, SAMPLES)
-    assert [one.step for one in questions.rungs(RK4, times)] == [2.0 / n for n in STEPS]
-    assert [one.rtol for one in questions.rungs(DOP853, times)] == list(questions.RTOLS)
+    shared = {"estimate": "off", "refuse_unstable": False}
+    assert questions.rungs(RK4, times) == [Settings(method="rk4", step=2.0 / n, **shared) for n in STEPS]
+    assert questions.rungs(DOP853, times) == [
+        Settings(method="dop853", rtol=rtol, estimate="off") for rtol in questions.RTOLS]  # fmt: skip
     for method in (*METHODS.values(), replace(DOP853, locates_events=False)):
         few = method.kind == "adaptive" and not method.locates_events
         assert len(questions.rungs(method, times, jumps=True)) == (2 if few else 4)

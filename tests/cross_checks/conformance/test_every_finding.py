@@ -12,7 +12,7 @@ import pytest
 
 from cross_checks.conformance import examine, repeatability
 from cross_checks.conformance import symmetry as violation
-from cross_checks.conformance.apart import Apart, Called
+from cross_checks.conformance.apart import Apart, Called, Wrapped
 from cross_checks.conformance.finding import Finding, Row
 from cross_checks.conformance.questions import STEPS
 from cross_checks.engine import Engine
@@ -74,7 +74,9 @@ def test_an_examination(monkeypatch, seed):
             rows[method.name, question.scene.name],
         ),
     )
-    report = examine.examine(engine, "made")
+    told: list[str] = []
+    report = examine.examine(engine, "made", told.append)
+    assert told == [f"{s.name} by {m.name}" for m in METHODS for s in SCENES if taken[m.name, s.name]]
     assert (report.engine, report.version, report.uncovered) == ("made", "7", ("belt",))
     assert list(report.rows) == [rows[m.name, s.name] for m in METHODS for s in SCENES if taken[m.name, s.name]]
     of = {(f.question, f.method, f.scene): f for f in report.findings}
@@ -228,3 +230,16 @@ def test_repeatability_counts_for_every_engine_in_its_turn(monkeypatch):
         for name in ("times", "position", "orientation", "velocity", "angular_velocity")
     }
     assert Timing().loop_s == 0.0
+
+
+def test_a_wrapped_engine_answers_as_the_one_inside():
+    inner: Any = SimpleNamespace(
+        name="toy", package="toy-package", part_types=frozenset({"weld"}), methods=lambda: ("m",), version=lambda: "7",
+        refusals=lambda scene: [f"no {scene}"], method_refusals=lambda scene, method: [f"{method} no {scene}"],
+        run=lambda *given: given,
+    )  # fmt: skip
+    made: Any = Wrapped(inner)
+    assert (made.name, made.package, made.part_types) == ("toy", "toy-package", {"weld"})
+    assert (made.methods(), made.version()) == (("m",), "7")
+    assert (made.refusals("scene"), made.method_refusals("scene", "m")) == (["no scene"], ["m no scene"])
+    assert made.run("scene", "settings", "times") == ("scene", "settings", "times")

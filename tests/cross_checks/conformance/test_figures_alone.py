@@ -56,9 +56,12 @@ def test_a_row_shows_the_best_run():
     scene, times = scenes.make("pendulum"), np.linspace(0.0, 1.0, 41)
     truth = seek_truth(scene, times)
     assert isinstance(truth, Truth)
-    _, row = climb(engines.get("mbs_ref"), RK4, Question(scene, times, truth))
+    found, row = climb(engines.get("mbs_ref"), RK4, Question(scene, times, truth))
     assert row.error is not None
     assert row.error < 1e-9
+    seen = {one.question: one.detail for one in found if one.outcome == "passed"}
+    assert seen["truth"] == seen["energy"] == seen["joints"] == f"error {row.error:.1e}"
+    assert seen["runs"] == seen["start"] == seen["clock"] == ""
 
 
 @pytest.mark.parametrize(("kind", "dimension"), [("force", 2), ("circle_on_circle", 2), ("sphere_on_sphere", 3)])

@@ -211,6 +211,10 @@ def test_runs_that_fail_are_no_rungs(monkeypatch):
     (finding,), rungs = ladder.climb(None, method, question)  # type: ignore[arg-type]
     assert rungs == 1
     assert finding.detail == "fewer than two runs end: h: NaN arose; h: NaN arose"
+    assert finding.exemption == ladder.ALOUD  # what stops before the end says so
+    answers, method.exemption = iter((good, bad, bad)), lambda scene: "springs hold its loops"
+    ((finding,), _) = ladder.climb(None, method, question)  # type: ignore[arg-type]
+    assert finding.exemption == "springs hold its loops"
 
 
 @pytest.mark.parametrize("verdict", ["agrees", "departs", "no truth"])
@@ -230,3 +234,24 @@ def test_the_floor_of_a_plane_probe_is_a_line_across_its_normal():
     along, normal = np.subtract(floor.point_2, floor.point_1), np.array(NORMALS[2])
     assert along @ normal == pytest.approx(0.0, abs=1e-15)
     assert along[0] * normal[1] - along[1] * normal[0] == pytest.approx(RADIUS)  # the free side is on the left
+
+
+@pytest.mark.parametrize("scene", [scenes.make("n_four_bar", loops=2), scenes.make("bricard")], ids=["plane", "space"])
+def test_every_mistake_of_a_scene_changes_what_its_name_says_and_in_its_dimension(scene):
+    by_name = {mistake.name: mistake for mistake in mistakes()}
+    joints = by_name["dropped joint"].change(scene).joints
+    assert joints == scene.joints[: len(scene.joints) - 1]
+    for name, dimensions in (("hidden damping", {2}), ("sliders that do not slide", {3})):
+        changed = by_name[name].change(scene) != scene
+        assert not changed or scene.dimension in dimensions, name
+    loads = by_name["hidden damping"].change(scene).loads
+    assert len(loads) == len(scene.loads) + (scene.dimension == 2)
+    gravity = by_name["gravity off by a thousandth"].change(scene).gravity
+    assert gravity == pytest.approx([1.001 * part for part in scene.gravity])
+    bodies = by_name["inertia in wrong axes"].change(scene).bodies
+    for one, other in zip(bodies, scene.bodies, strict=True):
+        assert (one.inertia == other.inertia) == (scene.dimension == 2)
+    path = motion(scene, np.linspace(0.0, 1.0, 3))
+    for name, dimension in (("angular velocities in body axes", 3), ("angles wrong, positions right", 2)):
+        spoiled = by_name[name].spoil(scene, path)
+        assert (spoiled is path) == (scene.dimension != dimension), name

@@ -220,3 +220,31 @@ def test_a_bounce_needs_two_samples_of_flight_on_both_sides(lacking):
     rows = {"before": slice(1, None), "after": slice(None, -1), "neither": slice(None)}[lacking]
     found = contact_figures._flights(gap[rows], rate[rows])
     assert found == (((0, 1), (4, 5)) if lacking == "neither" else (None, None))
+
+
+def test_every_metric_has_its_label_and_unit():
+    assert {one.name: (one.label, one.unit, one.plotted) for one in metrics.every().values()} == {
+        "compliance_position": ("compliance", "m, rad", True),
+        "compliance_velocity": ("rate compliance", "m/s, rad/s", False),
+        "energy_drift": ("energy drift", "J", True),
+        "momentum_drift": ("momentum drift", "kg m/s, kg m^2/s", False),
+        "reaction_error": ("joint force error", "N, N m", False),
+        **{name: (name.replace("_", " "), unit, False) for name, unit in UNITS.items()},
+    }
+
+
+@pytest.mark.parametrize(("met", "parted", "found"), [
+    ((-2.0, 0.25, 1.0), (1.0, 0.5, 1.0), {"restitution": 0.5, "duration, s": 0.25}), (None, (1.0, 0.5, 1.0), {}),
+    ((-2.0, 0.25, 1.0), None, {}), (None, None, {}), ((2.0, 0.25, 1.0), (1.0, 0.5, 1.0), {}),
+    ((-2.0, 0.25, 1.0), (-1.0, 0.5, 1.0), {}), ((-2.0, 0.6, 1.0), (1.0, 0.5, 1.0), {}),
+    ((-2.0, 0.25, -1.0), (1.0, 0.5, 1.0), {}), ((-2.0, 0.5, 1.0), (1.0, 0.5, 1.0), {
+        "restitution": 0.5, "duration, s": 0.0}),
+])  # fmt: skip
+def test_a_bounce_is_an_approach_and_then_a_parting_on_the_same_side(monkeypatch, met, parted, found):
+    """Each is the rate at the surface, its time, and the side from which the body comes."""
+    ends = iter(None if one is None else (*one[:2], np.array([one[2]])) for one in (met, parted))
+    monkeypatch.setattr(contact_figures, "_flights", lambda gap, rate: ((0, 1), (4, 5)))
+    monkeypatch.setattr(contact_figures, "_at_surface", lambda *given: next(ends))
+    monkeypatch.setattr(contact_figures, "_free_mass", lambda *given: None)
+    nothing: Any = None
+    assert contact_figures._bounce(nothing, nothing, nothing, nothing) == found

@@ -235,6 +235,11 @@ def test_each_line_that_is_no_record_is_named_by_its_number(tmp_path, monkeypatc
     assert found == [run, run]
     assert [problem.split(":")[1] for problem in problems] == ["3", "5", "6"]
     assert "NaN is not a number" in problems[2]
+    wrong = good.replace(b'"steps":0', b'"steps":"many"').replace(b'"t_end":0.0', b'"t_end":[]')
+    file.write_bytes(wrong)
+    ((problem,), _) = lines.read(file)[::-1]
+    assert re.fullmatch(rf"{re.escape(str(file))}:1: no record, skipped: t_end: [^:;]+; steps: [^:;]+", problem)
+    file.write_bytes(good + b"\n\n{]\n" + good + b"\n")
     monkeypatch.setattr(lines, "LONGEST_LINE", len(good))
     assert len(lines.read(file)[0]) == 2
     monkeypatch.setattr(lines, "LONGEST_LINE", len(good) - 1)

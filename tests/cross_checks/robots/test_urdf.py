@@ -148,6 +148,9 @@ def test_a_file_that_is_not_there_or_has_another_suffix_says_what_to_do(tmp_path
     done = CliRunner().invoke(main, ["simulate", str(tmp_path / "amr.urdf")])
     assert done.exit_code == 2
     assert "there is no such file; did you mean 'arm.urdf'?; robots there: arm.urdf" in done.output
+    (tmp_path / "empty").mkdir()
+    done = CliRunner().invoke(main, ["simulate", str(tmp_path / "empty" / "arm.urdf")])
+    assert "there is no such file; no .urdf or .xml file is there" in " ".join(done.output.split())
     (tmp_path / "arm.txt").write_text(ROBOT.read_text())
     done = CliRunner().invoke(main, ["simulate", str(tmp_path / "arm.txt")])
     assert done.exit_code == 2

@@ -262,6 +262,7 @@ def test_other_readings_of_the_columns(scene):
     for one in conventions(case):
         sentence = one.say(np.zeros(0))
         part, other, given = re.fullmatch(r"the (.+) columns look like (.+); (.+) is stated", sentence).groups()  # type: ignore[union-attr]
+        assert "_" not in part
         name = part.replace(" ", "_")
         counts[name] += 1
         changed = one.change(case, np.zeros(0))

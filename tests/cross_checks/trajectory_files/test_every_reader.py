@@ -287,3 +287,21 @@ def test_a_program_judges_by_the_machines_store(monkeypatch):
     found: Any = library.judge(SCENE, "a.csv", error=1e-3, column_map="m.toml")
     assert found == (SCENE, (Path("a.csv"), SCENE, Path("m.toml")), "at", 1e-3)
     assert opened == [(library.default_path(),)]
+
+
+@pytest.mark.parametrize("count", [1, 19, 20, 21, 40])
+def test_the_message_on_a_missing_column_lists_the_first_twenty(tmp_path, count):
+    columns = columns_of({"t": np.arange(2.0), **{f"c{k}": np.zeros(2) for k in range(count - 1)}}, "t", None)
+    names = ["t", *(f"c{k}" for k in range(count - 1))]
+    with pytest.raises(FileError) as raised:
+        _column(columns, "zzzz", "bodies.a.position")
+    assert str(raised.value).endswith(f"it has: {', '.join(names[:20])}{', ...' if count > 20 else ''}")
+
+
+@pytest.mark.parametrize(("value", "doubt", "verdict"), [
+    (0.25, 0.0, "agrees"), (0.125, 0.125, "agrees"), (0.375, 0.125, "not-judged"), (0.376, 0.125, "departs"),
+    (0.251, 0.0, "departs"), (0.126, 0.125, "not-judged"),
+])  # fmt: skip
+def test_an_error_equal_to_the_limit_agrees_and_one_that_the_doubt_explains_is_not_judged(value, doubt, verdict):
+    _, truth, _ = irregular(1)
+    assert _verdict(Error(value, "exact", doubt, None), truth, 0.25)[0] == verdict

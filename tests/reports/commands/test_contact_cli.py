@@ -1,6 +1,9 @@
 """mbs-ref contact: JSON of a translation, and errors that name what is wrong."""
 
 import json
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
@@ -75,3 +78,50 @@ def test_options_that_do_not_fit_are_named(words, complaint, tmp_path, monkeypat
     result = CliRunner().invoke(main, ["contact", "--engine", "mujoco", *words])
     assert result.exit_code == 2
     assert complaint in result.output
+
+
+@dataclass
+class Prediction:
+    """Any row of a table."""
+
+    name: str
+    value: float
+
+
+@pytest.mark.parametrize("holding", [True, False])
+def test_an_instant_is_of_a_scene_that_is_named_or_of_a_block_that_friction_holds(monkeypatch, tmp_path, holding):
+    """A block has its own time, the start."""
+    asked: list[Any] = []
+    row = Prediction("a", 0.25)
+    monkeypatch.setattr("cross_checks.contact.models", lambda names: ({"mujoco": "model"}, []))
+    monkeypatch.setattr("cross_checks.contact.by_figure.holding", lambda: {"steep": "a block", "flat": "another"})
+    monkeypatch.setattr("reports.inputs.scene", lambda name, parameters: f"the scene {name}")
+    monkeypatch.setattr("cross_checks.contact.instant.state_at", lambda scene, at: (scene, at))
+    monkeypatch.setattr("cross_checks.contact.instant.instant", lambda state, step: (*state, step))
+    monkeypatch.setattr("cross_checks.contact.instant.write", lambda problem, path: asked.append((problem, path)))
+    monkeypatch.setattr("cross_checks.contact.instant.assess", lambda problem, models: [row])
+    file = tmp_path / "a.npz"
+    words = ["--holding"] if holding else ["--at", "0.5"]
+    result = CliRunner().invoke(main, [
+        "contact", "--instant", str(file), "--scene", "flat", "--step", "1e-4", "--json", *words])  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout) == {"name": "a", "value": 0.25}
+    assert asked == [(("another", 0.0, 1e-4) if holding else ("the scene flat", 0.5, 1e-4), file)]
+
+
+KINDS = (("--figures",), ("--holding",), ("--instant", "x.npz"), ("--tosses",), ("--folder", "."))
+
+
+@pytest.mark.parametrize("words", [(*one, *other) for one, other in combinations(KINDS, 2)])
+def test_kinds_of_comparisons_exclude_each_other(monkeypatch, words):
+    """But the instant is of a block that friction holds, and a folder holds tosses."""
+    reached: list[Any] = []
+    monkeypatch.setattr("cross_checks.contact.models", lambda names: ({"mujoco": "model"}, []))
+    monkeypatch.setattr("cross_checks.contact.by_figure.holding", dict)
+    monkeypatch.setattr("reports.commands.choose.contact._violations", lambda *given: reached.append(given) or [])
+    noted = lambda *given, **more: reached.append(given) or []  # noqa: E731
+    monkeypatch.setattr("reports.commands.choose.contact._predictions", noted)
+    done = CliRunner().invoke(main, ["contact", *words])
+    together = {"--holding", "--instant"} <= {*words} or {"--tosses", "--folder"} <= {*words}
+    assert (done.exit_code, bool(reached)) == ((5, True) if together else (2, False))
+    assert together or "exclude each other" in done.stderr

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -18,6 +20,7 @@ from mbs_ref.settings import Settings
 from mbs_ref.simulate.many import ensemble as ensembles
 from mbs_ref.simulate.many.ensemble import runs
 from reports.cli import main
+from reports.commands.run import ensemble as command
 
 QUICK = ("--t-end", "0.2", "--samples", "3", "--threads", "1")
 
@@ -177,3 +180,20 @@ def test_a_page_is_written(tmp_path):
     page = tmp_path / "plot.html"
     assert run("pendulum", "--vary", "length=1:2:2", "--plot", str(page), *QUICK).exit_code == 0
     assert "bob length = 2" in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("lost", "shown"), [((), True), ((0,), True), ((0, 1), True), ((0, 1, 2), False)])
+def test_figures_at_the_end_are_those_of_the_runs_that_ended_well(monkeypatch, capsys, lost, shown):
+    ended = np.array([k not in lost for k in range(3)])
+    built: Any = SimpleNamespace(
+        ended_well=ended, design=SimpleNamespace(laws={"mass": "1..2"}), runs_per_s=2.5, wall_s=4.0)  # fmt: skip
+    monkeypatch.setattr(command.ensembles, "statistics", lambda built: "figures")
+    monkeypatch.setattr(command.ensembles, "account", lambda built, result: [f"{ended.sum()} of 3 ended well"])
+    monkeypatch.setattr(command, "end_table", lambda built, result: (f"table of {result}", 7 * len(lost)))
+    monkeypatch.setattr(command, "show", print)
+    command._show(built)
+    more = f"and {7 * len(lost)} rows more: --json, -o and --plot have them"
+    table = ["table of figures", *([more] if lost else []), ""] if shown else []
+    speed = "2.5 runs/s, 4 s in all, error estimates included"
+    shown_lines = capsys.readouterr().out.splitlines()
+    assert shown_lines == ["mass: 1..2", *table, f"{ended.sum()} of 3 ended well", speed]

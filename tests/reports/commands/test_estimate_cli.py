@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 
 import numpy as np
+import pytest
 from click.testing import CliRunner, Result
 
 from reports.cli import main
+from reports.commands.maintenance import calibrate
+from reports.console import Failed, NothingSelected
 
 
 def run(*words: str) -> Result:
@@ -58,3 +62,15 @@ def test_a_few_random_runs_are_calibrated(tmp_path):
     assert json.loads(target.read_text())["table"] == found["table"]
     assert len(found["runs"]) == found["table"][0]["runs"] == 3
     assert run("calibrate", "-n", "2", "--shard", "3/3").exit_code == 5
+
+
+@pytest.mark.parametrize(("judged", "share", "median", "said"), [
+    (300, 0.01, 10.0, ""), (300, 0.0101, 10.0, "3 of 300 runs have an error above their estimate"),
+    (300, 0.01, 12.345, "the median estimate is 12.3 times the error"), (300, 0.0, None, ""),
+    (0, None, None, "no run could be judged"), (300, 0.5, 99.0, "3 of 300 runs have an error above their estimate"),
+])  # fmt: skip
+def test_estimates_are_honest_up_to_a_hundredth_below_and_ten_times_above(judged, share, median, said):
+    row = {"judged": judged, "below": 3, "share_below": share, "overestimate_median": median}
+    with nullcontext() if not said else pytest.raises((Failed, NothingSelected)) as raised:
+        calibrate._judge(row)
+    assert not said or (raised.value.message, raised.value.exit_code) == (said, 1 if judged else 5)  # type: ignore[union-attr]

@@ -543,3 +543,36 @@ def test_a_comparison_of_nothing_selects_nothing(monkeypatch, form):
     monkeypatch.setattr("cross_checks.contact.by_figure.with_contact", dict)
     monkeypatch.setattr("cross_checks.contact.by_figure.compare", lambda *given, **more: [])
     assert CliRunner().invoke(main, ["contact", "--figures", *form], prog_name="mbs-ref").exit_code == 5
+
+
+PROGRESS: dict[str, tuple[str, list[tuple[int, int, str]]]] = {  # of a case: the title, and what is reported
+    "ensemble pendulum --vary mass=1..2": ("ensemble pendulum", []), "prove pendulum": ("prove pendulum", []),
+    "animate pendulum": ("animate pendulum", [
+        (0, 3, "runs"), (1, 3, "is drawn, frame by frame"), (2, 3, "is drawn side by side")]),
+    "certify pendulum": ("certify", [(0, 1, "pendulum")]), "check pendulum": ("check", []), "report": ("report", []),
+    "sweep kepler": ("sweep kepler", []), "calibrate": ("calibrate", [(0, 500, "seed 0")]),
+    "symmetry": ("symmetry", [(0, 3, TWO[0].name)]), "proofs": ("prove", [(0, 3, "pendulum")]),
+    "judge f.csv pendulum": ("reading rows of f.csv", []), "repeatability": ("repeatability", []),
+    "extremes": ("extremes", []), "compare . .": ("compare", []), "contact --tosses": ("tosses", []),
+}  # fmt: skip
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize("words", PROGRESS)
+def test_progress_names_what_is_done_and_counts_up_to_its_total(monkeypatch, words):
+    if words in PROOFS:
+        pytest.importorskip("flint")
+    titles: list[str] = []
+    said: list[Any] = []
+
+    class Noted:
+        def __init__(self, title: str) -> None:
+            titles.append(title)
+
+        def __call__(self, *given: Any) -> None:
+            said.append(given)
+
+    monkeypatch.setattr("reports.console.Lines", Noted)
+    arrived(monkeypatch, (CASES | PROOFS)[words])
+    title, expected = PROGRESS[words]
+    assert (titles, said) == ([title], expected)

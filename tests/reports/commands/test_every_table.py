@@ -172,6 +172,7 @@ def test_sweep(monkeypatch, tables, seed):
         ("status", lambda r: r.status), ("error", lambda r: g(r.error.value if r.error else None)),
         ("compliance", lambda r: g(r.measures["compliance_position"])), ("loop, s", lambda r: g(r.times["loop_s"])),
     ])  # fmt: skip
+    assert run("sweep", "pendulum").stdout == ""  # but the table
     printed = run("sweep", "pendulum", "--json").stdout.splitlines()
     assert [lines.adapter(Record).validate_python(json.loads(line)) for line in printed] == made
 
@@ -367,7 +368,9 @@ def test_inspect(tables, name):
     limits = printed["largest_step_s"].items()
     assert text["largest_step_s"] == ", ".join(
         f"{one} {'not limited by stability' if limit is None else g(limit)}" for one, limit in limits)  # fmt: skip
+    assert (tables[-1].title, tables[-1].head) == (f"{name} at t = 0", ["quantity", "value"])
     counted = [row for row in tables[-1].rows if row[0].endswith(", closed")]
+    assert all(("contacts" in row[0]) == (row[0].split()[0] != "1") for row in counted)
     assert sum(int(row[0].split()[0]) for row in counted) == len(printed["closed_contacts"])
     assert all(f"(impact at {g(speed)} m/s)" in said or "impulses" in said for _, said in counted)
 
@@ -646,6 +649,10 @@ def test_compare_files(tables, tmp_path):
     assert (printed["verdict"], printed["only_in_a"], printed["only_in_b"]) == ("worse", 4, 2)
     assert printed["median_time_ratio"] == float(np.median(ratios))
     assert [(one["move"], one["ratio"]) for one in printed["runs"]] == list(zip(moves, ratios, strict=True))
+    for text in {one.method for one in new}:
+        named = json.loads(run("compare", *files, "--only", text, "--json").stdout)["runs"]
+        assert named == [one for one in printed["runs"] if text in one["run"].split()]
+    assert run("compare", *files, "--only", "no such run").exit_code == 5
     assert run("compare", files[0], files[0]).exit_code == 0
     assert "0 worse, 0 not measured, 0 better, 9 same" in run("compare", files[0], files[0]).stdout
 
@@ -695,7 +702,8 @@ def test_conformance(monkeypatch, tables, tmp_path, seed):
     chance.shuffle(outcomes)
     found = [Finding(f"question{k}", f"method{k}", f"scene{k}", outcome, f"detail{k}", "weak" * (outcome == "exempt"))
              for k, outcome in enumerate(outcomes)]  # type: ignore[arg-type]  # fmt: skip
-    report = Report("mbs_ref", "9.9", tuple(found), tuple(rows), ("belt",))
+    strange = ("belt", "chain")[:seed]  # parts that it declares and no scene has
+    report = Report("mbs_ref", "9.9", tuple(found), tuple(rows), strange)
     monkeypatch.setattr(examine, "examine", lambda *given: report)
     files = [str(tmp_path / name) for name in ("all.json", "badge.json")]
     done = run("conformance", "--json", files[0], "--badge", files[1])
@@ -711,6 +719,8 @@ def test_conformance(monkeypatch, tables, tmp_path, seed):
         start = {"exempt": "exempt: ", "failed": "FAILED: ", "passed": "none"}[one.outcome]
         assert any(line.startswith(f"{start}{one.question}: {one.scene}") and line.endswith(one.detail)
                    for line in said) == (one.outcome != "passed")  # fmt: skip
+    lacking = f"declared, and in none of the scenes: {', '.join(strange)}"
+    assert [line for line in said if line.startswith("declared")] == ([lacking] if strange else [])
     counts = Counter(outcomes)
     assert said[-1] == ", ".join(f"{counts[word]} {word}" for word in ("passed", "exempt", "failed"))
     badge = json.loads((tmp_path / "badge.json").read_text())
@@ -818,6 +828,8 @@ def test_certify(monkeypatch, tables):
     assert run("certify").exit_code == 0
     one, other = fresh[library[0].name], fresh[library[2].name]
     assert tables[0].head == ["truth", "verdict", "kind", "known to, m", "two ways, m", "departs by, m"]
+    names = [certify.certificate.file_name(scene).removesuffix(".json") for scene in library]
+    assert [row[0] for row in tables[0].rows] == names
     assert [row[1:] for row in tables[0].rows] == [
         ["holds", "exact", "0.02", g(one.difference), "0.05"], ["no truth: none known", "", "", "", ""],
         ["new", "exact", "0.3", g(other.difference), "-"]]  # fmt: skip

@@ -242,16 +242,16 @@ def test_the_command_of_a_record_repeats_the_parameters_that_its_file_declares(t
                                                     (Error(2e-6, "exact", 3e-7, None), 1e-9, False),
                                                     (Error(2e-7, "exact", 3e-7, None), 1e-2, False)])  # fmt: skip
 def test_a_run_afresh_meets_the_bounds_or_fails(capsys, error, gap, ends):
-    again = replace(run_of(1.0), error=error, measures={"compliance_position": gap})
+    again = replace(run_of(1.0), error=error, measures={"compliance_position": gap}, message="it stops")
     bounds = pick.Bounds(1e-6, 1e-3, None)
     stated = f"{error.value + error.uncertainty:.2e}, joints open by {gap:.2e}"
     if ends:
         pick._check(again, bounds)
-        assert stated in capsys.readouterr().err
+        assert capsys.readouterr().err == f"run afresh: success, {stated}: the bounds are met\n"
         return
     with pytest.raises(Failed, match="the bounds are not met") as failed:
         pick._check(again, bounds)
-    assert stated in str(failed.value)
+    assert failed.value.message == f"run afresh: success, {stated}: the bounds are not met it stops"
 
 
 def test_changes_of_trends_are_those_of_the_series_in_time(monkeypatch, tmp_path, capsys):

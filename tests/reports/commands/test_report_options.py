@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from reports import gather
 from reports.cli import main
 from reports.commands.publish.report import FORMS
 from reports.gather import chosen_scenes
@@ -103,3 +104,11 @@ def test_scenes_are_chosen_by_label_by_name_or_from_the_library():
     assert list(chosen_scenes(wanted=["n_four_bar"])) == ["n_four_bar loops=1", "n_four_bar loops=2"]
     assert list(chosen_scenes(wanted=["n_four_bar loops=2"])) == ["n_four_bar loops=2"]
     assert list(chosen_scenes(wanted=["pendulum_chain links=5"])) == ["pendulum_chain links=5"]
+
+
+@pytest.mark.parametrize(("quick", "listed"), [(False, gather.SCENES), (True, gather.QUICK)])
+def test_without_a_wish_every_scene_of_the_list_is_shown(quick, listed):
+    found = chosen_scenes(quick)
+    assert [(scene.name, {key: scene.parameters[key] for key in more}) for scene, (_, more) in zip(
+        found.values(), listed, strict=True)] == [tuple(one) for one in listed]  # fmt: skip
+    assert list(chosen_scenes(quick, [next(iter(found))])) == [next(iter(found))]

@@ -148,6 +148,7 @@ def test_a_night_is_kept_and_drawn(night, tmp_path):
     for _ in range(2):
         done = run(*night["words"])
         assert done.exit_code == 0, done.output
+        assert done.stdout.splitlines()[0] == "pendulum mbs_ref rk4: same: told"
     found = json.loads(run("history", "--file", str(tmp_path / "history.jsonl"), "--json").stdout)
     assert found["ratio pendulum mbs_ref rk4"]["values"] == [1.01, 1.01]
     assert found["loop pendulum mbs_ref within 1e-06 of the scene"]["values"] == [1e-3, 1e-3]
@@ -178,7 +179,8 @@ def test_a_sweep_that_became_less_accurate_fails_the_night(night):
     night["records"] = [replace(RECORD, status="diverged"), DEAR]
     done = run(*night["words"])
     assert done.exit_code == 1
-    assert "worse than last night" in done.output
+    (worse,) = [line for line in done.stdout.splitlines() if "worse than last night" in line]
+    assert worse == "pendulum mbs_ref rk4 step=0.01: worse than last night: success, then diverged"
 
 
 @pytest.mark.parametrize(("percent", "sentence"), [("15", "B takes 15.0% longer"), ("0", "B takes 0.0% longer")])

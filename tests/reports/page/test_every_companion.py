@@ -8,6 +8,7 @@ import re
 from dataclasses import replace
 from html import unescape
 from statistics import median
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -20,7 +21,7 @@ from cross_checks.records.numbers import metres, of_scene, setting, short
 from cross_checks.records.record import BUSY_NOTE
 from reports.commands.publish.board import board
 from reports.facts.report_data import ReportData
-from reports.page import build
+from reports.page import build, files
 from reports.page.files import price_rows
 from reports.page.render import plain, tex
 from reports.page.slug import command
@@ -140,3 +141,15 @@ def test_every_figure_of_the_board(seed):
     missed = [row for row in rows.values() if len(row) > 2]
     assert not missed, "a figure that no run has"
     assert metres(None) == "–"
+
+
+def test_tables_of_documents_have_a_heading_for_each_column(monkeypatch):
+    seen: list[dict[str, Any]] = []
+    template = SimpleNamespace(render=lambda context: seen.append(context) or "")
+    monkeypatch.setattr(files, "templates", lambda: SimpleNamespace(get_template=lambda name: template))
+    files.document(irregular(1), "any")
+    assert list(seen[0]["price_head"]) == [
+        "within", "engine", "method", "setting", "error", "loop time", "over the cheapest"]  # fmt: skip
+    assert list(seen[0]["verdict_head"]) == ["engine", "method", "verdict", "code", "error", "setting", "why"]
+    assert {len(row) for rows in seen[0]["prices"].values() for row in rows} == {7}
+    assert {len(row) for rows in seen[0]["verdicts"].values() for row in rows} == {7}

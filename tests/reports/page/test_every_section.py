@@ -102,15 +102,15 @@ def test_extremes(monkeypatch, seed):
         first = tied[0]
         unit = f"{numbers.short(axis.values[max(most, 1) - 1])} N/m"
         if most == 0:
-            assert line["text"].startswith(f"none of its methods is right even at {unit}: {first.points[0].reason}")
+            assert line["text"] == f"none of its methods is right even at {unit}: {first.points[0].reason}"
         elif most == len(axis.values):
             end = ", which is rightly refused" if first.points[-1].fate is Fate.STOPPED else ""
             assert line["text"] == f"trust {names} over the whole axis, to {unit}{end}"
         else:
             assert line["text"] == f"trust {names} up to {unit}; beyond, {first.points[most].reason}"
         lying = [c.method for c in own if any(p.fate is Fate.SILENTLY_WRONG for p in c.points)]
-        assert line["warning"].endswith(": " + ", ".join(lying) if lying else "")
-        assert bool(line["warning"]) == bool(lying)
+        warning = f"wrong without a word somewhere on the axis: {', '.join(lying)}"
+        assert line["warning"] == (warning if lying else "")
     for entry in shown["tally"]:
         (own,) = (c for c in cells if (c.engine, c.method) == (entry["engine"], entry["method"]))
         caught = [p for p in own.points if p.is_silent and p.fate is Fate.SILENTLY_WRONG and p.status != "success"]
@@ -170,6 +170,10 @@ def test_verdicts_by_method(seed):
         assert row["command"] == f"mbs-ref rerun {label.replace(' ', ',')}/{cell.engine}/{cell.method}"
         assert [t["reason"] for t in row["targets"]] == [f"why {t:g}" for t in TARGETS]
         assert [t["text"] for t in row["targets"]] == [ANSWERS[t.answer][0] for t in cell.targets]
+        run = Record("s", {}, cell.engine, "m", {"step": 0.25}, "success")
+        met = replace(cell, targets=tuple(replace(t, record=run, answer="reached") for t in cell.targets))
+        assert {t["text"] for t in matrix.view(met)["targets"]} == {"h = 0.25 s"}
+        assert [t["target"] for t in matrix.view(met)["targets"]] == ["1e-3", "1e-6", "1e-9"]
         assert [t["tone"] for t in row["targets"]] == [ANSWERS[t.answer][1] for t in cell.targets]
     refused = [c for c in data.cells if c.verdict is Verdict.CANNOT]
     assert sum(len(r.scenes.split(", ")) * len(r.methods.split(", ")) for r in shown["refused"]) == len(refused)
@@ -225,6 +229,11 @@ def test_findings_of_wrong_answers(seed):
     assert [(-one.error, one.tone == "fair") for one in found] == sorted(
         (-one.error, one.tone == "fair") for one in found
     )
+    last = len(Verdict)  # orders follow all verdicts
+    words = [one.title.split(": ")[-1] for one in found]
+    places = [list(Verdict).index(Verdict(word)) if word in [*Verdict] else last for word in words]
+    ranks = [(-one.error, one.tone, place) for one, place in zip(found, places, strict=True)]
+    assert ranks == sorted(ranks)
     first = findings.context(ReportData(tuple(cells), ()), 3)
     assert (first["findings"], first["number"]) == (found[:3], len(found))
 
@@ -443,7 +452,11 @@ def test_lines_of_several_curves_on_one_figure():
     assert [line["name"] for line in shown["data"]] == ["one: a", "one: b", "two", "c"]
     assert [line["x"][0] for line in shown["data"]] == [0.0, 0.0, 4.0, 4.0]
     assert [line["marker"]["color"] for line in shown["data"]] == [line["line"]["color"] for line in shown["data"]]
-    assert len({line["marker"]["symbol"] for line in shown["data"]}) == 4
+    marks = [(line["marker"]["color"], line["marker"]["symbol"]) for line in shown["data"]]
+    assert marks == list(zip(curves.COLOURS, curves.SYMBOLS, strict=True))[:4]
+    (known,) = curves.overlay({"": curves.curves(x, {"exudyn": x}, "y, m")})["data"]
+    assert (known["marker"]["color"], known["marker"]["symbol"]) == (
+        curves.style_of("exudyn").colour, curves.style_of("exudyn").symbol)  # fmt: skip
     assert shown["data"][1]["y"] == [curves.FLOOR, 1.0, 2.0]
     assert shown["data"][2]["y"] == [0.0, 3.0, 6.0]
     assert [line["mode"] for line in shown["data"]] == ["lines", "lines", "markers", "markers"]
@@ -475,5 +488,22 @@ def test_the_error_of_a_run_in_a_row_of_prices_is_its_own():
     row = prices._row(report_data.Entry("exudyn", "reached", run), 2.5)
     shown = [row[key] for key in ("error", "metres", "compliance", "time", "factor", "setting", "method")]
     assert shown == ["3e-5", "1.2e-4 m", "7e-9 m", "250 ms", "2.5 ×", "h = 0.1 s", "m"]
+    missed = prices._row(report_data.Entry("exudyn", "not-tried", None, "exudyn is slow", "m"), None)
+    for own in (row, missed):
+        assert (own["inside"], own["ours"]) == (report_data.INSIDE["exudyn"], False)
+    assert missed["missed"] == f"{ANSWERS['not-tried'][0]}: exudyn is slow (m)"
+    assert prices._row(report_data.Entry("strange", "cannot", None, "", "m"), None)["missed"] == (
+        f"{ANSWERS['cannot'][0]}: no reason was given")  # fmt: skip
     assert [prices._factor(report_data.Entry(e, "reached", run), f) for e, f in (
         ("exudyn", 1.0), (OURS, 1.0), ("exudyn", None))] == ["cheapest", "1 ×", "alone"]  # fmt: skip
+
+
+def test_methods_of_an_engine_stand_together_where_they_fail_on_the_same_scenes():
+    """And apart where one of them fails on one scene more, or with another verdict."""
+
+    def cell(method: str, links: int, verdict: Verdict = Verdict.LOST) -> Cell:
+        return Cell("chain", {"links": links}, "exudyn", method, verdict, "why")
+
+    cells = (cell("a", 1), cell("b", 1), cell("c", 1), cell("c", 2), cell("d", 2, Verdict.FAILED))
+    found = list(findings.grouped(ReportData(cells, ()), Verdict.LOST))
+    assert found == [("exudyn", "a, b", list(cells[:2])), ("exudyn", "c", list(cells[2:4]))]

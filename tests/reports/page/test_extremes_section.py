@@ -16,7 +16,7 @@ from cross_checks.records.numbers import short
 from cross_checks.records.store import Store
 from reports.facts.report_data import ReportData
 from reports.gather import Gathering
-from reports.page.sections.extremes import LEFT, WIDTH, _reach, context, place
+from reports.page.sections.extremes import LEFT, WIDTH, _reach, context, place, tick
 from tests.reports.page.synthetic_report import report_data
 
 
@@ -133,3 +133,8 @@ def test_a_method_that_is_right_between_two_listed_values_reaches_farther():
     first, second = (fate.Cell(extreme.name, extreme.family, "mbs_ref", "m", True, Fate.DEGRADED, last, (), "")
                      for last in (fine[fine.index(between) - 1], between))  # fmt: skip
     assert _reach(extreme, second) == _reach(extreme, first) + 1.0 == fine.index(between) + 1.0
+
+
+def test_a_tick_is_the_label_of_a_kind_or_a_short_number():
+    assert tick(Axis("law", "", (0.0, 1.0), ("soft", "hard")), 1.0) == "hard"
+    assert tick(Axis("mass", "kg", (1.0, 12345.6), full=(1e6,)), 12345.6) == "1.2e4"

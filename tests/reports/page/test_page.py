@@ -223,3 +223,26 @@ def test_units():
 def test_labels_show_counts_and_what_was_chosen():
     assert scenes.label("pendulum_chain", {"links": 3, "gravity": 9.81}) == "pendulum_chain links=3"
     assert scenes.label("pendulum", {"gravity": 1.62}) == "pendulum gravity=1.62"
+
+
+HEADINGS = {
+    "index": ["Engine by scene", "What accuracy costs, over all scenes", "What went wrong"],
+    "scene": ["The mechanism", "Cost at equal error", "Verdicts by method", "Compliance over time", "Energy drift",
+              "Convergence order", "Time split", "Truths", "Records and commands"],
+    "engine": ["What to use it for", "Verdicts by method", "Extremes", "Capabilities"],
+    "extremes.html": ["Extremes"], "findings.html": ["What went wrong"], "profiles.html": ["Performance profiles"],
+    "capabilities.html": ["Capabilities"], "method.html": ["How it is judged and timed", "Truths", "Environment"],
+}  # fmt: skip
+
+
+def test_every_page_has_its_sections_in_their_order(data):
+    listed = pages(data)
+    kinds = [page.kind for page in listed]
+    assert kinds == sorted(kinds, key=["index", "scene", "engine", "study", "more"].index)
+    met = set()
+    for page in listed:
+        key = page.file if page.file in HEADINGS else page.kind
+        met.add(key)
+        if key in HEADINGS:
+            assert [section.title for section in page.sections] == HEADINGS[key]
+    assert met == {*HEADINGS, "study"}

@@ -16,6 +16,7 @@ import pytest
 
 from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import ANSWERS, OURS, Cell, Verdict
+from cross_checks.records.numbers import short
 from cross_checks.records.plots import work_precision
 from cross_checks.records.record import Error, Record
 from cross_checks.records.store import Store
@@ -29,7 +30,7 @@ from reports.facts.stored import Stored, adapter, keep, recall
 from reports.page import advice, findings
 from reports.page.render import RECORDS, templates
 from reports.page.sections import extremes, matrix, method, overview, plots, prices, profiles
-from tests.reports.page.test_shown_figures import LINKS, OFFERED, irregular
+from tests.reports.page.test_shown_figures import LINKS, irregular
 
 SEEDS = range(3)
 UNITS = {"m": 1.0, "J": 1.0, "s": 1.0, "ms": 1e-3, "µs": 1e-6, "%": 1e-2, "×": 1.0}
@@ -253,22 +254,33 @@ def test_records(data):
     assert next(rows, None) is None
 
 
-def test_decisions(data):
+@pytest.mark.parametrize("first", [len(LINKS), 1])
+def test_decisions(data, first):
+    """Each sentence as a whole; of one scene, too."""
+    data, links = data.only(scenes=data.scenes[:first]), LINKS[:first]
+    models = "1 scene" if first == 1 else f"{first} scenes"
+    names = dict(zip(TARGETS, ("1e-3", "1e-6", "1e-9"), strict=True))
     for line in advice.advice(data):
-        hits = {t: [r for links in LINKS for e, r in at_target(data, links, t).items() if e == line.engine]
+        hits = {t: {n: at_target(data, n, t)[line.engine] for n in links if line.engine in at_target(data, n, t)}
                 for t in TARGETS}  # fmt: skip
-        reach = line.reach.partition("it reaches ")[2].rstrip(".").split(", ")
-        assert [int(part.split(" on ")[1]) for part in reach] == [len(hits[t]) for t in TARGETS]
-        best = hits[1e-6]
-        name = re.search(r"Use (\w+) at", line.use)[1]  # type: ignore[index]
-        used = Counter(r.method for r in best)
-        assert used[name] == max(used.values())
-        assert re.search(r"on (\d+) of (\d+)\.$", line.use).groups() == (str(used[name]), str(len(best)))  # type: ignore[union-attr]
-        key = re.search(r"at (h|rtol) = ", line.use)[1].replace("h", "step")  # type: ignore[index]
-        steps = [r.settings[key] for r in best if r.method == name and key in r.settings]
-        span = line.use.partition(" = ")[2].partition(" for ")[0].replace(" s", "").split(" to ")
-        assert [float(x) for x in span] == [shown(x) for x in dict.fromkeys((min(steps), max(steps)))]
-        assert OFFERED[line.engine]
+        target = next((t for t in (1e-6, 1e-3) if hits[t]), None)
+        if target is None:
+            assert (line.use, line.reach) == (f"It comes within 1e-3 of the truth on none of {models}.", "")
+            continue
+        reach = ", ".join(f"{name} on {len(hits[t])}" for t, name in names.items())
+        assert line.reach == f"Of {models} it models, it reaches {reach}."
+        used = Counter(run.method for run in hits[target].values())
+        name = next(one for one in used if used[one] == max(used.values()))
+        own = [run.settings for run in hits[target].values() if run.method == name]
+        key = "step" if any("step" in one for one in own) else "rtol"
+        sizes = [one[key] for one in own if key in one]
+        span = " to ".join(dict.fromkeys(short(x) for x in (min(sizes), max(sizes))))
+        how = f"h = {span} s" if key == "step" else f"rtol = {span}"
+        wrong = [c.parameters["links"] for c in data.cells if (c.engine, c.method) == (line.engine, name)
+                 and c.verdict in ("wrong-limit", "diverged")]  # fmt: skip
+        others = "".join(f", {run.method} on pendulum_chain links={n}" for n, run in hits[target].items() if n in wrong)
+        assert line.use == (f"Use {name} at {how} for {names[target]}{others}: it is the cheapest of its methods on "
+                            f"{used[name]} of {len(hits[target])}.")  # fmt: skip
 
 
 def test_findings(data):

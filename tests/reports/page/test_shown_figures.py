@@ -15,8 +15,9 @@ from cross_checks.prices.timing import with_loops
 from cross_checks.records.numbers import count, short
 from cross_checks.records.record import BUSY_NOTE, Error, Record
 from reports.commands.publish.board import board
-from reports.facts.report_data import MIDDLE, ReportData, standings
+from reports.facts.report_data import MIDDLE, ReportData, Standing, near, standings
 from reports.page.advice import advice
+from reports.page.findings import low_orders
 from reports.page.sections.prices import price_table
 from reports.page.sections.profiles import context as profiles
 
@@ -121,3 +122,18 @@ def test_no_figure_of_others_on_an_engines_own_page():
     assert all(line.pace for line in advice(data))
     for engine in OFFERED:
         assert [line.pace for line in advice(data.only(engines=[engine]))] == [""]
+
+
+def test_limits_count_to_what_they_bound():
+    """A share up to tau; runs within half of the cheapest; orders lower by half are not low; a truth explains as much
+    as it is unsure.
+    """
+    one = Standing("a", 2, 1, {"x": 1.0, "y": 2.0}, 4)
+    assert [one.share(tau) for tau in (0.99, 1.0, 1.99, 2.0, 1e9)] == [0.0, 0.25, 0.25, 0.5, 0.5]
+    runs = [Record("s", {}, "a", "m", {}, "success", times={"loop_s": x}) for x in (1.0, 1.5, 1.51)]
+    assert near(runs) == runs[:2]
+    cells = [Cell("s", {}, "a", f"m{k}", Verdict.CONVERGING, "", order=x, documented_order=4)
+             for k, x in enumerate((3.49, 3.5, 4.5))]  # fmt: skip
+    low = [found.title for found in low_orders(ReportData(tuple(cells), ()))]
+    assert low == ["a m0: order 3.5 instead of 4"]
+    assert [Error(x, "exact", 0.5, None).is_judged for x in (0.5, 0.501)] == [False, True]

@@ -450,13 +450,17 @@ def test_places_in_the_sky_are_compared_with_those_of_another_ephemeris(monkeypa
 
 def test_a_splitting_method_loses_energy_and_the_moon(monkeypatch):
     record = Record("solar_system", {}, "rebound", "whfast", {}, "success", figures={"moon": 0.7, "earth": 3.0})
-    monkeypatch.setattr(sky, "observed", lambda *given: record)
-    monkeypatch.setattr(sky.engines, "get", lambda name: SimpleNamespace(run=lambda *given: None))
+    asked: list[Any] = []
+    monkeypatch.setattr(sky, "observed", lambda scene, engine, settings: asked.append(
+        (scene.name, engine, settings)) or record)  # fmt: skip
+    solvers = {"rebound": SimpleNamespace(run=lambda scene, settings: asked.append((scene.name, "", settings)))}
+    monkeypatch.setattr(sky.engines, "get", solvers.__getitem__)
     balance = SimpleNamespace(drift=np.array([0.0, -6.0, 2.0]), energy=np.array([-2.0, 5.0, 7.0]))
     monkeypatch.setattr(sky, "energy_balance", lambda scene, path: balance)
     measured = Measured()
     sky.add_splitting(measured)
     assert measured.figures == {"splitting.energy": 3.0, "splitting.moon": 0.7}
+    assert asked == [("solar_system", engine, sky.COARSE_SPLITTING) for engine in ("rebound", "")]
     monkeypatch.setattr(sky, "observed", lambda *given: replace(record, status="engine-missing"))
     measured = Measured()
     sky.add_splitting(measured)
@@ -534,7 +538,7 @@ def blocks() -> Iterator[dict[str, Any]]:
     yield {"table": "of *", "columns": {"v": "", "w": ""}}
     yield {"table": "ragged"}
     yield {"text": "hidden", "where": [["all", ">", 9.0]]}
-    yield {"text": "shown", "where": [["all", "<", 9.0], ["x", "=", "one"]]}
+    yield {"text": "shown", "layout": "pairs", "where": [["all", "<", 9.0], ["x", "=", "one"]]}
     yield {"claims": True}
 
 
@@ -561,7 +565,8 @@ def test_blocks_of_a_document():
     assert third["value"] == [{"title": name, "head": ["v", "w"], "rows": [[value, "–"]]} for name, value in
                               (("x", "3"), ("y", "4"))]  # fmt: skip
     assert ragged["value"] == [{"title": "", "head": ["a", "b", "c"], "rows": [["1", "2", "–"], ["–", "–", "5"]]}]
-    assert shown["value"] == "shown"
+    assert shown == {"kind": "text", "layout": "pairs", "value": "shown"}
+    assert (claims["kind"], claims["layout"], first["kind"]) == ("claims", "", "each")
     assert claims["counted"] == "2 reproduced, 1 partly, 1 not reproduced"
     assert [len(rows) for rows in claims["groups"].values()] == [3, 1]
     assert claims["groups"]["g"][0]["result"] == "7"
@@ -588,3 +593,12 @@ def test_what_a_study_depends_on(monkeypatch):
     assert {name for name in listed if study._fuller(name, True) == [True]} == full
     assert {name for name in listed if study._fuller(name, False) == [False]} == full
     assert list(listed.values()) == sorted(listed.values(), key=lambda one: (one.page, one.place))
+
+
+@pytest.mark.parametrize("lost", [None, 0, 1])
+def test_two_runs_are_apart_by_the_farthest_body_at_the_end(monkeypatch, lost):
+    apart = np.zeros((3, 2, 4))
+    apart[1], apart[-1, :, 0], apart[-1, :, 1:] = 9.0, (0.25, 0.125), 7.0
+    monkeypatch.setattr(sky, "distances", lambda scene, one, other: apart)
+    runs: Any = [SimpleNamespace(ok=k != lost) for k in range(2)]
+    assert sky._apart(scenes.make("pendulum"), *runs) == ("0.25 m" if lost is None else "one did not finish")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import random
 from contextlib import nullcontext
+from dataclasses import replace
 from itertools import product
 from types import SimpleNamespace
 from typing import Any
@@ -195,7 +196,7 @@ def test_another_engines_method_is_judged_and_its_joint_forces_compared(monkeypa
                 setting="step=0.05", loop_s=0.7)  # fmt: skip
     asked: list[Any] = []
     monkeypatch.setattr(androids, "search", lambda *given: asked.append(given) or (SimpleNamespace(records=records), 1))
-    monkeypatch.setattr(androids, "cell_of", lambda tried, answers: cell)
+    monkeypatch.setattr(androids, "cell_of", lambda tried, answers: cell if tried.records and answers == 1 else None)
     monkeypatch.setattr(androids, "_ours", lambda *given: given)
 
     def again(scene: Any, engine: str, settings: Settings, times: Any, truth: Any, reference: Any) -> Any:
@@ -571,7 +572,7 @@ def test_a_pair_has_a_row_for_each_target_and_one_for_who_cannot_run_the_scene(m
 
     def cells(runs_: Any, scene: Any, engine: str, request: Any) -> list[Cell]:
         if engine == "z":
-            return [Cell("pendulum", {}, "z", "m", Verdict.CANNOT, "no ropes")]
+            return [Cell("pendulum", {}, "z", f"m{k}", Verdict.CANNOT, why) for k, why in enumerate(("no ropes", "no"))]
         results = [TargetResult(t, "reached" if (engine, t) in runs else "not-reached", runs.get((engine, t)), "off")
                    for t in targets]  # fmt: skip
         return [Cell("pendulum", {}, engine, "m", Verdict.AGREES, "", targets=tuple(results))]
@@ -584,3 +585,41 @@ def test_a_pair_has_a_row_for_each_target_and_one_for_who_cannot_run_the_scene(m
         (1e-3, "x", "reached", 0.5), (1e-3, OURS, "reached", 1.0), (1e-6, "x", "reached", None),
         (1e-6, OURS, "not-reached", None), (None, "z", "cannot", None)]  # fmt: skip
     assert (rows[-1].entry.reason, {row.constrained for row in rows[:-1]}) == ("no ropes", {True})
+
+
+@pytest.mark.parametrize(("scene", "words"), [
+    (scenes.make("solar_system", model="newton", start="1998-01-01", days=10.0), "solar_system 1998-01-01"),
+    (scenes.make("satellite", orbit="leo" if "leo" in sky.ORBITS else sky.ORBITS[0], days=1.0), None),
+], ids=["decade", "satellite"])  # fmt: skip
+def test_a_lap_is_named_by_its_date_or_its_orbit_and_is_the_rivals_time_over_ours(monkeypatch, scene, words):
+    """The least time of all turns counts."""
+    asked: list[Any] = []
+    path = lambda loop_s: SimpleNamespace(timing=SimpleNamespace(loop_s=loop_s))  # noqa: E731
+    solvers = {name: SimpleNamespace(run=lambda *given, name=name: asked.append((name, *given)) or name)
+               for name in ("mbs_ref", "heyoka")}  # fmt: skip
+    monkeypatch.setattr(sky.engines, "get", solvers.__getitem__)
+    monkeypatch.setattr(sky, "interleaved", lambda runs, count: [[path(2.0), path(0.5)], [path(1.5), path(3.0)]])
+    monkeypatch.setattr(sky, "_apart", lambda *given: given)
+    row = sky._lap("heyoka", sky.TAYLOR, scene)
+    assert row == {"scene": words or f"satellite {scene.parameters['orbit']}", "ratio": 3.0,
+                   "apart": (scene, "mbs_ref", "heyoka")}  # fmt: skip
+    assert asked == [("mbs_ref", scene, sky.FINE), ("heyoka", scene, sky.TAYLOR)]
+
+
+def test_each_setting_that_may_be_the_cheapest_is_timed_once_and_keeps_its_other_times(monkeypatch):
+    """One that was timed alone before begins with that time; two of one loop time are two runs."""
+    error = Error(1e-9, "exact", 0.0, None)
+    runs = {step: Record("pendulum", {}, "x", "m", {"step": step}, "success", times={"loop_s": 2.0, "build_s": 7.0},
+                         error=error) for step in (0.25, 0.5)}  # fmt: skip
+    offers = {1e-3: [runs[0.25], runs[0.5]], 1e-6: [runs[0.5]]}
+    monkeypatch.setattr(pairs, "reaching", lambda data, scene, engine, target: offers[target])
+    held = {0.25: replace(runs[0.25], times={"loop_s": 3.0}), 0.5: None}
+    monkeypatch.setattr(pairs, "stored_times", lambda store, scene, run: held[run.settings["step"]])
+    asked: list[Any] = []
+    monkeypatch.setattr(pairs, "least_times", lambda turns, first: asked.append(([
+        turn.args[1] for turn in turns], [(one.loop_s, one.cpu_share) for one in first])) or [0.5, 0.75])  # fmt: skip
+    data: Any = SimpleNamespace(scenes=["pendulum"], engines=["x"])
+    found = pairs._timed(None, scenes.make("pendulum"), data, (1e-3, 1e-6))  # type: ignore[arg-type]
+    assert asked == [([runs[0.25], runs[0.5]], [(3.0, 1.0), (2.0, 0.0)])]
+    assert [(run.settings["step"], run.times) for run in found] == [
+        (0.25, {"loop_s": 0.5, "build_s": 7.0}), (0.5, {"loop_s": 0.75, "build_s": 7.0})]  # fmt: skip

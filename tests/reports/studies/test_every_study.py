@@ -308,12 +308,18 @@ def test_the_least_model(seed):
         found = choose(ladder, error)
         assert found.best == best
         known = [r for r in ladder.rungs if r.accuracy is not None and (best is None or r.loop_s < best.loop_s)]
-        near = max(known, key=lambda r: r.accuracy or 0.0, default=None)
-        if near is not None:
-            assert f"{near.name!r} comes closest with {10.0 ** -(near.accuracy or 0.0):.2g}" in found.sentence
-        if best is not None:
-            assert found.sentence.startswith(f"Title: {best.name!r} is enough for {error:.3g}: ")
-            assert duration(best.loop_s) in found.sentence
+        cheaper = known or [r for r in ladder.rungs if best is not None and r.loop_s < best.loop_s]
+        near = max(cheaper, key=lambda r: r.accuracy or 0.0, default=None)
+        shown = {r.name: "the model that the others are compared with" if r.accuracy is None
+                 else f"{10.0 ** -r.accuracy:.2g}" for r in ladder.rungs}  # fmt: skip
+        less = "" if near is None else f"{near.name!r} comes closest with {shown[near.name]}"
+        if best is None:
+            assert found.sentence == f"Title: no model reaches {error:.3g}{'; ' * bool(less)}{less}."
+            continue
+        less = f"; of the cheaper ones {less}" if less else ""
+        by = f" Errors are counted from {ladder.reference!r}, which is no truth." if ladder.reference else ""
+        assert found.sentence == (f"Title: {best.name!r} is enough for {error:.3g}: {shown[best.name]}, "
+                                  f"{duration(best.loop_s)}{less}.{by}")  # fmt: skip
     most: dict[str, int] = {}
     for figures in range(1, math.floor(max(r.accuracy for r in ladder.rungs if r.accuracy)) + 1):
         able = [r for r, has in reach if has is not None and has >= figures]
@@ -532,10 +538,14 @@ def test_paths_of_two_methods_are_compared_at_their_largest_distance(monkeypatch
     monkeypatch.setattr(androids, "off_truth", lambda scene, path: None)
     monkeypatch.setattr(androids.ladder, "grid", lambda scene: TIMES)
     monkeypatch.setattr(androids, "constraint_residual", lambda scene, path: np.array([[0.1, -0.3], [0.2, 0.0]]))
-    row = androids.add_convergence(Measured(), android, dict(zip(androids.UNLIKE, (one, other), strict=True)))
+    measured = Measured()
+    row = androids.add_convergence(measured, android, dict(zip(androids.UNLIKE, (one, other), strict=True)))
+    (curve,) = measured.curves.values()
+    assert curve.x == pytest.approx(TIMES[1:], rel=1e-5)
     for name, body in androids.WATCHED.items():
         apart = (one.position - other.position)[1:, android.body_index(body)]
         assert row[name] == pytest.approx(max(math.hypot(*gap) for gap in apart))
+        assert curve.lines[name] == pytest.approx([math.hypot(*gap) for gap in apart], rel=1e-5)
     assert [row[method] for method in androids.UNLIKE] == [0.3, 0.3]
 
 
@@ -583,3 +593,29 @@ def test_clocks_and_light_time_of_frames(monkeypatch):
     assert days == pytest.approx([-62.5, 43200.0 - 62.5], abs=1e-4)
     mars = [rows[f"Mars from the Earth: {name}"]() for name in ("geometric", "light time", "and aberration")]
     assert mars == [(False, False), (True, False), (True, True)]
+
+
+@pytest.mark.parametrize(("gaps", "shown"), [([2e-5, 7e-4, np.inf], None), ([2e-5, np.nan], None), ([2e-5], 2e-5)])
+def test_a_compliance_that_is_not_finite_is_unknown_and_its_curve_ends(monkeypatch, android, gaps, shown):
+    held = np.array([[0.0, 0.0], *([0.1 * (k + 1), gap] for k, gap in enumerate(gaps))])
+    path = motion(android, step_compliance=held)
+    monkeypatch.setattr(androids, "with_test", lambda scene, settings, tested: (path, path, 3e-6))
+    measured = Measured()
+    androids.add_run(measured, android, androids.Settings(method="rk4", step=1e-4))
+    assert measured.tables["runs"][0]["compliance"] == shown
+    (line,) = measured.curves.values()
+    assert line.lines["|C|"] == tuple(gap for gap in gaps if np.isfinite(gap))
+
+
+def test_the_head_and_the_hip_are_each_their_own_body(monkeypatch, android):
+    """The hip is the bottom."""
+    paths = [motion(android), motion(android)]
+    apart = np.zeros((len(paths[0].times), len(android.bodies), 4))
+    apart[0] = 9.0  # at the start they are where the scene has them
+    apart[1, android.body_index("head"), 0], apart[-1, android.body_index("bottom"), 0] = 0.25, 0.5
+    monkeypatch.setattr(androids, "distances", lambda scene, one, other: apart)
+    monkeypatch.setattr(androids, "truth_for", lambda *given: None)
+    monkeypatch.setattr(androids, "off_truth", lambda *given: None)
+    monkeypatch.setattr(androids.ladder, "grid", lambda scene: paths[0].times)
+    row = androids.add_convergence(Measured(), android, dict(zip(androids.UNLIKE, paths, strict=True)))
+    assert (row["head"], row["hip"]) == (0.25, 0.5)

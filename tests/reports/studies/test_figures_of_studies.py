@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from mbs_ref import scenes
 from mbs_ref.settings import Settings
 from mbs_ref.trajectory import Trajectory
-from reports.studies import androids, contact
+from reports.studies import androids, contact, space
 from reports.studies.papers import lessons
 
 
@@ -78,3 +79,25 @@ def test_what_a_bounce_exchanges_and_loses():
     assert found.exchanged == pytest.approx(0.5 * (1.0 + e**2), rel=1e-2)
     assert found.energy[-1] - found.energy[0] == pytest.approx(-0.5 * (1.0 - e**2), rel=1e-6)
     assert found.work[-1] == pytest.approx(-0.5 * (1.0 - e**2), rel=1e-4)
+
+
+@pytest.mark.parametrize("rigid", [True, False])
+def test_bodies_whose_cost_is_compared_fall_alike(rigid):
+    """Twenty of 1 kg in a row, at rest, a metre apart."""
+    scene = space._falling(rigid)
+    assert scene.gravity == (0.0, 0.0, -9.81)
+    assert [body.position for body in scene.bodies] == [(float(k), 0.0, 0.0) for k in range(20)]
+    assert {(body.type, body.mass, body.velocity) for body in scene.bodies} == {
+        ("spatial" if rigid else "point_mass", 1.0, (0.0, 0.0, 0.0))}  # fmt: skip
+
+
+def test_a_cost_ratio_is_of_rigid_bodies_over_points_by_their_least_loops(monkeypatch):
+    path = lambda loop_s: SimpleNamespace(timing=SimpleNamespace(loop_s=loop_s))  # noqa: E731
+    asked: list[Any] = []
+    monkeypatch.setattr(space, "interleaved", lambda runs, count: asked.extend([*runs, count]) or [
+        [path(6.0), path(3.0)], [path(2.0), path(1.5)]])  # fmt: skip
+    assert space._cost_ratio() == 2.0
+    *runs, count = asked
+    assert (count, [run.args[0] for run in runs]) == (9, [space._falling(True), space._falling(False)])
+    assert [run.args[1] for run in runs] == [Settings(
+        method="rk4", step=1e-4, t_end=0.2, samples=2, stabilization="none", estimate="off")] * 2  # fmt: skip

@@ -106,3 +106,24 @@ def test_masses_of_attracting_bodies_follow_the_order_of_the_bodies():
     before, after = ([load.gm for load in own.loads if isinstance(load, Newton)] for own in (scene, seen))
     assert after == [gm[::-1] for gm in before if gm]
     assert after
+
+
+def test_one_force_that_varies_is_enough_whatever_stands_beside_it():
+    steady = _pushed_along_its_own_axes(2)
+    ramp = Table(times=(0.0, 1.0), values=(0.0, 1.0))
+    (push,) = steady.loads
+    for loads in ((push, push.model_copy(update={"name": "varied", "factor": ramp})),
+                  (push.model_copy(update={"factor": ramp}), push.model_copy(update={"name": "other"}))):  # fmt: skip
+        assert placement.cut_obstacle(steady.model_copy(update={"loads": loads}), back=False) == (
+            "signals are not carried over a cut")  # fmt: skip
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_vectors_along_a_bodys_own_axes_are_inverted_or_reflected_by_a_mirror_and_torques_never(dimension, sense):
+    """Axes of a mirrored body are inverted in space, and reflected at its x axis in the plane."""
+    image = Placement(np.diag([1.0] * (dimension - 1) + [sense]), np.zeros(dimension))
+    value = np.array([1.0, 2.0, 3.0][:dimension])
+    mirrored = -value if dimension == 3 else np.array([1.0, -2.0])
+    seen = {what: placement._in_body_axes(value, what, image) for what in ("polar", "axial")}
+    assert seen == {"polar": tuple(value if sense > 0.0 else mirrored), "axial": tuple(value)}

@@ -195,3 +195,21 @@ def test_a_run_is_cut_or_turned_back_unless_that_very_change_has_an_obstacle(mon
     nothing: Any = None
     assert symmetry._cut(nothing, nothing, nothing, nothing) == "back: False"
     assert symmetry._there_and_back(nothing, nothing, nothing, nothing) == "back: True"
+
+
+def test_what_is_left_of_a_symmetry_is_seen_beside_the_runs_own_error(monkeypatch):
+    """A way back also carries the error of its velocities for as long as the run; one that is not run says why."""
+    still = np.zeros((3, 1, 2))
+    plain = Trajectory(np.array([0.0, 1.0, 2.0]), still, still[..., 0], still, still[..., 0])
+    finer: list[Any] = []
+    monkeypatch.setattr(symmetry, "_run", lambda engine, scene, settings, times: finer.append(settings) or plain)
+    monkeypatch.setattr(symmetry, "_noise", lambda *given: 0.125)
+    monkeypatch.setattr(symmetry, "_gap", lambda scene, run, wanted: (0.25, 0.5))
+    broken = {name: lambda *given, k=k: 2.0**k for k, name in enumerate(("turned", symmetry.BACK))}
+    monkeypatch.setattr(symmetry, "SYMMETRIES", {**broken, "cut": lambda *given: "it has signals"})
+    scene = scenes.make("pendulum")
+    found = symmetry.violations(None, scene, Settings(method="rk4", step=0.5, t_end=2.0))  # type: ignore[arg-type]
+    assert found == [
+        symmetry.Violation("turned", 1.0, 0.125, 0.25), symmetry.Violation(symmetry.BACK, 2.0, 0.125, 0.25 + 2.0 * 0.5),
+        symmetry.Violation("cut", None, 0.125, 0.25, "it has signals")]  # fmt: skip
+    assert [one.step for one in finer] == [0.5, 0.25]
