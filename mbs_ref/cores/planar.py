@@ -65,6 +65,9 @@ class PlanarSystem(JointedSystem):
         q, v = states.reshape(-1, 2, n, 3).transpose(1, 0, 2, 3)
         return Poses(q[:, :, :2].copy(), q[:, :, 2].copy(), v[:, :, :2].copy(), v[:, :, 2].copy())
 
+    def orientations(self, states: np.ndarray) -> np.ndarray:
+        return states[:, 2 : 3 * self.n_bodies : 3]
+
     def states_of(self, poses: Poses) -> np.ndarray:
         q = np.concatenate((poses.position, poses.orientation[:, :, None]), axis=2)
         v = np.concatenate((poses.velocity, poses.angular_velocity[:, :, None]), axis=2)

@@ -177,6 +177,10 @@ class System(ABC):
         """Return this system's states (n, n_state) of those of `redundant` (n, n_full)."""
         return full
 
+    def all_full(self, states: np.ndarray) -> np.ndarray:
+        """Return the states (n, n_full) of `redundant` that this system's (n, n_state) mean."""
+        return states
+
     def reduced(self, full: np.ndarray) -> np.ndarray:
         """Return this system's state of one of `redundant`."""
         return self.all_reduced(full[None])[0]

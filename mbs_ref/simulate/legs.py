@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from mbs_ref.cores.system import System
+from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators.loop.leg import FEWEST, Leg, Options, Progress, progress
 from mbs_ref.simulate.diagnosis import culprit, deeper_cause
 from mbs_ref.simulate.plan import ON_GRID, Plan
@@ -163,14 +163,12 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
     return Run(times, states, compliance, counts, status, message, loop_s, share, bool(run.near_singular))
 
 
-def finite_part(system: System, run: Run) -> Run:
-    """Return the run up to its last finite output; an infinite number or NaN makes it `non-finite`."""
-    with np.errstate(all="ignore"):
-        bad = [~np.isfinite(values).reshape(len(run.times), -1).all(axis=1) for values in system.poses(run.states)]
-    places = np.flatnonzero(np.any(bad, axis=0))
-    if not len(places):
+def finite_part(run: Run, poses: Poses) -> Run:
+    """Return the run up to its last output of finite poses; an infinite number or NaN makes it `non-finite`."""
+    if all(np.isfinite(values).all() for values in poses):
         return run
-    good = int(places[0])
+    bad = [~np.isfinite(values).reshape(len(run.times), -1).all(axis=1) for values in poses]
+    good = int(np.flatnonzero(np.any(bad, axis=0))[0])
     message = f"the output at t = {run.times[good]:.9g} s holds an infinite number or NaN"
     return run._replace(times=run.times[:good], states=run.states[:good], compliance=run.compliance[:good],
                         status=Status.NON_FINITE, message=message)  # fmt: skip
