@@ -73,12 +73,14 @@ def unmasked_distances(first: Motion, second: Motion, in_space: bool | None) -> 
 
 def _unmasked_components(first: Motion, second: Motion, in_space: bool | None) -> list[np.ndarray]:
     with np.errstate(all="ignore"):  # overflow is infinitely far
-        return list(np.broadcast_arrays(
+        parts = [
             _size(_between(first.position, second.position, True), True),
             _size(turn_between(first.orientation, second.orientation, in_space), in_space),
             _size(_between(first.velocity, second.velocity, True), True),
             _size(_between(first.angular_velocity, second.angular_velocity, in_space), in_space),
-        ))  # fmt: skip
+        ]
+    shape = next((part.shape for part in parts if part is not None), ())
+    return [np.full(shape, np.nan) if part is None else part for part in parts]
 
 
 def units_of(scales: Scales) -> np.ndarray:
@@ -118,27 +120,23 @@ def motion_size(scene: Scene, scales: Scales, run: tuple[np.ndarray, ...], times
     Samples once a period show bodies near their start alone: positions go at least as far as the speeds allow, up to
     the extent of all positions, and bodies turn at least as far as the integral of their rates, up to half a turn.
     """
-    position, in_space = run[0], not scene.planar
-    here = (slice(None),) * (position.ndim - 3) + (slice(1),)
+    in_space, steps = not scene.planar, times[1:] - times[:-1]
+    here = (slice(None),) * (run[0].ndim - 3) + (slice(1),)
     start = (np.broadcast_to(part[here], part.shape) for part in run[:2])
-    parts = _components(scene, Partial(*run), Partial(*start, *map(np.zeros_like, run[2:])), np.nan)
-    steps = np.diff(times)
+    still = (np.broadcast_to(0.0, part.shape) for part in run[2:])
+    parts = _components(scene, Partial(*run), Partial(*start, *still), np.nan)
     with np.errstate(all="ignore"):
-        way = np.nansum(steps * parts[2].max(axis=-1)[..., 1:], axis=-1)
-        size = np.stack([_largest_finite(part) for part in parts], axis=-1)
-        rates = run[3] if np.isfinite(run[3]).all() else np.nan_to_num(run[3])
-        rates = np.moveaxis(rates, -1, 0) if in_space else rates
-        turned = np.cumsum(0.5 * (rates[..., 1:, :] + rates[..., :-1, :]) * steps[:, None], axis=-2)
-        turn = np.max(_length(turned) if in_space else np.abs(turned), axis=(-2, -1), initial=0.0)
-    size[..., 0] = np.maximum(size[..., 0], np.minimum(way, _extent(position)))
+        way = np.nansum(steps * np.max(parts[2], axis=-1)[..., 1:], axis=-1)
+        finite = [part if np.isfinite(np.max(part)) else np.where(np.isfinite(part), part, 0.0) for part in parts]
+        size = np.stack([np.max(part, axis=(-2, -1)) for part in finite], axis=-1)
+        rates = run[3] if finite[3] is parts[3] else np.nan_to_num(run[3])
+        rates = np.moveaxis(rates, -3, 0) if in_space else np.moveaxis(rates, -2, 0)
+        steps = steps.reshape(-1, *(rates.ndim - 1) * (1,))
+        turned = np.cumsum(0.5 * (rates[1:] + rates[:-1]) * steps, axis=0)
+        turn = np.max(_length(turned) if in_space else np.abs(turned), axis=(0, -1), initial=0.0)
+    size[..., 0] = np.maximum(size[..., 0], np.minimum(way, _extent(run[0])))
     size[..., 1] = np.maximum(size[..., 1], np.minimum(turn, np.pi))
     return size / units_of(scales)
-
-
-def _largest_finite(sizes: np.ndarray) -> np.ndarray:
-    """Return the largest finite size (...,) over times and bodies, 0 where there is none."""
-    known = np.isfinite(sizes)
-    return np.max(sizes if known.all() else np.where(known, sizes, 0.0), axis=(-2, -1), initial=0.0)
 
 
 def coordinate_size(scales: Scales, position: np.ndarray) -> float:
@@ -173,15 +171,18 @@ def _between(
     return minus(first[(..., slice(n), *rest)], second[(..., slice(n), *rest)])
 
 
-def _size(difference: np.ndarray | None, of_vectors: bool | None) -> np.ndarray | float:
+def _size(difference: np.ndarray | None, of_vectors: bool | None) -> np.ndarray | None:
     if difference is None:
-        return np.nan
-    return _length(np.moveaxis(difference, -1, 0)) if of_vectors else np.abs(difference)
+        return None
+    return _length(difference) if of_vectors else np.abs(difference)
 
 
-def _length(components: np.ndarray) -> np.ndarray:
-    """Return the length (...,) of vectors (n, ...): NumPy sums over a short last axis many times more slowly."""
-    return np.sqrt(sum(x * x for x in components))
+def _length(vectors: np.ndarray) -> np.ndarray:
+    """Return the length (...,) of vectors (..., n): NumPy sums over a short last axis many times more slowly."""
+    total = vectors[..., 0] * vectors[..., 0]
+    for k in range(1, vectors.shape[-1]):
+        total += vectors[..., k] * vectors[..., k]
+    return np.sqrt(total)
 
 
 def _extent(position: np.ndarray) -> np.ndarray:
@@ -190,4 +191,4 @@ def _extent(position: np.ndarray) -> np.ndarray:
     known = finite.all(axis=-1, keepdims=True) if not finite.all() else True  # a mask makes NumPy slow
     low = np.min(np.min(position, axis=-3, where=known, initial=np.inf), axis=-2)
     high = np.max(np.max(position, axis=-3, where=known, initial=-np.inf), axis=-2)
-    return _length(np.moveaxis(np.maximum(high - low, 0.0), -1, 0))
+    return _length(np.maximum(high - low, 0.0))
