@@ -216,14 +216,15 @@ def _doubled(plan: Plan) -> Plan:
 
 def _every_second(times: np.ndarray) -> np.ndarray:
     """Return the places of every second output and the last."""
-    return np.unique(np.append(np.arange(0, len(times), 2), len(times) - 1))
+    return np.append(np.arange(0, len(times) - 1, 2), len(times) - 1)
 
 
 def _by_doubled_steps(system: System, plan: Plan, own: RunWithPoses, other: Companion | None) -> _Comparison | None:
     """Return the comparison with steps of twice the size; None where it does not show how errors depend on them."""
-    run, places, doubled = own.run, _every_second(own.run.times), _doubled(plan)
+    run, doubled = own.run, _doubled(plan)
     if other is None:
         second = _rerun(system, doubled, run.states[0], doubled.times)
+        places = _every_second(run.times)
         poses = Poses(*(part[places] for part in own.poses))
         other = Companion(second, *_distance(system, doubled.times, poses, second.states), is_coarse=True)
     second, gaps, sizes, _ = other
@@ -234,7 +235,7 @@ def _by_doubled_steps(system: System, plan: Plan, own: RunWithPoses, other: Comp
     path = np.fmax(1.0, np.max(sizes[2:]) * doubled.times[: len(gaps), None] / system.scales.time)
     noise = SAFETY * (np.minimum(gaps, NOISE * path) + _roundoff(run) * path)
     bounds = np.minimum(np.fmax(factor * gaps, noise), 2.0 * sizes)
-    after = np.searchsorted(places[: len(gaps)], np.arange(places[len(gaps) - 1] + 1))
+    after = np.searchsorted(doubled.times[: len(gaps)], run.times[run.times <= doubled.times[len(gaps) - 1]])
     return _Comparison(
         bounds=bounds[after], other=other, is_alike=False, is_uninformative=False, status=second.status,
         how=f"{factor:.3g} times the difference from a run with steps of twice the size",
