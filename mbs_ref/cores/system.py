@@ -123,7 +123,7 @@ class System(ABC):
             vars(other).pop(name, None)
         return other
 
-    @property
+    @cached_property
     def calls_users(self) -> bool:
         """Whether a force or a constraint is a user's own function."""
         return any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))

@@ -137,7 +137,8 @@ def start_run(system: System, plan: Plan, y: np.ndarray) -> None:
     """Prepare the system for a run from y at t = 0: stabilization and contact modes."""
     system.set_mode_time(0.0)
     system.set_baumgarte(plan.baumgarte_gain)
-    system.start_contacts(0.0, y, plan.settings.events != "none")
+    if system.event_sources:
+        system.start_contacts(0.0, y, plan.settings.events != "none")
 
 
 def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
