@@ -120,8 +120,8 @@ def motion_size(scene: Scene, scales: Scales, run: tuple[np.ndarray, ...], times
     Samples once a period show bodies near their start alone: positions go at least as far as the speeds allow, up to
     the extent of all positions, and bodies turn at least as far as the integral of their rates, up to half a turn.
     """
-    in_space, steps = not scene.planar, times[1:] - times[:-1]
-    here = (slice(None),) * (run[0].ndim - 3) + (slice(1),)
+    position, in_space, steps = run[0], not scene.planar, times[1:] - times[:-1]
+    here = (slice(None),) * (position.ndim - 3) + (slice(1),)
     start = (np.broadcast_to(part[here], part.shape) for part in run[:2])
     still = (np.broadcast_to(0.0, part.shape) for part in run[2:])
     parts = _components(scene, Partial(*run), Partial(*start, *still), np.nan)
@@ -134,7 +134,7 @@ def motion_size(scene: Scene, scales: Scales, run: tuple[np.ndarray, ...], times
         steps = steps.reshape(-1, *(rates.ndim - 1) * (1,))
         turned = np.cumsum(0.5 * (rates[1:] + rates[:-1]) * steps, axis=0)
         turn = np.max(_length(turned) if in_space else np.abs(turned), axis=(0, -1), initial=0.0)
-    size[..., 0] = np.maximum(size[..., 0], np.minimum(way, _extent(run[0])))
+    size[..., 0] = np.maximum(size[..., 0], np.minimum(way, _extent(position)))
     size[..., 1] = np.maximum(size[..., 1], np.minimum(turn, np.pi))
     return size / units_of(scales)
 
