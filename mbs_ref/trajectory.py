@@ -95,7 +95,7 @@ class Estimate:
     @property
     def poses(self) -> np.ndarray:
         """The larger of position and orientation (n_t,)."""
-        return np.max(self.components[:, :2], axis=1)
+        return np.maximum(*self.components[:, :2].T)
 
     @property
     def holds_until(self) -> float | None:

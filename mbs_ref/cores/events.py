@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -143,7 +144,7 @@ class ContactSystem(System):
         modes.noise[:] *= factor
         modes.first_lag[:] = lag
 
-    @property
+    @cached_property
     def event_sources(self) -> tuple[str, ...]:
         return tuple(event_sources(self.scene))
 

@@ -264,9 +264,9 @@ class JointedSystem(ContactSystem):
         for start in range(0, len(times), each):
             block = slice(start, start + each)
             fill(times[block], states[block], forces[block])
-            turns = self.poses(states[block]).orientation[:, of.body]
+            turns = self.orientations(states[block])[:, of.body]
             forces[block] = self._about(self.turned(turns, of.arm), of.sign * forces[block])
-        return {name: forces[:, k].copy() for k, name in enumerate(of.names)}
+        return dict(zip(of.names, forces.swapaxes(0, 1).copy(), strict=True))
 
     def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
         if self.event_sources:
@@ -313,6 +313,10 @@ class JointedSystem(ContactSystem):
             body=np.array(bodies, dtype=int),
             arm=floats(map(self.arm_of, parts, fields), self.scene.dimension),
         )
+
+    @abstractmethod
+    def orientations(self, states: np.ndarray) -> np.ndarray:
+        """Return the bodies' orientations as `poses` does."""
 
     @staticmethod
     @abstractmethod

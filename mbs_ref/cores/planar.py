@@ -48,11 +48,11 @@ class PlanarSystem(JointedSystem):
         return scratch
 
     def initial_state(self) -> np.ndarray:
-        q, v = np.zeros((2, self.n_bodies, 3))
-        for k, body in enumerate(self.scene.bodies):
-            q[k, :2], v[k, :2] = body.position, body.velocity
-            if isinstance(body, PlanarBody):
-                q[k, 2], v[k, 2] = body.angle, body.angular_velocity
+        bodies = self.scene.bodies
+        turns = [(body.angle, body.angular_velocity) if isinstance(body, PlanarBody) else (0.0, 0.0) for body in bodies]
+        angle, rate = np.array(turns).T
+        q = np.column_stack(([body.position for body in bodies], angle))
+        v = np.column_stack(([body.velocity for body in bodies], rate))
         return np.concatenate((q.ravel(), v.ravel()))
 
     @staticmethod
@@ -64,6 +64,9 @@ class PlanarSystem(JointedSystem):
         n = self.n_bodies
         q, v = states.reshape(-1, 2, n, 3).transpose(1, 0, 2, 3)
         return Poses(q[:, :, :2].copy(), q[:, :, 2].copy(), v[:, :, :2].copy(), v[:, :, 2].copy())
+
+    def orientations(self, states: np.ndarray) -> np.ndarray:
+        return states[:, 2 : 3 * self.n_bodies : 3]
 
     def states_of(self, poses: Poses) -> np.ndarray:
         q = np.concatenate((poses.position, poses.orientation[:, :, None]), axis=2)

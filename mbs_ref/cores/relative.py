@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -11,7 +12,7 @@ from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.planar import PlanarSystem
 from mbs_ref.cores.spatial import SpatialSystem
 from mbs_ref.cores.system import Poses, System
-from mbs_ref.kernels.border.groups import empty, floats, ints
+from mbs_ref.kernels.border.groups import empty, ints
 from mbs_ref.kernels.relative import model as arrays
 from mbs_ref.kernels.relative.events import expand_over, take_velocities_over
 from mbs_ref.scene import PointMass, Prismatic, Revolute, Scene, Spherical, Weld
@@ -63,6 +64,10 @@ class Layout:
         self.q = np.concatenate(([0], np.cumsum(widths))).astype(int)
         self.v = self.q[-1] + np.concatenate(([0], np.cumsum(self.freedoms))).astype(int)
         self.n_positions, self.n_state = int(self.q[-1]), int(self.v[-1])
+        kinds = list(zip(self.kind, widths, strict=True))
+        self.alike = {  # places of the joints of each kind and number of coordinates
+            one: ints([i for i, other in enumerate(kinds) if other == one]) for one in sorted({*kinds}) if one[1]
+        }  # fmt: skip
 
     def body(self, i: int) -> Any:
         return self.scene.bodies[self.order[i]]
@@ -105,15 +110,21 @@ class Layout:
         axis = getattr(self.scene.joints[self.joint[i]], "axis", None) if i in self.joint else None
         return np.zeros(self.scene.dimension) if axis is None else unit(axis)
 
-    def units(self, length: float, time: float) -> np.ndarray:
-        """Return what each entry of the state counts in: a length, one, and the same over the time."""
-        q, u = [], []
+    @cached_property
+    def _are_lengths(self) -> tuple[np.ndarray, np.ndarray]:
+        """Which coordinates and which rates are of lengths."""
+        q, u = list[bool](), list[bool]()
         for i, kind in enumerate(self.kind):
             lengths = {arrays.FREE: self.scene.dimension, arrays.PRISMATIC: 1}.get(kind, 0)
             rest = self.freedoms[i] - lengths
-            q += lengths * [length] + (PARAMETERS if rest and self._surplus(i) else rest) * [1.0]
-            u += lengths * [length] + rest * [1.0]
-        return np.concatenate((floats(q), floats(u) / time))
+            q += lengths * [True] + (PARAMETERS if rest and self._surplus(i) else rest) * [False]
+            u += lengths * [True] + rest * [False]
+        return np.array(q, dtype=bool), np.array(u, dtype=bool)
+
+    def units(self, length: float, time: float) -> np.ndarray:
+        """Return what each entry of the state counts in: a length, one, and the same over the time."""
+        q, u = (np.where(lengths, length, 1.0) for lengths in self._are_lengths)
+        return np.concatenate((q, u / time))
 
 
 UNTURNED = (arrays.FREE, arrays.SPHERICAL, arrays.HELD)  # bodies that their parent does not turn
@@ -175,8 +186,8 @@ class RelativeSystem(System):
         """Return orientations as seen from others."""
 
     @abstractmethod
-    def _angle(self, i: int, turn: np.ndarray) -> np.ndarray:
-        """Return the angle (m,) of a revolute joint at its body's orientations (m, ...) as seen from its parent."""
+    def _angles(self, i: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        """Return the angles (k, m) of revolute joints at their bodies' orientations (k, m, ...) as parents see them."""
 
     def _places(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return places and orientations (n + 1, m, ...) at redundant states (m, n_full), in elimination order."""
@@ -196,21 +207,19 @@ class RelativeSystem(System):
             axes[i] = self.REDUNDANT.turned(self._from(turn[holder], self.GROUND), self.layout.world_axis(i))
         return self._from(turn[parents], turn[:-1]).reshape(len(parents), -1), axes
 
-    def _coordinate(self, i: int, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        """Return a joint's coordinates (m, ...) at places and orientations."""
-        kind, joints, (place, turn) = self.layout.kind[i], self.groups.joints, places
-        parent, m, turned = int(joints.parent[i]), len(place[i]), self.REDUNDANT.turned
+    def _coordinates(self, kind: int, i: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        """Return the coordinates (k, m, ...) of k joints of a kind; of free particles, with orientations behind."""
+        joints, (place, turn) = self.groups.joints, places
+        parent, turned = joints.parent[i], self.REDUNDANT.turned
         if kind == arrays.FREE:
-            pose = place[i], turn[i].reshape(m, -1)
-            return pose[0] if self.layout.freedoms[i] == self.scene.dimension else np.concatenate(pose, axis=1)
+            return np.concatenate((place[i], turn[i].reshape(*turn[i].shape[:2], -1)), axis=2)
         if kind == arrays.SPHERICAL:
             return turn[i]
         if kind == arrays.REVOLUTE:
-            return self._angle(i, self._from(turn[parent], turn[i]))[:, None]
-        if kind == arrays.PRISMATIC:
-            reach = turned(turn[parent], joints.arm_of_parent[i]) - turned(turn[i], joints.arm[i])
-            return dot(place[i] - place[parent] - reach, turned(turn[parent], joints.axis[i]))[:, None]
-        return np.zeros((m, 0))
+            return self._angles(i, self._from(turn[parent], turn[i]))[:, :, None]
+        own, of_parent, axis = (arms[i, None] for arms in (joints.arm, joints.arm_of_parent, joints.axis))
+        reach = turned(turn[parent], of_parent) - turned(turn[i], own)
+        return dot(place[i] - place[parent] - reach, turned(turn[parent], axis))[:, :, None]
 
     def full(self, y: np.ndarray) -> np.ndarray:
         """Return the redundant state of y, or those of many (n, n_state)."""
@@ -235,9 +244,10 @@ class RelativeSystem(System):
 
     def all_reduced(self, full: np.ndarray) -> np.ndarray:
         y, places = np.zeros((len(full), self.layout.n_state)), self._places(full)
-        for i, first in enumerate(self.layout.q[:-1]):
-            found = self._coordinate(i, places)
-            y[:, first : first + found.shape[1]] = found
+        for (kind, width), i in self.layout.alike.items():
+            found = self._coordinates(kind, i, places)
+            for c in range(width):
+                y[:, self.layout.q[i] + c] = found[:, :, c].T
         take_velocities_over(*self.own_handles, np.ascontiguousarray(full), y)
         return y
 
@@ -270,8 +280,8 @@ class RelativePlanarSystem(RelativeSystem):
     def _from(first: np.ndarray, turn: np.ndarray) -> np.ndarray:
         return turn - first
 
-    def _angle(self, i: int, turn: np.ndarray) -> np.ndarray:
-        return turn - self.groups.joints.offset[i, 0]
+    def _angles(self, i: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        return turn - self.groups.joints.offset[i]
 
 
 class RelativeSpatialSystem(RelativeSystem):
@@ -283,6 +293,6 @@ class RelativeSpatialSystem(RelativeSystem):
     def _from(first: np.ndarray, turn: np.ndarray) -> np.ndarray:
         return product(conjugate(first), turn)
 
-    def _angle(self, i: int, turn: np.ndarray) -> np.ndarray:
-        turned = product(conjugate(self.groups.joints.offset[i]), turn)
-        return 2.0 * np.arctan2(dot(turned[:, 1:], self.groups.joints.axis[i]), turned[:, 0])
+    def _angles(self, i: np.ndarray, turn: np.ndarray) -> np.ndarray:
+        turned = product(conjugate(self.groups.joints.offset[i, None]), turn)
+        return 2.0 * np.arctan2(dot(turned[..., 1:], self.groups.joints.axis[i, None]), turned[..., 0])

@@ -194,17 +194,21 @@ class SpatialSystem(JointedSystem):
         bodies = self.groups.bodies
         return np.array([y[q + 3 : q + 7] @ y[q + 3 : q + 7] for q in bodies.q[bodies.rigid == 1]])
 
+    def orientations(self, states: np.ndarray) -> np.ndarray:
+        bodies, theta = self.groups.bodies, np.zeros((len(states), self.n_bodies, 4))
+        turns = bodies.rigid == 1
+        theta[:, :, 0] = 1.0
+        theta[:, bodies.scene_index[turns]] = states[:, _after(bodies.q[turns] + 3, 4)]
+        return theta
+
     def poses(self, states: np.ndarray) -> Poses:
         states = np.asarray(states)
         bodies, order = self.groups.bodies, self.groups.bodies.scene_index
-        shape = (len(states), self.n_bodies)
-        position, velocity, omega = (np.zeros((*shape, 3)) for _ in range(3))
-        theta = np.zeros((*shape, 4))
-        theta[:, :, 0] = 1.0
+        position, velocity, omega = (np.zeros((len(states), self.n_bodies, 3)) for _ in range(3))
+        theta = self.orientations(states)
         position[:, order], velocity[:, order] = states[:, _after(bodies.q, 3)], states[:, _after(bodies.v, 3)]
         turns = bodies.rigid == 1
-        own, q, v = order[turns], bodies.q[turns] + 3, bodies.v[turns] + 3
-        theta[:, own] = states[:, _after(q, 4)]
+        own, v = order[turns], bodies.v[turns] + 3
         omega[:, own] = np.einsum("tkij,tkj->tki", rotation_matrices(theta[:, own]), states.take(_after(v, 3), axis=1))
         return Poses(position, theta, velocity, omega)
 

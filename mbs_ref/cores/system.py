@@ -123,7 +123,7 @@ class System(ABC):
             vars(other).pop(name, None)
         return other
 
-    @property
+    @cached_property
     def calls_users(self) -> bool:
         """Whether a force or a constraint is a user's own function."""
         return any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
@@ -176,6 +176,10 @@ class System(ABC):
     def all_reduced(self, full: np.ndarray) -> np.ndarray:
         """Return this system's states (n, n_state) of those of `redundant` (n, n_full)."""
         return full
+
+    def all_full(self, states: np.ndarray) -> np.ndarray:
+        """Return the states (n, n_full) of `redundant` that this system's (n, n_state) mean."""
+        return states
 
     def reduced(self, full: np.ndarray) -> np.ndarray:
         """Return this system's state of one of `redundant`."""

@@ -47,11 +47,20 @@ def distances(scene: Scene, first: Motion, second: Motion, missing: float = np.n
     turns in the plane do not count. The samples are those that both motions have. An infinite number is infinitely far.
     `missing` replaces every NaN but those of particles' orientations: pass inf for runs, which lack nothing.
     """
+    return np.stack(_components(scene, first, second, missing), axis=-1)
+
+
+def _components(scene: Scene, first: Motion, second: Motion, missing: float) -> list[np.ndarray]:
+    """Return the four distances (..., n_t, n_bodies) of `distances`: NumPy reduces long axes alone quickly."""
     particles = [isinstance(body, PointMass) for body in scene.bodies]
-    sizes = unmasked_distances(first, second, None if all(particles) else not scene.planar)
-    sizes[np.isnan(sizes)] = missing
-    sizes[..., particles, 1::2] = np.nan
-    return sizes
+    parts = _unmasked_components(first, second, None if all(particles) else not scene.planar)
+    for k, part in enumerate(parts):
+        unknown = np.isnan(part)
+        if unknown.any():
+            parts[k] = np.where(unknown, missing, part)
+        if k % 2 and any(particles):
+            parts[k] = np.where(particles, np.nan, parts[k])
+    return parts
 
 
 def unmasked_distances(first: Motion, second: Motion, in_space: bool | None) -> np.ndarray:
@@ -59,13 +68,19 @@ def unmasked_distances(first: Motion, second: Motion, in_space: bool | None) -> 
 
     Turns are vectors in space and numbers in the plane; None for particles alone.
     """
+    return np.stack(_unmasked_components(first, second, in_space), axis=-1)
+
+
+def _unmasked_components(first: Motion, second: Motion, in_space: bool | None) -> list[np.ndarray]:
     with np.errstate(all="ignore"):  # overflow is infinitely far
-        return np.stack(np.broadcast_arrays(
+        parts = [
             _size(_between(first.position, second.position, True), True),
             _size(turn_between(first.orientation, second.orientation, in_space), in_space),
             _size(_between(first.velocity, second.velocity, True), True),
             _size(_between(first.angular_velocity, second.angular_velocity, in_space), in_space),
-        ), axis=-1)  # fmt: skip
+        ]
+    shape = next((part.shape for part in parts if part is not None), ())
+    return [np.full(shape, np.nan) if part is None else part for part in parts]
 
 
 def units_of(scales: Scales) -> np.ndarray:
@@ -82,7 +97,8 @@ def relative(
     scene: Scene, first: Motion, second: Motion, missing: float = np.nan, scales: Scales | None = None
 ) -> np.ndarray:
     """Return the largest distances over bodies (..., n_t, 4), over the scene's scales."""
-    return largest(distances(scene, first, second, missing), -2) / units_of(scales or scales_of(scene))
+    parts = [largest(part, -1) for part in _components(scene, first, second, missing)]
+    return np.stack(parts, axis=-1) / units_of(scales or scales_of(scene))
 
 
 def point_distances(scene: Scene, first: Motion, second: Motion) -> np.ndarray:
@@ -104,16 +120,20 @@ def motion_size(scene: Scene, scales: Scales, run: tuple[np.ndarray, ...], times
     Samples once a period show bodies near their start alone: positions go at least as far as the speeds allow, up to
     the extent of all positions, and bodies turn at least as far as the integral of their rates, up to half a turn.
     """
-    position, in_space = run[0], not scene.planar
+    position, in_space, steps = run[0], not scene.planar, times[1:] - times[:-1]
     here = (slice(None),) * (position.ndim - 3) + (slice(1),)
     start = (np.broadcast_to(part[here], part.shape) for part in run[:2])
-    sizes = distances(scene, Partial(*run), Partial(*start, *map(np.zeros_like, run[2:])))
+    still = (np.broadcast_to(0.0, part.shape) for part in run[2:])
+    parts = _components(scene, Partial(*run), Partial(*start, *still), np.nan)
     with np.errstate(all="ignore"):
-        way = np.nansum(np.diff(times) * sizes[..., 2].max(axis=-1)[..., 1:], axis=-1)
-        size = np.max(sizes, axis=(-3, -2), where=np.isfinite(sizes), initial=0.0)
-        rates = np.moveaxis(np.nan_to_num(run[3]), -3 if in_space else -2, -1)
-        turned = np.moveaxis(np.cumsum(0.5 * (rates[..., 1:] + rates[..., :-1]) * np.diff(times), axis=-1), -1, 0)
-        turn = np.max(_size(turned, in_space), axis=(0, -1), initial=0.0)
+        way = np.nansum(steps * np.max(parts[2], axis=-1)[..., 1:], axis=-1)
+        finite = [part if np.isfinite(np.max(part)) else np.where(np.isfinite(part), part, 0.0) for part in parts]
+        size = np.stack([np.max(part, axis=(-2, -1)) for part in finite], axis=-1)
+        rates = run[3] if finite[3] is parts[3] else np.nan_to_num(run[3])
+        rates = np.moveaxis(rates, -3, 0) if in_space else np.moveaxis(rates, -2, 0)
+        steps = steps.reshape(-1, *(rates.ndim - 1) * (1,))
+        turned = np.cumsum(0.5 * (rates[1:] + rates[:-1]) * steps, axis=0)
+        turn = np.max(_length(turned) if in_space else np.abs(turned), axis=(0, -1), initial=0.0)
     size[..., 0] = np.maximum(size[..., 0], np.minimum(way, _extent(position)))
     size[..., 1] = np.maximum(size[..., 1], np.minimum(turn, np.pi))
     return size / units_of(scales)
@@ -131,7 +151,13 @@ def turn_between(first: np.ndarray | None, second: np.ndarray | None, in_space: 
     """
     if in_space:
         return _between(first, second, in_space, lambda p, q: rotation_vector(product(p, conjugate(q))))
-    return _between(first, second, in_space, lambda a, b: np.remainder(a - b + np.pi, 2.0 * np.pi) - np.pi)
+    return _between(first, second, in_space, _angle_between)
+
+
+def _angle_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return the difference of angles (rad) in [-pi, pi); the remainder, which is slow, is for whole turns alone."""
+    angle = first - second + np.pi
+    return np.remainder(angle, 2.0 * np.pi, out=angle, where=(angle < 0.0) | (angle >= 2.0 * np.pi)) - np.pi
 
 
 def _between(
@@ -145,16 +171,24 @@ def _between(
     return minus(first[(..., slice(n), *rest)], second[(..., slice(n), *rest)])
 
 
-def _size(difference: np.ndarray | None, of_vectors: bool | None) -> np.ndarray | float:
+def _size(difference: np.ndarray | None, of_vectors: bool | None) -> np.ndarray | None:
     if difference is None:
-        return np.nan
-    return np.linalg.norm(difference, axis=-1) if of_vectors else np.abs(difference)
+        return None
+    return _length(difference) if of_vectors else np.abs(difference)
+
+
+def _length(vectors: np.ndarray) -> np.ndarray:
+    """Return the length (...,) of vectors (..., n): NumPy sums over a short last axis many times more slowly."""
+    total = vectors[..., 0] * vectors[..., 0]
+    for k in range(1, vectors.shape[-1]):
+        total += vectors[..., k] * vectors[..., k]
+    return np.sqrt(total)
 
 
 def _extent(position: np.ndarray) -> np.ndarray:
     """Return the diagonal (..., m) of the box around all bodies at all times."""
-    known = np.isfinite(position).all(axis=-1, keepdims=True)
-    known = True if known.all() else known  # a mask makes NumPy slow
-    low = np.min(position, axis=(-3, -2), where=known, initial=np.inf)
-    high = np.max(position, axis=(-3, -2), where=known, initial=-np.inf)
-    return np.linalg.norm(np.maximum(high - low, 0.0), axis=-1)
+    finite = np.isfinite(position)
+    known = finite.all(axis=-1, keepdims=True) if not finite.all() else True  # a mask makes NumPy slow
+    low = np.min(np.min(position, axis=-3, where=known, initial=np.inf), axis=-2)
+    high = np.max(np.max(position, axis=-3, where=known, initial=-np.inf), axis=-2)
+    return _length(np.maximum(high - low, 0.0))

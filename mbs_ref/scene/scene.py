@@ -31,6 +31,22 @@ class _OfBodies(NamedTuple):
     places: dict[str, int]  # by name
 
 
+def of_last_scene[T](make: Callable[["Scene"], T]) -> Callable[["Scene"], T]:
+    """Return a function that remembers what it returned for the last scene; its result must not be changed."""
+    last: tuple[Scene | None, Any] = (None, None)
+
+    @wraps(make)
+    def made(scene: "Scene") -> T:
+        nonlocal last
+        known, result = last
+        if known is not scene:
+            result = make(scene)
+            last = scene, result
+        return result
+
+    return made
+
+
 class Scene(Part):
     """Bodies, joints, loads and gravity, checked as a whole."""
 
@@ -105,26 +121,11 @@ class Scene(Part):
         rows = [(body.name, body.mass, body.position) for body in self.bodies]
         return table + listing("Bodies", ("name", "mass, kg", "centre of mass at t = 0, m"), rows)
 
+    @of_last_scene
     def breakpoints(self) -> list[float]:
         """Return the sorted times (s) at which a declared signal may be non-smooth."""
         parts = (*self.loads, *self.joints)
         return sorted({t for part in parts for signal in part.signals for t in breakpoints(signal)})
-
-
-def of_last_scene[T](make: Callable[[Scene], T]) -> Callable[[Scene], T]:
-    """Return a function that remembers what it returned for the last scene; its result must not be changed."""
-    last: tuple[Scene | None, Any] = (None, None)
-
-    @wraps(make)
-    def made(scene: Scene) -> T:
-        nonlocal last
-        known, result = last
-        if known is not scene:
-            result = make(scene)
-            last = scene, result
-        return result
-
-    return made
 
 
 def with_rates(scene: Scene, rates: np.ndarray) -> Scene:

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from mbs_ref.cores.system import System
-from mbs_ref.integrators.loop.leg import FEWEST, Leg, Options, Progress, progress
+from mbs_ref.cores.system import Poses, System
+from mbs_ref.integrators.loop.leg import FEWEST, Figures, Leg, Options, Progress, figures_of, progress
 from mbs_ref.simulate.diagnosis import culprit, deeper_cause
 from mbs_ref.simulate.plan import ON_GRID, Plan
 from mbs_ref.trajectory import Status
@@ -137,7 +137,8 @@ def start_run(system: System, plan: Plan, y: np.ndarray) -> None:
     """Prepare the system for a run from y at t = 0: stabilization and contact modes."""
     system.set_mode_time(0.0)
     system.set_baumgarte(plan.baumgarte_gain)
-    system.start_contacts(0.0, y, plan.settings.events != "none")
+    if system.event_sources:
+        system.start_contacts(0.0, y, plan.settings.events != "none")
 
 
 def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
@@ -152,25 +153,24 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
         legs = _advanced(system, plan, planned, run, y)
         loop_s = time.perf_counter() - began
     states, compliance = _samples(planned, legs)
-    counts = Counts(interrupts.steps, *map(int, (run.rejected, run.cut, run.rhs_calls, run.events, run.switches)))
-    times, stuck = plan.times[: len(states)], float(run.t)
-    status, message = _outcome(system, plan, legs[-1], run, y, interrupts.received)
+    ended = figures_of(run)
+    counts = Counts(interrupts.steps, ended.rejected, ended.cut, ended.rhs_calls, ended.events, ended.switches)
+    times, stuck = plan.times[: len(states)], ended.t
+    status, message = _outcome(system, plan, legs[-1], ended, y, interrupts.received)
     if status is Status.STOP_EVENT:
         times, states, compliance = np.append(times, stuck), np.vstack((states, y)), np.append(compliance, 0.0)
     elif status is not Status.SUCCESS:
         message += f"; the last good output is at t = {times[-1]:.9g} s"
-    share = float(run.carried) / stuck if run.carried else 0.0
-    return Run(times, states, compliance, counts, status, message, loop_s, share, bool(run.near_singular))
+    share = ended.carried / stuck if ended.carried else 0.0
+    return Run(times, states, compliance, counts, status, message, loop_s, share, bool(ended.near_singular))
 
 
-def finite_part(system: System, run: Run) -> Run:
-    """Return the run up to its last finite output; an infinite number or NaN makes it `non-finite`."""
-    with np.errstate(all="ignore"):
-        bad = [~np.isfinite(values).reshape(len(run.times), -1).all(axis=1) for values in system.poses(run.states)]
-    places = np.flatnonzero(np.any(bad, axis=0))
-    if not len(places):
+def finite_part(run: Run, poses: Poses) -> Run:
+    """Return the run up to its last output of finite poses; an infinite number or NaN makes it `non-finite`."""
+    if all(np.isfinite(values).all() for values in poses):
         return run
-    good = int(places[0])
+    bad = [~np.isfinite(values).reshape(len(run.times), -1).all(axis=1) for values in poses]
+    good = int(np.flatnonzero(np.any(bad, axis=0))[0])
     message = f"the output at t = {run.times[good]:.9g} s holds an infinite number or NaN"
     return run._replace(times=run.times[:good], states=run.states[:good], compliance=run.compliance[:good],
                         status=Status.NON_FINITE, message=message)  # fmt: skip
@@ -192,8 +192,8 @@ def _leg(options: Options, times: np.ndarray, start: float, end: float, length: 
     Adaptive steps cannot be divided, but they may end at outputs; the intervals between outputs are divided then, so
     unevenly that no period of the motion or of the outputs is met again.
     """
-    inside = times[(times > start) & (times <= end)]
-    own = np.unique(np.concatenate(([start], inside, [end])))
+    inside = times[slice(*np.searchsorted(times, (start, end), side="right"))]
+    own = np.concatenate(([start], inside, [] if end in inside[-1:] else [end]))
     if options.step:
         options = options._replace(step=min(options.step, length / FEWEST) / refine)
     if refine > 1 and not options.dense:
@@ -215,7 +215,7 @@ def _advanced(system: System, plan: Plan, planned: list[LegPlan], run: Progress,
     legs: list[Leg] = []
     for leg in planned:
         system.set_mode_time(0.5 * (leg.times[0] + leg.times[-1]))
-        run.t, run.h = leg.times[0], 0.0
+        run["t"], run["h"] = leg.times[0], 0.0
         legs.append(plan.integrator.advance(system, leg.options, run, y, leg.times))
         if legs[-1].status is not Status.SUCCESS:
             break
@@ -254,10 +254,10 @@ def reached(plan: Plan) -> str:
 
 
 def _outcome(
-    system: System, plan: Plan, last: Leg, run: Progress, y: np.ndarray, interrupted: bool
+    system: System, plan: Plan, last: Leg, run: Figures, y: np.ndarray, interrupted: bool
 ) -> tuple[Status, str]:
     """Return the status and the message, with the part or the cause where one is known."""
-    stuck = float(run.t)
+    stuck = run.t
     if system.user_error is not None:
         return Status.ENGINE_ERROR, f"a user's function raised {system.user_error!r}"
     if interrupted and last.status is Status.TOO_MANY_STEPS:

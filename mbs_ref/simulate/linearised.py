@@ -133,6 +133,8 @@ def unstable_step(system: System, plan: Plan, y: np.ndarray) -> str:
 
 def unstable_passage(system: System, plan: Plan, times: np.ndarray, states: np.ndarray) -> tuple[str, ...]:
     """Return a note on the first of LOOKS outputs of the last run at which an explicit fixed step is unstable."""
+    if not _has_limit(system, plan):
+        return ()
     for k in np.unique(np.linspace(0.0, len(times) - 1.0, LOOKS).astype(int)):
         system.recall_modes(float(times[k]))
         unstable = _unstable(system, plan, float(times[k]), states[k])
@@ -141,10 +143,15 @@ def unstable_passage(system: System, plan: Plan, times: np.ndarray, states: np.n
     return ()
 
 
+def _has_limit(system: System, plan: Plan) -> bool:
+    """Return whether a fixed step may be too long for stability."""
+    return bool(plan.options.step and plan.integrator.stability) and may_be_stiff(system.scene)
+
+
 def _unstable(system: System, plan: Plan, t: float, y: np.ndarray) -> str:
-    step = plan.options.step
-    if not (step and plan.integrator.stability and may_be_stiff(system.scene)):
+    if not _has_limit(system, plan):
         return ""
+    step = plan.options.step
     stiff = stiffness(system, t, y)
     limit = stiff.step_limit(plan.integrator.stability)
     if step <= limit:

@@ -31,24 +31,36 @@ _begun: set[tuple[str, tuple[str, ...], str]] = set()  # cores, their answers an
 
 
 class Samples(NamedTuple):
-    """Poses and reactions at the outputs of a run."""
+    """Poses and forces at the outputs of a run."""
 
     poses: Poses
     reactions: dict[str, np.ndarray]
+    contacts: dict[str, np.ndarray]
+
+    def at(self, place: slice) -> "Samples":
+        """Return those at some outputs."""
+        poses = Poses(*(part[place] for part in self.poses))
+        return Samples(poses, *({name: part[place] for name, part in forces.items()} for forces in self[1:]))
 
 
-def sampled(system: System, plan: Plan, runs: list[Run]) -> list[Samples]:
-    """Return the samples of each run, evaluated for all runs at once; several runs need a scene without events."""
+def all_samples(system: System, plan: Plan, runs: list[Run]) -> list[Samples]:
+    """Return the samples of each run, evaluated for all runs at once; the scene has no events."""
     if not runs:
         return []
-    times, states = np.concatenate([run.times for run in runs]), np.concatenate([run.states for run in runs])
-    poses, reactions = system.poses(states), {}
-    if plan.settings.reactions:
-        system.set_baumgarte(0.0)
-        reactions = system.reactions_over(times, states)
+    full = system.all_full(np.concatenate([run.states for run in runs]))
+    every = sampled(system, plan, np.concatenate([run.times for run in runs]), full, system.redundant.poses(full))
     ends = np.cumsum([0, *(len(run.times) for run in runs)]).tolist()
-    own = [slice(*pair) for pair in itertools.pairwise(ends)]
-    return [Samples(Poses(*(part[at] for part in poses)), {n: part[at] for n, part in reactions.items()}) for at in own]
+    return [every.at(slice(*pair)) for pair in itertools.pairwise(ends)]
+
+
+def sampled(system: System, plan: Plan, times: np.ndarray, full: np.ndarray, poses: Poses) -> Samples:
+    """Return the samples at the states `full` (n_t, n_full) of the last run, as `system.redundant` has them."""
+    if not plan.settings.reactions:
+        return Samples(poses, {}, {})
+    own = system.redundant
+    own.set_baumgarte(0.0)
+    contacts = own.contact_forces(times, full) if own.scene.contacts else {}
+    return Samples(poses, own.reactions_over(times, full), contacts)
 
 
 def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples) -> Trajectory:
@@ -59,15 +71,14 @@ def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: T
         passages += unstable_passage(system, plan, times, states)
     chosen = (f"method auto is {plan.integrator.name}: {plan.reason}",) if plan.reason else ()
     return Trajectory(
-        times=times, **samples.poses._asdict(), status=run.status, message=run.message,
+        times=times, **samples.poses._asdict(), reactions=samples.reactions, contacts=samples.contacts,
+        status=run.status, message=run.message,
         **{name: count for name, count in run.counts._asdict().items() if name != "switches"},
         method_switches=run.counts.switches if plan.integrator.switches else None, timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
         notes=(*chosen, *notes, *_other_methods(plan, run), *passages), method=plan.integrator.name,
         reason=plan.reason, used=_used(plan, run),
-        contacts=system.contact_forces(times, states) if system.scene.contacts and plan.settings.reactions else {},
         event_times=system.contact_events() if system.event_sources else None, event_names=system.event_sources,
-        reactions=samples.reactions,
     )  # fmt: skip
 
 
@@ -194,19 +205,25 @@ def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0) -
         _first_call(system, plan, y)
         _begun.add(begun)
     ready = time.perf_counter()
-    run = _run(system, plan, y.copy())
+    run, full, poses = _run(system, plan, y.copy())
     if plan.reason and run.status in BROKEN_DOWN and plan.integrator.name != DEFAULT:
         plan, system = without(scene, plan, run.message), system.twin()
-        run = _run(system, plan, y)
+        run, full, poses = _run(system, plan, y)
     timing = Timing(build_s=build_s, first_call_s=ready - began, loop_s=run.loop_s)
-    path = trajectory(system, plan, run, notes, timing, sampled(system, plan, [run])[0])
+    path = trajectory(system, plan, run, notes, timing, sampled(system, plan, run.times, full, poses))
     return with_estimate(system, plan, run, path)
 
 
-def _run(system: System, plan: Plan, y: np.ndarray) -> Run:
-    """Return the run from y, which is overwritten by the state where it ends."""
+def _run(system: System, plan: Plan, y: np.ndarray) -> tuple[Run, np.ndarray, Poses]:
+    """Return the run from y, which is overwritten by the state where it ends; states of `redundant` and poses."""
     start_run(system, plan, y)
-    return finite_part(system, run_legs(system, plan, y))
+    run = run_legs(system, plan, y)
+    with np.errstate(all="ignore"):
+        full = system.all_full(run.states)
+        poses = system.redundant.poses(full)
+    run = finite_part(run, poses)
+    count = len(run.times)
+    return run, full[:count], Poses(*(part[:count] for part in poses))
 
 
 def _first_call(system: System, plan: Plan, y: np.ndarray) -> None:

@@ -1,5 +1,6 @@
 """What an integrator receives and what it returns: one smooth leg between declared breakpoints."""
 
+from collections import namedtuple
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
@@ -59,34 +60,40 @@ class Options(NamedTuple):
 
 
 # The state of a run, over chunks and legs: one record, whose fields Python and compiled code read and write alike.
-PROGRESS = np.dtype(
-    [
-        ("t", float),  # s
-        ("h", float),  # s, next step
-        ("h_before", float),  # s, step before
-        ("span", float),  # s, of the leg
-        ("carried", float),  # s, passed by DOP853 where the method could not (loop/crossing.py)
-        ("compliance", float),  # largest |C| since the last sample
-        ("steps", np.int64),
-        ("rejected", np.int64),
-        ("cut", np.int64),  # steps that accuracy would have let go beyond the output that they end at
-        ("rhs_calls", np.int64),
-        ("next_output", np.int64),  # place among the leg's times
-        ("events", np.int64),
-        ("event_source", np.int64),  # of the last event
-        ("switches", np.int64),  # between a method's families
-        ("near_singular", np.int64),  # explicit steps so close to a singular pose that their stages are projected
-        ("needs_tangent", np.int64),  # 1 once corrections with the mass matrix alone have failed
-    ]
-)
+PROGRESS = np.dtype((np.record, [
+    ("t", float),  # s
+    ("h", float),  # s, next step
+    ("h_before", float),  # s, step before
+    ("span", float),  # s, of the leg
+    ("carried", float),  # s, passed by DOP853 where the method could not (loop/crossing.py)
+    ("compliance", float),  # largest |C| since the last sample
+    ("steps", np.int64),
+    ("rejected", np.int64),
+    ("cut", np.int64),  # steps that accuracy would have let go beyond the output that they end at
+    ("rhs_calls", np.int64),
+    ("next_output", np.int64),  # place among the leg's times
+    ("events", np.int64),
+    ("event_source", np.int64),  # of the last event
+    ("switches", np.int64),  # between a method's families
+    ("near_singular", np.int64),  # explicit steps so close to a singular pose that their stages are projected
+    ("needs_tangent", np.int64),  # 1 once corrections with the mass matrix alone have failed
+]))  # fmt: skip
 Progress = np.record
 
 
 def progress(t: float) -> Progress:
     """Return the state of a run that starts at t."""
-    run = np.zeros(1, PROGRESS).view(np.recarray)[0]
-    run.t = t
+    run = np.zeros(1, PROGRESS)[0]
+    run["t"] = t
     return run
+
+
+Figures = namedtuple("Figures", list(PROGRESS.fields or ()))
+
+
+def figures_of(run: Progress) -> Figures:
+    """Return the numbers of a run's state as Python has them: a record looks each of its fields up slowly."""
+    return Figures(*run.item())
 
 
 class Outputs(NamedTuple):
@@ -164,7 +171,7 @@ def run_chunks(
     """Call a compiled loop, which fills the outputs, until it ends or creeps; Ctrl-C acts between."""
     outputs = Outputs(times, np.empty((len(times), len(y))), np.zeros(len(times)))
     outputs.states[0] = y
-    run.next_output, run.span = 1, times[-1] - times[0]
+    run["next_output"], run["span"] = 1, times[-1] - times[0]
     pace = Pace(float(times[0]), float(times[-1]), options.max_steps, options.chunk)
     code = RUNNING
     while code == RUNNING:
@@ -173,4 +180,4 @@ def run_chunks(
             code = STALLED
     status, words = ENDS[code]
     sentence = words and f"at t = {run.t:.9g} s {words}"
-    return Leg(outputs.states, outputs.compliance, int(run.next_output), status, sentence)
+    return Leg(outputs.states, outputs.compliance, int(run["next_output"]), status, sentence)

@@ -29,7 +29,7 @@ from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
 from mbs_ref.simulate.legs import Counts, Run, largest_between, planned_legs, reached, run_legs
-from mbs_ref.simulate.one_run import compiled, or_empty, sampled, simulated, trajectory, with_estimate
+from mbs_ref.simulate.one_run import all_samples, compiled, or_empty, simulated, trajectory, with_estimate
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start_checks import consistent_start, rank_at_start
 from mbs_ref.trajectory import Status, Timing, Trajectory
@@ -262,7 +262,7 @@ def _trajectories(
 ) -> list[Trajectory]:
     """Return the trajectories of a case, in the order of its starts."""
     (system, plan, *_), paths = checked.bunch, dict(checked.others)
-    samples = sampled(system, plan, runs)
+    samples = all_samples(system, plan, runs)
     poses = [sample.poses for sample in samples]
     companions = [None] * len(runs) if others is None else all_companions(system, poses, runs, others, is_coarse)
     for (k, notes), run, companion, sample in zip(checked.notes.items(), runs, companions, samples, strict=True):
