@@ -40,6 +40,8 @@ def no_tree(scene: Scene) -> Iterator[str]:
         yield "a contact stands for a constraint, which closes a loop"
     for k in joined(scene)[0]:
         yield f"joint {scene.joints[k].name!r} closes a loop"
+    if len(scene.joints) == len(scene.bodies) and all(isinstance(joint, Weld) for joint in scene.joints):
+        yield "every body is welded to ground, which leaves no coordinates"
 
 
 @of_last_scene

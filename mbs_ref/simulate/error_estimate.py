@@ -15,10 +15,9 @@ Proportionality to the tolerance requires a constant order. For methods of varia
 two decades tighter, and the estimate is at least that tolerance. For methods that accept steps with an error beyond the
 tolerance, it is tighter by the same factor. The violation of the constraints is measured, since both runs may share it.
 
-Where outputs end nearly all steps of an explicit method, or most of them in coordinates of a planar tree, a companion
-with steps of twice the size costs half of the run: only every second output ends a step, and tolerances are 2^p times
-as large. Then e = d / (2^p - 1). If tolerances limit its steps, or it takes more than half as many, the tighter
-companion follows.
+Where outputs end nearly all steps of an explicit method, a companion with steps of twice the size costs half of the
+run: only every second output ends a step, and tolerances are 2^p times as large. Then e = d / (2^p - 1). If tolerances
+limit its steps, or it takes more than half as many, the tighter companion follows.
 
 If the companion takes no more steps, the difference is negligible, or stages were projected close to a singular pose,
 the tolerance does not control the steps with the largest errors; a third run is then two decades tighter. If a
@@ -51,7 +50,6 @@ MIN_TOLERANCE_RATIO = 1e-3  # smallest error of a step that the tolerance contro
 NOISY = 100.0  # times the rounding error: smaller differences show no order
 MORE_STEPS = 4  # max_steps of a finer companion over the run's: sqrt(10) at order 2, rounded up
 CUT = 0.9  # share of the steps that outputs cut short, from which they determine the steps
-CUT_OF_TREES = 0.6  # the same in coordinates that keep the joints: there errors follow the steps without projection
 DOUBLED = 0.53  # largest share of the run's steps that steps of twice the size are, besides half a step
 COARSEST = 1e-2  # largest rtol of a companion with steps of twice the size
 COARSE_SAFETY = 9.0  # in place of SAFETY there, by calibration: longer steps follow the order less closely
@@ -203,11 +201,11 @@ def is_coarsened(system: System, plan: Plan, run: Run) -> bool:
     options, unknown = plan.options, run.near_singular or any(isinstance(x, UserForce) for x in system.scene.loads)
     controlled = bool(plan.integrator.stability) and not options.step and not options.dense and not unknown
     within = len(run.times) > 2 and TIGHTEST <= options.rtol <= COARSEST / 2.0**plan.integrator.order
-    return controlled and within and not system.event_sources and not touching(system.scene) and _is_cut(system, run)
+    return controlled and within and not system.event_sources and not touching(system.scene) and _is_cut(run)
 
 
-def _is_cut(system: System, run: Run) -> bool:
-    return run.counts.cut_steps >= (CUT_OF_TREES if system.keeps_itself else CUT) * run.counts.steps
+def _is_cut(run: Run) -> bool:
+    return run.counts.cut_steps >= CUT * run.counts.steps
 
 
 def _doubled(plan: Plan) -> Plan:
@@ -232,7 +230,7 @@ def _by_doubled_steps(system: System, plan: Plan, own: RunWithPoses, other: Comp
         other = Companion(second, *_distance(system, doubled.times, poses, second.states), is_coarse=True)
     second, gaps, sizes, _ = other
     is_visible = np.max(gaps[:, :2]) > VISIBLE * np.max(sizes[:2])
-    is_doubled = _is_cut(system, second) and second.counts.steps <= DOUBLED * run.counts.steps + 0.5
+    is_doubled = _is_cut(second) and second.counts.steps <= DOUBLED * run.counts.steps + 0.5
     if second.status is not Status.INTERRUPTED and (second.status not in ENDED or not is_doubled or is_visible):
         return None
     factor = COARSE_SAFETY / (2.0**plan.integrator.order - 1.0)

@@ -12,20 +12,14 @@ from typing import Any
 import pytest
 
 LIMITS: dict[str, dict[str, Any]] = {
-    "reports.page.build": {"LOADING_MS": 20000, "DRAWING": 600.0, "PATIENCE": 10.0, "LEAST_APART": 20.0},
     "reports.page.findings": {"ORDER_SLACK": 0.5, "FIRST": 6},
-    "reports.page.sections.extremes": {"LEFT": 250, "WIDTH": 560, "ROW": 19, "TOP": 8, "RIGHT": 34},
     "reports.page.sections.overview": {"DIGITS": 15},
     "reports.page.sections.plots": {"STRAIGHT": 0.1},
     "reports.page.sections.profiles": {"FACTORS": (1.0, 2.0, 10.0), "BEYOND": 2.0, "MOST": 10000.0},
-    "reports.page.slug": {"LONGEST": 80},
     "reports.facts.report_data": {"NEAR": 1.5, "MIDDLE": 1e-06},
-    "reports.facts.scene_facts": {"PICTURES": 40, "MOST_BODIES": 120, "MOST_BULGE": 0.01},
     "reports.facts.curves": {"MOST_POINTS": 201, "DIGITS": 6, "HEIGHT": 360},
     "reports.query": {"FIRST": 20.0},
-    "reports.console": {"EVERY": 3.0, "PAUSE": 1.0, "WIDTH": 72, "HEIGHT": 16},
     "reports.scene_summary": {"FEW": 60},
-    "reports.commands.choose.pick": {"PATIENCE": 600.0},
     "reports.commands.engines.doctor": {"LARGEST_ERROR": 1e-06},
     "reports.commands.judge.check": {"MOST_REASONS": 5},
     "reports.commands.maintenance.calibrate": {"MOST_BELOW": 0.01, "MOST_ABOVE": 10.0},
@@ -42,11 +36,8 @@ LIMITS: dict[str, dict[str, Any]] = {
     },
     "benchmarks.record_changes": {"FACTOR": 2.0, "CLOSED": 1e-11},
     "benchmarks.trees.regression": {"MOST_PAIRS": 3, "ROUNDS": 15, "SECONDS": 0.02},
-    "cross_checks.records.bands": {"HEIGHT": 300, "GAP": 0.06, "SHOWN": 4},
-    "cross_checks.records.lines": {"LONGEST_LINE": 64 * 2 ** 20},
     "cross_checks.records.plots": {"FLOOR": 1e-17},
     "cross_checks.records.record": {"BUSY": 0.9, "WARMED": 0.2},
-    "cross_checks.records.store": {"PATIENCE": 60.0},
     "cross_checks.conformance.clock": {"FASTEST": 5e-09, "WORK": 0.1, "LONGEST": 4.0 ** 8, "COUNTED": 0.6},
     "cross_checks.conformance.questions": {
         "SAMPLES": 51, "STEPS": (50, 100, 200, 400), "RTOLS": (0.0001, 1e-06, 1e-08, 1e-10),

@@ -210,6 +210,20 @@ def test_what_is_no_tree_of_known_joints_is_refused(name, words):
         simulate(scenes.make(name), Settings(coordinates="relative", estimate="off"))
 
 
+@pytest.mark.parametrize("body", [PlanarBody, SpatialBody])
+def test_what_cannot_move_has_no_coordinates_and_is_refused(body):
+    """A state without entries has no error that controls a step: such a run did not end."""
+    place, inertia = ((0.0, 0.0), 0.1) if body is PlanarBody else ((0.0, 0.0, 0.0), (0.1, 0.1, 0.1, 0.0, 0.0, 0.0))
+    bodies = (body(name="a", mass=1.0, inertia=inertia, position=place),)
+    held = Weld(name="w", body_a="ground", body_b="a", point=place)
+    scene = Scene(name="still", bodies=bodies, joints=(held,), gravity=tuple(9.81 for _ in place), duration=1.0)
+    with pytest.raises(ValueError, match="every body is welded to ground, which leaves no coordinates"):
+        simulate(scene, Settings(coordinates="relative"))
+    resting = simulate(scene, Settings())
+    assert resting.ok, resting.message
+    assert np.abs(resting.position).max() < 1e-12
+
+
 def test_methods_on_the_rows_are_refused():
     with pytest.raises(ValueError, match="is for planar, spatial scenes"):
         simulate(scenes.make("pendulum"), Settings(method="radau", coordinates="relative", estimate="off"))
