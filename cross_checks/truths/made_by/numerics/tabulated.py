@@ -1,4 +1,4 @@
-"""Smooth functions of one number, interpolated in extended precision on pieces that are made where they are needed."""
+"""Smooth functions of one number, interpolated in extended precision on pieces each where it is first needed."""
 
 from collections.abc import Callable
 
