@@ -19,6 +19,22 @@ from mbs_ref.scene.euler_parameters import rotation_matrices
 EXTENDED_UP_TO = 4  # bodies; beyond, an elimination in Python takes minutes
 
 
+def _bilinear() -> tuple[np.ndarray, np.ndarray]:
+    """Return (A - 1) |theta|^2 / 2 (9, 16) of products theta_i theta_j, and theta' (4, 12) of theta_i omega_j."""
+    axes, rates = np.zeros((3, 3, 4, 4)), np.zeros((4, 4, 3))
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        axes[a, a, 1 + b, 1 + b] = axes[a, a, 1 + c, 1 + c] = -1.0
+        axes[a, b, 1 + a, 1 + b] = axes[b, a, 1 + a, 1 + b] = 1.0
+        axes[a, b, 0, 1 + c], axes[b, a, 0, 1 + c] = -1.0, 1.0
+        rates[0, 1 + a, a], rates[1 + a, 0, a] = -0.5, 0.5
+        rates[1 + a, 1 + c, b], rates[1 + a, 1 + b, c] = 0.5, -0.5
+    return axes.reshape(9, 16), rates.reshape(4, 12)
+
+
+ROTATION, RATES = _bilinear()
+
+
 class SphericalTree(NamedTuple):
     """A tree of spherical joints that hangs on ground."""
 
@@ -108,15 +124,9 @@ def turned(tree: SphericalTree, theta: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 def _axes(theta: np.ndarray) -> np.ndarray:
     """Return the matrices (3, 3, n) from body axes into world axes."""
-    e0, e1, e2, e3 = theta[0], theta[1], theta[2], theta[3]
-    s = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
-    axes = np.empty((3, 3, len(e0)), theta.dtype)
-    axes[0, 0] = 1.0 - s * (e2 * e2 + e3 * e3)
-    axes[1, 1] = 1.0 - s * (e1 * e1 + e3 * e3)
-    axes[2, 2] = 1.0 - s * (e1 * e1 + e2 * e2)
-    axes[0, 1], axes[1, 0] = s * (e1 * e2 - e0 * e3), s * (e1 * e2 + e0 * e3)
-    axes[0, 2], axes[2, 0] = s * (e1 * e3 + e0 * e2), s * (e1 * e3 - e0 * e2)
-    axes[1, 2], axes[2, 1] = s * (e2 * e3 - e0 * e1), s * (e2 * e3 + e0 * e1)
+    products = (theta[:, None] * theta).reshape(16, -1)
+    axes = (ROTATION @ products).reshape(3, 3, -1) * (2 / (theta * theta).sum(axis=0))
+    axes[np.arange(3), np.arange(3)] += 1
     return axes
 
 
@@ -135,7 +145,4 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def _rates(theta: np.ndarray, omega: np.ndarray) -> np.ndarray:
     """Return theta' = E^T omega / 2 (4, n)."""
-    rates = np.empty_like(theta)
-    rates[0] = -0.5 * (theta[1:] * omega).sum(axis=0)
-    rates[1:] = 0.5 * (theta[0] * omega + _cross(omega, theta[1:]))
-    return rates
+    return RATES @ (theta[:, None] * omega).reshape(12, -1)
