@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cross_checks.truths.made_by.numerics.rates import along
-from cross_checks.truths.made_by.numerics.solvers import BRANCH_TOLERANCE, extrapolate, lsoda, radau, runge_kutta
+from cross_checks.truths.made_by.numerics.solvers import (
+    DOUBLE_TOLERANCE, EXTENDED_TOLERANCE, extrapolate, lsoda, radau, runge_kutta,
+)  # fmt: skip
 from cross_checks.truths.truth import ALIKE, EPS, Truth
 from mbs_ref.observables.distance import Partial, unmasked_distances
 
@@ -15,7 +17,6 @@ NUDGED_TOLERANCE = 1e-2 * NUDGE  # of the nudged run: one digit of the growth is
 LARGEST_UNCERTAINTY = 1e-8  # m; a truth known less well ranks nobody, and is not worth its computation
 LOOKS = 0.01  # s, longest step of both solvers where forces set in or end: a longer one may miss a short force
 RK_TOLERANCE = 3e-14  # the tightest DOP853 takes in double precision
-EXTENDED_TOLERANCE, DOUBLE_TOLERANCE = 1e-16, 64 * EPS  # of extrapolation: below it is roundoff
 ARM = 1.0  # m, at which differences of orientation in space count; the scenes' bodies are no larger
 
 
@@ -59,7 +60,7 @@ def agree(
         elif second.frozen is None:
             solved = extrapolate(second.derivative, start, grid, tolerance)
         else:
-            solved = extrapolate(second.frozen, start, grid, BRANCH_TOLERANCE, second.switches)
+            solved = extrapolate(second.frozen, start, grid, tolerance, second.switches)
         fine, best = _poses(second, grid, solved), _rates(second, grid, solved)
         difference, roundoff = _gap(fine, coarse), EPS * max(1.0, sensitivity)
         apart = unmasked_distances(Partial(None, None, *best[:2]), Partial(None, None, *rates[:2]), best[1].ndim == 3)

@@ -64,7 +64,8 @@ def _midpoint(derivative: Callable, t, y: np.ndarray, slope: np.ndarray, h, subs
 FIRST_STEP = 1e-3  # s, where forces set in or end
 RESOLUTION = 1e-15  # s, to which a change of branch is located
 MOST_CHANGES = 20_000
-BRANCH_TOLERANCE = 1e-12  # of max(1, |y|): stiff forces leave some 1e-13 of roundoff in a step's last columns
+# Of max(1, |y|). Below, a step's last columns differ by roundoff, and shorter steps add more of it than they save.
+EXTENDED_TOLERANCE, DOUBLE_TOLERANCE = 1e-16, 1e-12
 
 
 def extrapolate(
