@@ -7,7 +7,12 @@ import numpy as np
 
 from cross_checks.truths.made_by.numerics.rates import along
 from cross_checks.truths.made_by.numerics.solvers import (
-    DOUBLE_TOLERANCE, EXTENDED_TOLERANCE, extrapolate, lsoda, radau, runge_kutta,
+    DOUBLE_TOLERANCE,
+    EXTENDED_TOLERANCE,
+    extrapolate,
+    lsoda,
+    radau,
+    runge_kutta,
 )  # fmt: skip
 from cross_checks.truths.truth import ALIKE, EPS, Truth
 from mbs_ref.observables.distance import Partial, unmasked_distances
