@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs, granules
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
 from mbs_ref.cores.joint_graph import Edge, graph_of, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
-from mbs_ref.kernels.border.groups import declared, empty, floats, ints
+from mbs_ref.kernels.border.groups import declared, empty, floats, ints, members
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.scene import GROUND, Force, PointMass, Scene, SpatialBody, Torque, TorqueVector, TorsionSpring
@@ -166,7 +166,7 @@ def torsion_springs(build: Builder, rest: Callable[[TorsionSpring], float], **ma
 
 def row_groups(build: Builder, groups: type) -> dict[str, Any]:
     """Return the arrays of each kind of row that a core's groups have, by the name of the group."""
-    hints = get_type_hints(groups)
+    hints = members(groups)
     kinds = [kind for kind in Row.__subclasses__() if kind.GROUP in hints]
     return {kind.GROUP: _row_group(build, kind, hints[kind.GROUP]) for kind in kinds}
 

@@ -24,6 +24,12 @@ class Declared(NamedTuple):
 
 
 @cache
+def members(groups: type) -> dict[str, type]:
+    """Return the classes of the groups that a named tuple of groups has, by their names."""
+    return get_type_hints(groups)
+
+
+@cache
 def declared(group: type) -> dict[str, Declared]:
     """Return dtype and shape of every array of a group."""
     hints = get_type_hints(group, include_extras=True)
@@ -33,9 +39,10 @@ def declared(group: type) -> dict[str, Declared]:
 
 def empty(group: type, **lengths: int) -> Any:
     """Return a group of zeros; the lengths that are not given are 0."""
-    shapes = {name: [lengths.get(n, 0) if isinstance(n, str) else n for n in array.shape]
-              for name, array in declared(group).items()}  # fmt: skip
-    return group(**{name: np.zeros(shape, declared(group)[name].dtype) for name, shape in shapes.items()})
+    arrays = declared(group).values()
+    return group(
+        *(np.zeros([lengths.get(n, 0) if isinstance(n, str) else n for n in x.shape], x.dtype) for x in arrays)
+    )
 
 
 def ints(values: Sequence[int]) -> np.ndarray:
@@ -59,16 +66,12 @@ def check(group: Any) -> None:
     lengths: dict[str, int] = {}
     for (name, array), given in zip(declared(type(group)).items(), group, strict=True):
         alike = given.dtype == array.dtype and len(array.shape) == given.ndim
-        if not alike or not _agree(array.shape, given.shape, lengths):
+        for n, k in zip(array.shape, given.shape, strict=False):
+            alike = alike and k == (lengths.setdefault(n, k) if isinstance(n, str) else n)
+        if not alike:
             raise ValueError(
                 f"{type(group).__name__}.{name} is to be {array.dtype} of shape {array.shape} with {lengths}; "
                 f"got {given.dtype} of shape {given.shape}"
             )
         if not given.flags.c_contiguous:
             raise ValueError(f"{type(group).__name__}.{name} is not contiguous")
-
-
-def _agree(shape: tuple[int | str, ...], given: tuple[int, ...], lengths: dict[str, int]) -> bool:
-    """Return whether a shape is the declared one; note the lengths that it gives to words."""
-    pairs = zip(shape, given, strict=True)
-    return all(k == (lengths.setdefault(n, k) if isinstance(n, str) else n) for n, k in pairs)

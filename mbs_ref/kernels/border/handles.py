@@ -7,7 +7,7 @@ compiled code counts the references of an array it is given, atomically, at ever
 """
 
 from collections import namedtuple
-from typing import Any, NamedTuple, get_type_hints
+from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
@@ -19,7 +19,7 @@ from numba.extending import infer_getattr, lower_getattr_generic
 from numba.np.arrayobj import make_array, populate_array
 
 from mbs_ref.kernels.algebra.lanes import BYTES, LANES
-from mbs_ref.kernels.border.groups import check, declared
+from mbs_ref.kernels.border.groups import check, declared, members
 
 QUESTIONS = 48  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
 _WORDS = 5  # then, per array: address, then up to four lengths
@@ -70,7 +70,7 @@ def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
         if not checked:
             check(group)
         for array in group:
-            words += (array.ctypes.data, *array.shape, *_PADDING[array.ndim])
+            words += (array.__array_interface__["data"][0], *array.shape, *_PADDING[array.ndim])
     return np.array(words, dtype=np.int64)
 
 
@@ -108,7 +108,7 @@ class _Group(NamedTuple):
 def _group(owner: Any, name: str) -> _Group | None:
     """Return the group of a handle's class with this name; None where it has none."""
     groups, lengths = _owned.get(owner.instance_class, (None, {}))
-    kinds = get_type_hints(groups) if groups else {}
+    kinds = members(groups) if groups else {}
     if name not in kinds:
         return None
     fields = list(kinds)

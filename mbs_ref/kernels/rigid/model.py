@@ -6,11 +6,11 @@ i to its parent in the spanning tree, later slots close loops. A slot has two Ja
 a tree slot side 0 is the child. `mbs_ref.cores.loops` tells how the arrays of loop closures come about.
 """
 
-from typing import Annotated, Any, NamedTuple, get_type_hints
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from mbs_ref.kernels.border.groups import Floats, Ints, empty
+from mbs_ref.kernels.border.groups import Floats, Ints, empty, members
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.contact.neighbours import Granules
@@ -255,7 +255,7 @@ SCRATCH: dict[str, type] = {"rows": Rows, "tree": Tree, "closures": Closures, "s
 def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loops, **lengths: int) -> Any:
     """Return the scratch of one run, zero but for the pivots of `loops` and no state solved."""
     own = {"n": n, "n + 1": n + 1, "n_slots": n_slots, "n_state": n_state, **lengths}
-    groups = {name: empty(kind, **own) for name, kind in get_type_hints(scratch).items() if name != "closures"}
+    groups = {name: empty(kind, **own) for name, kind in members(scratch).items() if name != "closures"}
     groups["solved"].time[0] = np.nan
     return scratch(closures=closure_scratch(loops, lengths["rates"]), **groups)
 
