@@ -205,8 +205,8 @@ def test_bands_of_two_coordinates_stand_one_below_the_other(monkeypatch):
     monkeypatch.setattr(bands, "SHOWN", 3)
     monkeypatch.setattr(bands, "coordinates", lambda ensemble: named)
     monkeypatch.setattr(bands, "statistics", lambda ensemble: [one, None, replace(one, count=1)])
-    ensemble: Any = SimpleNamespace(times=np.arange(5.0), scene=SimpleNamespace(body_names=("a", "b")),
-                                    design=SimpleNamespace(grids=("g",), points=[(1.0,), (2.0,), (3.0,)]))  # fmt: skip
+    design = SimpleNamespace(grids=("g",), points=[(1.2345,), (2.0,), (1.2346,)])
+    ensemble: Any = SimpleNamespace(times=np.arange(5.0), scene=SimpleNamespace(body_names=("a", "b")), design=design)
     figure = bands.bands(ensemble)
     axes = [figure.layout["yaxis"], figure.layout["yaxis2"]]
     assert [axis["title"]["text"] for axis in axes] == ["x, m", "angle, rad"]
@@ -217,7 +217,7 @@ def test_bands_of_two_coordinates_stand_one_below_the_other(monkeypatch):
     assert figure.layout["height"] == 2 * bands.HEIGHT
     medians = [line for line in figure.data if "fill" not in line]
     shown = [(f"{c.body} g = {at}", "y" if c.name == "x" else "y2", k)
-             for body in "ab" for at in (1, 3) for k, c in enumerate(named) if c.body == body]  # fmt: skip
+             for body in "ab" for at in (1.2345, 1.2346) for k, c in enumerate(named) if c.body == body]  # fmt: skip
     assert [(line["name"], line["yaxis"]) for line in medians] == [(name, axis) for name, axis, _ in shown]
     for line, (_, axis, k) in zip(medians, shown, strict=True):
         assert line["y"] == quantiles[1, :, k].tolist()

@@ -226,7 +226,9 @@ def test_a_change_is_small_over_the_scene_and_a_factor_may_be_negative():
     small = NONE * np.array([0.5, -0.9, 0.5, 0.9, -0.5, 0.9])
     assert world.is_none(small * units)
     assert not world.is_none(1.5 * small * units)
-    assert {start[0] > 0.0 for start in _factor(lambda x: scene, "a term is").starts} == {True, False}
+    factor = _factor(lambda x: scene, "a term is")
+    assert {start[0] > 0.0 for start in factor.starts} == {True, False}
+    assert factor.say(np.array([1.23456])) == "a term is 1.235 times the scene's"
 
 
 @pytest.mark.parametrize("n", [5, 12])

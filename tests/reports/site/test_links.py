@@ -10,7 +10,10 @@ INDEX = (
     '<h1 id="top">x</h1><a href="sub/page.html#there">a</a><a href="#top">b</a><img src="sub/p%20q.png">'
     '<h2 id="größe m">x</h2><a href="#gr%C3%B6%C3%9Fe%20m">d</a>'
 )
-PAGE = '<p id="there"></p><a href="../index.html">a</a><a href="https://example.org/x">b</a><a href="..">c</a>'
+PAGE = (
+    '<p id="there"></p><a href="../index.html">a</a><a href="https://example.org/x">b</a><a href="..">c</a>'
+    '<a href="/index.html#top">d</a>'
+)
 
 
 @pytest.fixture

@@ -52,7 +52,8 @@ def results(android) -> Any:
         works={"pulse": series(), "belts": series()}, seat_force=series(), belt_force=series(),
         head_excursion=series(2), hip_excursion=series(2), head_g=series(), thorax_g=series(), neck_axial=series(),
         nij=series(), measures={"HIC36": 77.0, "Nij": 0.3}, neck_moment=series(),
-        cervical_torques={"C1": 2.0 * series(), "C2": 3.0 * series()},
+        # the last changes its sign twice
+        cervical_torques={"C1": 2.0 * series(), "C2": 3.0 * series(), "C3": np.resize([-2.0, 2.0, 2.0, -2.0], N)},
     )  # fmt: skip
 
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from cross_checks.conformance.symmetry import _reordered, placement
-from cross_checks.conformance.symmetry.placement import Placement, dimension, image
+from cross_checks.conformance.symmetry.placement import Placement, cut_obstacle, dimension, image
 from cross_checks.engine.plan import initial_sample
 from mbs_ref import scenes
 from mbs_ref.observables.attachment import Motion
 from mbs_ref.observables.contact_gap import gap_of
-from mbs_ref.scene import Force, PlanarBody, Scene, SpatialBody
+from mbs_ref.scene import Force, PlanarBody, Scene, SpatialBody, SpringDamper
 from mbs_ref.scene.celestial import Newton, Relativity
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.signals import Table
@@ -127,3 +128,16 @@ def test_vectors_along_a_bodys_own_axes_are_inverted_or_reflected_by_a_mirror_an
     mirrored = -value if dimension == 3 else np.array([1.0, -2.0])
     seen = {what: placement._in_body_axes(value, what, image) for what in ("polar", "axial")}
     assert seen == {"polar": tuple(value if sense > 0.0 else mirrored), "axial": tuple(value)}
+
+
+def test_what_may_take_energy_keeps_a_scene_from_running_back():
+    """A damper and a force from outside are named; a spring alone, and a run onwards, are not."""
+    ends: dict[str, Any] = {"body_a": "ground", "body_b": "a", "point_a": (0.0, 0.0), "point_b": (1.0, 0.0)}
+    spring = SpringDamper(name="spring", stiffness=5.0, damping=0.0, **ends)
+    damper = spring.model_copy(update={"name": "damper", "damping": 0.3})
+    push = Force(name="push", body="a", point=(1.0, 0.0), vector=(1.0, 0.0))
+    body = PlanarBody(name="a", mass=1.0, inertia=1.0, position=(1.0, 0.0))
+    scene = Scene(name="x", bodies=(body,), loads=(spring, damper, push), gravity=(0.0, 0.0), duration=1.0)
+    assert cut_obstacle(scene, back=True) == "damper, push may take energy"
+    assert cut_obstacle(scene, back=False) == ""
+    assert cut_obstacle(scene.model_copy(update={"loads": (spring,)}), back=True) == ""
