@@ -13,7 +13,7 @@ from cross_checks.truths import _solved, known, seek_truth, truth_for
 from cross_checks.truths.made_by import Formulation, agree
 from cross_checks.truths.made_by.mechanisms.rod_chain import solve
 from cross_checks.truths.made_by.numerics.solvers import extrapolate
-from cross_checks.truths.made_by.numerics.tabulated import Tabulated, _points
+from cross_checks.truths.made_by.numerics.tabulated import POINTS, Tabulated
 from cross_checks.truths.truth import NoConvergenceError, NoTruth, Truth
 from mbs_ref import observables as judge
 from mbs_ref import scenes
@@ -204,7 +204,7 @@ def test_interpolated_functions_are_those_functions_in_extended_precision():
         np.testing.assert_allclose((tabulated(s) - function(s)).astype(float)[:3], 0.0, atol=1e-17)
     assert len({width for width, _ in tabulated.pieces}) > 1
     width, number = next(key for key, values in tabulated.pieces.items() if values is not None)
-    node = (number + (_points[3] + 1) / 2) * width
+    node = (number + (POINTS[3] + 1) / 2) * width
     np.testing.assert_allclose((tabulated(node) - function(node)).astype(float)[:3], 0.0, atol=1e-17)
 
 

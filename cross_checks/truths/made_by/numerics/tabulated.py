@@ -11,10 +11,10 @@ WIDTH = 0.5  # of the longest pieces
 SHORTEST = 2.0**-12  # of WIDTH; a piece that is not resolved is halved
 RESOLVED = 64 * float(np.finfo(np.longdouble).eps)  # of a pair's largest value: the last terms of a piece's series
 
-_turns = (np.arange(NODES, dtype=np.longdouble) + 0.5) * (2 * np.arctan2(np.longdouble(1), np.longdouble(0)) / NODES)
-_points = np.cos(_turns)
-_weights = np.sin(_turns) * (-1.0) ** np.arange(NODES)
-_last_terms = np.cos(np.outer(np.arange(NODES - 4, NODES), _turns)) * (2 / np.longdouble(NODES))
+TURNS = (np.arange(NODES, dtype=np.longdouble) + 0.5) * (2 * np.arctan2(np.longdouble(1), np.longdouble(0)) / NODES)
+POINTS = np.cos(TURNS)
+WEIGHTS = np.sin(TURNS) * (-1.0) ** np.arange(NODES)
+LAST_TERMS = np.cos(np.outer(np.arange(NODES - 4, NODES), TURNS)) * (2 / np.longdouble(NODES))
 
 
 class Tabulated:
@@ -32,20 +32,20 @@ class Tabulated:
         width = WIDTH
         while (values := self._piece(width, int(np.floor(s / width)))) is None:
             width /= 2
-        away = 2 * (s / width - np.floor(s / width)) - 1 - _points
+        away = 2 * (s / width - np.floor(s / width)) - 1 - POINTS
         exact = np.flatnonzero(away == 0)
         if len(exact):
             return values[exact[0]]
-        shares = _weights / away
+        shares = WEIGHTS / away
         return shares @ values / shares.sum()
 
     def _piece(self, width: float, number: int) -> np.ndarray | None:
         if (width, number) not in self.pieces:
             if width < SHORTEST * WIDTH:
                 raise NoConvergenceError(f"the mechanism's inertia is not smooth near {number * width:.6g}")
-            places = (number + (_points + 1) / 2) * width
+            places = (number + (POINTS + 1) / 2) * width
             values = np.array([self.function(place) for place in places])
-            is_resolved = np.all(_sizes(_last_terms @ values) <= RESOLVED * _sizes(values))
+            is_resolved = np.all(_sizes(LAST_TERMS @ values) <= RESOLVED * _sizes(values))
             self.pieces[width, number] = values if is_resolved else None
         return self.pieces[width, number]
 
