@@ -1,4 +1,4 @@
-"""Smooth functions of one number, interpolated in extended precision on pieces each where it is first needed."""
+"""Smooth functions of one number, interpolated in extended precision on pieces, each evaluated at its first use."""
 
 from collections.abc import Callable
 
