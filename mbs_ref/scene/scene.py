@@ -122,10 +122,10 @@ class Scene(Part):
         return table + listing("Bodies", ("name", "mass, kg", "centre of mass at t = 0, m"), rows)
 
     @of_last_scene
-    def breakpoints(self) -> list[float]:
+    def breakpoints(self) -> tuple[float, ...]:
         """Return the sorted times (s) at which a declared signal may be non-smooth."""
         parts = (*self.loads, *self.joints)
-        return sorted({t for part in parts for signal in part.signals for t in breakpoints(signal)})
+        return tuple(sorted({t for part in parts for signal in part.signals for t in breakpoints(signal)}))
 
 
 def with_rates(scene: Scene, rates: np.ndarray) -> Scene:

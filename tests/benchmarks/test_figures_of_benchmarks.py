@@ -266,5 +266,5 @@ def test_a_split_counts_unless_more_than_a_hundredth_of_permutations_are_as_stro
 def test_levels_that_differ_by_less_than_a_twentieth_are_one(monkeypatch):
     for factor, where in ((1.049, []), (1.051, [4])):
         by_chance = iter([(4, 9.0)] + [(4, 1.0)] * 500 + [(0, 0.0)] * 2)
-        monkeypatch.setattr(history, "_strongest", lambda x, told=by_chance: next(told))
+        monkeypatch.setattr(history, "_strongest", lambda x, values=by_chance: next(values))
         assert history.change_points([2.0] * 4 + [2.0 * factor] * 4) == where

@@ -6,14 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cross_checks.truths.made_by.numerics.rates import along
-from cross_checks.truths.made_by.numerics.solvers import (
-    DOUBLE_TOLERANCE,
-    EXTENDED_TOLERANCE,
-    extrapolate,
-    lsoda,
-    radau,
-    runge_kutta,
-)  # fmt: skip
+from cross_checks.truths.made_by.numerics.solvers import TOLERANCES, extrapolate, lsoda, radau, runge_kutta
 from cross_checks.truths.truth import ALIKE, EPS, Truth
 from mbs_ref.observables.distance import Partial, unmasked_distances
 
@@ -51,7 +44,8 @@ def agree(
     """
     looks = [] if second.switches is None else np.arange(LOOKS, times[-1], LOOKS)
     grid, rows = _grid(times, (*first.breakpoints, *second.breakpoints, *looks))
-    kind, tolerance = (np.longdouble, EXTENDED_TOLERANCE) if extended else (float, DOUBLE_TOLERANCE)
+    kind = np.longdouble if extended else float
+    tolerance = TOLERANCES[kind]
     solve = lsoda if is_stiff else runge_kutta
     states = solve(first.derivative, first.start, grid, RK_TOLERANCE)
     coarse, rates = _poses(first, grid, states), _rates(first, grid, states)

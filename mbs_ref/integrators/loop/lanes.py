@@ -34,7 +34,7 @@ class Runs(NamedTuple):
     h: np.ndarray  # (n_runs,) s, next step
     steps: np.ndarray  # (n_runs,) int
     rejected: np.ndarray  # (n_runs,) int
-    cut: np.ndarray  # (n_runs,) int, steps that accuracy would have let go beyond the output that they end at
+    cut: np.ndarray  # (n_runs,) int, steps that end at an output, where accuracy allows longer ones
     rhs_calls: np.ndarray  # (n_runs,) int
     next_output: np.ndarray  # (n_runs,) int, place among the times
     code: np.ndarray  # (n_runs,) int, of mbs_ref.integrators.loop.leg

@@ -69,7 +69,7 @@ PROGRESS = np.dtype((np.record, [
     ("compliance", float),  # largest |C| since the last sample
     ("steps", np.int64),
     ("rejected", np.int64),
-    ("cut", np.int64),  # steps that accuracy would have let go beyond the output that they end at
+    ("cut", np.int64),  # steps that end at an output, where accuracy allows longer ones
     ("rhs_calls", np.int64),
     ("next_output", np.int64),  # place among the leg's times
     ("events", np.int64),

@@ -74,9 +74,9 @@ def test_an_examination(monkeypatch, seed):
             rows[method.name, question.scene.name],
         ),
     )
-    told: list[str] = []
-    report = examine.examine(engine, "made", told.append)
-    assert told == [f"{s.name} by {m.name}" for m in METHODS for s in SCENES if taken[m.name, s.name]]
+    reported: list[str] = []
+    report = examine.examine(engine, "made", reported.append)
+    assert reported == [f"{s.name} by {m.name}" for m in METHODS for s in SCENES if taken[m.name, s.name]]
     assert (report.engine, report.version, report.uncovered) == ("made", "7", ("belt",))
     assert list(report.rows) == [rows[m.name, s.name] for m in METHODS for s in SCENES if taken[m.name, s.name]]
     of = {(f.question, f.method, f.scene): f for f in report.findings}

@@ -129,7 +129,7 @@ def night(monkeypatch, tmp_path):
     def regressions(baseline, current, cases, report):
         timing = Comparison(Pace.SAME, 1.01, 0.99, 1.02, 10, 0.0)
         for case in cases:
-            yield Finding(case.name, said["pace"], "told", 1e-6, None if said["pace"] == "not measured" else timing)
+            yield Finding(case.name, said["pace"], "steady", 1e-6, None if said["pace"] == "not measured" else timing)
 
     def sweep_records(scene, chosen, methods, target):
         record_file.append(target, said["records"])
@@ -148,7 +148,7 @@ def test_a_night_is_kept_and_drawn(night, tmp_path):
     for _ in range(2):
         done = run(*night["words"])
         assert done.exit_code == 0, done.output
-        assert done.stdout.splitlines()[0] == "pendulum mbs_ref rk4: same: told"
+        assert done.stdout.splitlines()[0] == "pendulum mbs_ref rk4: same: steady"
     found = json.loads(run("history", "--file", str(tmp_path / "history.jsonl"), "--json").stdout)
     assert found["ratio pendulum mbs_ref rk4"]["values"] == [1.01, 1.01]
     assert found["loop pendulum mbs_ref within 1e-06 of the scene"]["values"] == [1e-3, 1e-3]

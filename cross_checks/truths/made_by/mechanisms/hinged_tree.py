@@ -93,7 +93,7 @@ def _formulation(
             raise OutsideDomainError("a circle is deeper than its surface is thick")
         return values
 
-    return Formulation(derivative, start, poses, frozen, known, tuple(scene.breakpoints()))
+    return Formulation(derivative, start, poses, frozen, known, scene.breakpoints())
 
 
 def _start(scene: Scene, free: list[str]) -> np.ndarray:

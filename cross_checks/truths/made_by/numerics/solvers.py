@@ -65,7 +65,7 @@ FIRST_STEP = 1e-3  # s, where forces set in or end
 RESOLUTION = 1e-15  # s, to which a change of branch is located
 MOST_CHANGES = 20_000
 # Of max(1, |y|). Below, a step's last columns differ by roundoff, and shorter steps add more of it than they save.
-EXTENDED_TOLERANCE, DOUBLE_TOLERANCE = 1e-16, 1e-12
+TOLERANCES = {float: 1e-12, np.longdouble: 1e-16}
 
 
 def extrapolate(
