@@ -98,7 +98,7 @@ def advance_fixed(rhs: RightHandSide, y: np.ndarray, plan: Plan) -> Loop:
     return Loop(states, End(len(states)), n, 4 * n)
 
 
-def advance_adaptive(rhs: RightHandSide, y: np.ndarray, plan: Plan, breakpoints: list[float]) -> Loop:
+def advance_adaptive(rhs: RightHandSide, y: np.ndarray, plan: Plan, breakpoints: tuple[float, ...]) -> Loop:
     """Land on every output time and breakpoint: nothing is interpolated. Only breakpoints restart the integrator."""
     states = np.zeros((len(plan.times), len(y)))
     states[0] = y
@@ -200,7 +200,7 @@ class Built:
     contact_data: Any
     rhs: RightHandSide
     start: np.ndarray
-    breakpoints: list[float]  # s
+    breakpoints: tuple[float, ...]  # s
 
     @property
     def applied(self) -> Applied | None:
