@@ -1,6 +1,7 @@
 """Systems (mbs_ref.cores.system) of one build side by side, WIDTH of them: handles of groups whose floats are lanes.
 
 Systems of one build differ in their figures alone: all floats of their groups, such as masses, places and gravity.
+What contacts change in a run is no figure: loads that depend on it are evaluated by each run's own system.
 """
 
 from collections.abc import Iterator
@@ -11,13 +12,21 @@ import numpy as np
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.algebra.lanes import WIDTH, aligned, room_for_lanes
 from mbs_ref.kernels.border.handles import ModelInLanes, WorkInLanes, make_handle
+from mbs_ref.kernels.contact.laws import ContactModes
+from mbs_ref.kernels.contact.near_pairs import NearPairs
+from mbs_ref.kernels.contact.neighbours import Granules
 from mbs_ref.kernels.relative.model import Redundant
+from mbs_ref.kernels.rigid.model import Beside
+from mbs_ref.scene import PointBushing, SpringDamper, TorsionSpring
+
+NOT_IN_LANES = Redundant, ContactModes, NearPairs, Granules
 
 
 class SideBySide(NamedTuple):
     """Room for WIDTH systems of one build; lanes have no figures yet."""
 
     figures: np.ndarray  # (n_figures, WIDTH)
+    beside: Beside  # addresses of what evaluates the loads of each lane
     model: ModelInLanes
     work: WorkInLanes
     kept: list[Any]  # what the handles lead to
@@ -29,7 +38,7 @@ def _parts(system: Any) -> list[Any]:
 
 def _arrays(system: Any) -> Iterator[np.ndarray]:
     groups = [group for part in _parts(system) for group in part.groups]
-    yield from (array for group in groups if not isinstance(group, Redundant) for array in group)
+    yield from (array for group in groups if not isinstance(group, NOT_IN_LANES) for array in group)
 
 
 def figures_of(system: Any) -> np.ndarray:
@@ -39,13 +48,31 @@ def figures_of(system: Any) -> np.ndarray:
 
 def build_of(system: Any) -> bytes:
     """Return what systems must have in common to be side by side."""
-    return system.CORE.encode() + b"".join(a.tobytes() for a in _arrays(system) if a.dtype != np.float64)
+    numbers = [a for a in _arrays(system) if a.dtype != np.float64]
+    return system.CORE.encode() + b"".join(a.tobytes() for a in (*numbers, _pivots(system)))
+
+
+def _pivots(system: Any) -> np.ndarray:
+    """Return the order of the pivots of each closure at the scene's own start, which lanes do not change."""
+    if not system.n_closure_rows:
+        return np.zeros((0, 0), np.int64)
+    system.derivative(0.0, system.initial_state())
+    return system.scratch.closures.order.copy()
+
+
+def _has_lasting_loads(system: Any) -> bool:
+    """Return whether loads depend neither on the time nor on modes, so that they are evaluated in lanes."""
+    return not system.event_sources and all(
+        isinstance(load, PointBushing | SpringDamper | TorsionSpring) for load in system.scene.loads
+    )
 
 
 def side_by_side(system: Any) -> SideBySide:
     """Return arrays for systems of this one's structure."""
     figures, taken, kept = room_for_lanes(len(figures_of(system))), 0, []
     inner: list[int] = []
+    loads = core.LANES_LOADS if _has_lasting_loads(system) else core.LOADS_ALONE
+    _pivots(system)  # leaves their order in the scratch
 
     def placed(array: np.ndarray) -> np.ndarray:
         nonlocal taken
@@ -55,22 +82,25 @@ def side_by_side(system: Any) -> SideBySide:
         return figures[first:taken].reshape(*array.shape, WIDTH)
 
     for part in _parts(system):
-        own = [
-            Redundant(np.array(inner)) if isinstance(g, Redundant) else type(g)(*map(placed, g)) for g in part.groups
-        ]
+        own = [g if isinstance(g, NOT_IN_LANES) else type(g)(*map(placed, g)) for g in part.groups]
+        own = [Redundant(np.array(inner)) if isinstance(g, Redundant) else g for g in own]
         scratch = [type(group)(*map(_repeated, group)) for group in part.scratch]
-        # of an array of lanes a handle has the place, and the shape without them
-        shown = (
-            [[a[..., 0] if a.dtype == np.float64 else a for a in group] for group in part] for part in (own, scratch)
-        )
-        handles = [make_handle(groups, checked=True) for groups in shown]
-        asked = (core.LANES, core.LANES_LOADS, core.LOOPS if system.n_closure_rows else core.OPEN)
+        handles = [make_handle(map(_without_lanes, groups), checked=True) for groups in (own, scratch)]
+        asked = (core.LANES, loads, core.LOOPS if system.n_closure_rows else core.OPEN)
         asked = asked if part is system.redundant is system else asked[:1] if part is system else asked[1:2]
         for handle in handles:
             core.connected(part.CORE + core.IN_LANES, handle, asked)
         kept += [own, scratch, handles]
         inner = [handle.ctypes.data for handle in handles]
-    return SideBySide(figures, ModelInLanes(inner[0]), WorkInLanes(inner[1]), kept)
+    beside = next(group for group in kept[1] if isinstance(group, Beside))  # of the redundant system
+    return SideBySide(figures, beside, ModelInLanes(inner[0]), WorkInLanes(inner[1]), kept)
+
+
+def _without_lanes(group: Any) -> Any:
+    """Return a group as a handle shows it: of an array of lanes the place, and the shape without them."""
+    if isinstance(group, NOT_IN_LANES):
+        return group
+    return [array[..., 0] if array.dtype == np.float64 else array for array in group]
 
 
 def _repeated(array: np.ndarray) -> np.ndarray:

@@ -158,6 +158,10 @@ class JointedSystem(ContactSystem):
     def n_closure_rows(self) -> int:
         return int(self.groups.loops.count.sum())
 
+    @property
+    def n_spare_rows(self) -> int:
+        return int(np.sum(self.groups.loops.count - self.groups.loops.most))
+
     def rows(self, every: bool = False) -> list[tuple[int, int, int]]:
         """Return (joint, slot, row in slot) of every constraint row, joint after joint, then the closed contacts'.
 

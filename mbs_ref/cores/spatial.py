@@ -234,12 +234,11 @@ class SpatialSystem(JointedSystem):
         return result
 
     def independent_rows(self, t: float, y: np.ndarray) -> np.ndarray:
-        every, loops = len(self.rows()), self.groups.loops
-        kept = every - int(np.sum(loops.count - loops.most))
-        if kept == every:
+        every = len(self.rows())
+        if not self.n_spare_rows:
             return np.arange(every)
         order = scipy.linalg.qr(self.scaled_jacobian(t, y).T, mode="r", pivoting=True)[-1]
-        return np.sort(order[:kept])
+        return np.sort(order[: every - self.n_spare_rows])
 
     def accelerations(self, t: float, y: np.ndarray) -> np.ndarray:
         self.derivative(t, y)

@@ -314,6 +314,11 @@ class System(ABC):
         return 0
 
     @property
+    def n_spare_rows(self) -> int:
+        """Rows of closed loops that depend on others in every pose."""
+        return 0
+
+    @property
     def prunes_pairs(self) -> bool:
         """Whether pairs of shapes that are far from each other are not examined."""
         return False

@@ -46,7 +46,8 @@ FEATURES = {  # each with its questions
 TANGENT = "tangent"  # of directions along the constraints; loops need it on the way
 FORM = "form"  # of methods on the DAE itself
 REPORT = "report"  # afterwards
-LANES, LANES_LOADS = "lanes", "loads in lanes"  # of runs side by side
+LANES = "lanes"  # of runs side by side
+LANES_LOADS, LOADS_ALONE = "loads in lanes", "loads alone"  # gravity and springs; any loads, each run's by itself
 GROUPS = {
     MOTION: "derivative compliance project regularity accelerate fill_rows apply_loads expand take_velocities",
     EVENTS: "position_count root_count roots transition start_modes contact_mobility apply_contacts "
@@ -60,8 +61,8 @@ GROUPS = {
     FORM: "multipliers position_count force_balance times_mass answer row_times add_row displace position_rate "
     "defect_of gamma_of",
     REPORT: "contact_forces",
-    LANES: "derivative project regularity accelerate fill_rows",
-    LANES_LOADS: "apply_loads",
+    LANES: "derivative project regularity accelerate fill_rows fill_deflection_rates",
+    **dict.fromkeys((LANES_LOADS, LOADS_ALONE), "apply_loads"),
 }
 IN_LANES = " in lanes"  # behind the name of a core
 HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a model and a scratch for
@@ -75,6 +76,7 @@ HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a m
     "relative_planar in lanes": (TreeModelInLanes, TreeWorkInLanes),
     "relative_spatial in lanes": (TreeModelInLanes, TreeWorkInLanes),
 }
+_ENDINGS = {OPEN: "_open", LOADS_ALONE: "_alone"}  # of answers' names
 _RIGID = [import_module(f"{rigid.__name__}.{module.name}") for module in pkgutil.iter_modules(rigid.__path__)]
 _OWN = {  # core -> the first words of its answers' names, and their modules
     "planar": (("planar", "rigid"), (planar, *_RIGID)),
@@ -118,7 +120,7 @@ def _answers(core: str, group: str) -> dict[str, Callable[..., Any]]:
     words = ("lanes", *words) if core.endswith(IN_LANES) else words
     modules = () if group == UNEVENTFUL or group.startswith(NO) else modules
     known = {name: item for one in modules for name, item in vars(one).items()}
-    absent, end = {} if group in (EVENTS, *FEATURES) else _ABSENT, "_open" if group == OPEN else ""
+    absent, end = {} if group in (EVENTS, *FEATURES) else _ABSENT, _ENDINGS.get(group, "")
     names = {question: [f"{word}_{question}{end}" for word in words] for question in GROUPS[group].split()}
     found = {q: next((known[name] for name in own if name in known), absent.get(q)) for q, own in names.items()}
     return {question: answer for question, answer in found.items() if answer is not None}

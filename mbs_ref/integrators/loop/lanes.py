@@ -1,9 +1,10 @@
 """Many adaptive runs side by side, of one scene or of scenes of one build: a lane is a run with a clock of its own.
 
-Each has its own step, error, figures and tolerances. A run is that which `advance_explicit` returns of a system without
-events. One that comes close to a singular pose, or whose constraints cannot be restored, ends there. A lane whose run
-has ended takes the next one that waits, so that none is idle before the last have begun. What a lane holds never
-depends on its neighbours.
+Each has its own step, error, figures, tolerances and events. A run is that which `advance_explicit` returns: stages are
+made side by side, and each run's own system, by the handles in `Runs`, starts it, watches for events inside its steps
+and changes its modes. One that comes too close to a singular pose, or whose constraints cannot be restored, ends there.
+A lane whose run has ended takes the next one that waits, so that none is idle before the last have begun. What a lane
+holds never depends on its neighbours.
 """
 
 from typing import NamedTuple
@@ -12,75 +13,89 @@ import numpy as np
 
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
-from mbs_ref.integrators.loop.explicit import NEAR_SINGULAR
+from mbs_ref.integrators.loop.events import ACTIVE, EVENT, KEEP, RETRY, Tables, event_tables, has_events, watch_at
+from mbs_ref.integrators.loop.exclusion import Ends
+from mbs_ref.integrators.loop.explicit import NEAR_SINGULAR, STAGE_ITERATIONS, is_too_near
 from mbs_ref.kernels.algebra.lanes import WIDTH, chosen_in_lanes, in_every_lane, in_lanes, larger, smaller
 from mbs_ref.kernels.algebra.lanes import room_for_lanes as room
-from mbs_ref.kernels.border.questions import derivative, project, regularity
+from mbs_ref.kernels.border.handles import Model, Work
+from mbs_ref.kernels.border.questions import derivative, project, regularity, roots, tangent
 from mbs_ref.kernels.jit import bare, bare_loop, loop_jit
+from mbs_ref.kernels.rigid.dynamics import BORNE, EPS
+from mbs_ref.kernels.rigid.model import Beside
 
 IDLE = -1
+LOST = 1e-3  # of rtol: a run leaves where elimination, which lanes do not refine, loses more
 
 
 class Runs(NamedTuple):
     """The runs that wait, and what becomes of each."""
 
+    handles: np.ndarray  # (n_scenes, 4) int, of their systems: model, work, and those of what evaluates their loads
     figures: np.ndarray  # (n_scenes, n_figures) of their systems
     atol: np.ndarray  # (n_scenes, n_state) absolute tolerances
+    tolerance: np.ndarray  # (n_scenes,) m, rad, of projection
     scene: np.ndarray  # (n_runs,) int, whose run it is
     states: np.ndarray  # (n_runs, n_times, n_state), the first is the start
     compliance: np.ndarray  # (n_runs, n_times) largest |C| over the steps since the time before
-    slopes: np.ndarray  # (n_runs, n_state) f at the start
-    t: np.ndarray  # (n_runs,) s, where it is
-    h: np.ndarray  # (n_runs,) s, next step
-    steps: np.ndarray  # (n_runs,) int
-    rejected: np.ndarray  # (n_runs,) int
-    cut: np.ndarray  # (n_runs,) int, steps that end at an output, where accuracy allows longer ones
-    rhs_calls: np.ndarray  # (n_runs,) int
-    next_output: np.ndarray  # (n_runs,) int, place among the times
+    begun: np.ndarray  # (n_runs, n_state) the start, once its modes are settled
+    slopes: np.ndarray  # (n_runs, n_state) f there
+    pivot: np.ndarray  # (n_runs,) the smallest closure pivot there
+    now: np.ndarray  # (n_runs,) PROGRESS
     code: np.ndarray  # (n_runs,) int, of mbs_ref.integrators.loop.leg
 
 
 class Side(NamedTuple):
-    """What is side by side: arrays that end in WIDTH lanes, and a number of each lane (WIDTH,)."""
+    """What is side by side: arrays that end in WIDTH lanes, and a number or more of each lane (WIDTH, ...)."""
 
     figures: np.ndarray  # (n_figures, WIDTH) of the systems
     atol: np.ndarray  # (n_state, WIDTH)
     y: np.ndarray  # (n_state, WIDTH)
     new: np.ndarray  # (n_state, WIDTH) the new state
+    spare: np.ndarray  # (n_state, WIDTH)
     slopes: np.ndarray  # (s + 1, n_state, WIDTH)
-    now: np.ndarray  # (6, WIDTH): STEP, TAKEN, MAIN, LOW, PIVOT, LEFT
+    now: np.ndarray  # (10, WIDTH): TIME, STEP, TAKEN, MAIN, LOW, PIVOT, THERE, LEFT, RESTORED, TOLERANCE
     pace: np.ndarray  # (2, WIDTH): MARK, SLOW
     run: np.ndarray  # (WIDTH,) int, place among the runs or IDLE
     scene: np.ndarray  # (WIDTH,) int, whose figures and tolerances the lane has, or IDLE
-    lands: np.ndarray  # (WIDTH,) int: 1 where the step ends at an output
     rejected: np.ndarray  # (WIDTH,) int: 1 after a step whose error was too large
-    search: np.ndarray  # (1,), for no event
+    search: np.ndarray  # (WIDTH, 8) for an event
+    tables: Tables  # of event functions (WIDTH, 4, n)
+    ends: Ends  # of the step of the lane that is judged
+    beside: Beside  # what evaluates the loads of each lane; 0 of an idle one
 
 
-# h (s), 1 where it is taken, the sums of squares of both estimates of its error, the smallest closure pivot of its
-# stages, |C| at its end
-STEP, TAKEN, MAIN, LOW, PIVOT, LEFT = range(6)
+# s at the step's start, h (s), 1 where it is taken, the sums of squares of both estimates of its error, the smallest
+# closure pivot of its stages and that at its end, |C| there, 1 where stages are projected, tolerance of projection
+TIME, STEP, TAKEN, MAIN, LOW, PIVOT, THERE, LEFT, RESTORED, TOLERANCE = range(10)
 MARK, SLOW = range(2)  # where a run was a stretch of steps ago (s), and how many stretches in a row were slow
 
 
-def runs_from(figures: np.ndarray, atol: np.ndarray, scene: np.ndarray, starts: np.ndarray, n_times: int) -> Runs:
+def runs_from(
+    handles: np.ndarray, figures: np.ndarray, atol: np.ndarray, tolerance: np.ndarray, scene: np.ndarray,
+    starts: np.ndarray, n_times: int,
+) -> Runs:  # fmt: skip
     """Return the runs that wait, from `starts` (n_runs, n_state), with room for what becomes of them."""
     n, size = starts.shape
-    states = np.empty((n, n_times, size))
+    states, compliance = np.empty((n, n_times, size)), np.zeros((n, n_times))
     states[:, 0] = starts
-    counts = [np.zeros(n, np.int64) for _ in range(6)]
     return Runs(
-        figures, atol, scene, states, np.zeros((n, n_times)), np.empty((n, size)), np.zeros(n), np.zeros(n), *counts
-    )
+        handles, figures, atol, tolerance, scene, states, compliance, starts.copy(), np.empty((n, size)), np.ones(n),
+        np.zeros(n, leg.PROGRESS), np.zeros(n, np.int64),
+    )  # fmt: skip
 
 
-def room_beside(figures: np.ndarray, n_state: int, n_stages: int) -> Side:
-    """Return room for WIDTH runs, whose figures are to be in `figures` (n_figures, WIDTH)."""
+def room_beside(figures: np.ndarray, beside: Beside, n_state: int, s: int, n_roots: int) -> Side:
+    """Return room for WIDTH runs of s stages a step.
+
+    Their figures are to be in `figures` (n_figures, WIDTH), and their handles in `beside`.
+    """
     return Side(
-        figures=figures, atol=room(n_state), y=room(n_state), new=room(n_state),
-        slopes=room(n_stages + 1, n_state), now=room(6), pace=room(2),
-        run=np.full(WIDTH, IDLE), scene=np.full(WIDTH, IDLE), lands=np.zeros(WIDTH, np.int64),
-        rejected=np.zeros(WIDTH, np.int64), search=np.zeros(1),
+        figures=figures, atol=room(n_state), y=room(n_state), new=room(n_state), spare=room(n_state),
+        slopes=room(s + 1, n_state), now=room(10), pace=room(2),
+        run=np.full(WIDTH, IDLE), scene=np.full(WIDTH, IDLE), rejected=np.zeros(WIDTH, np.int64),
+        search=np.zeros((WIDTH, 8)), tables=Tables(*np.zeros((3, WIDTH, 4, n_roots))),
+        ends=Ends(*np.zeros((4, n_state)), np.ones(2, np.int64)), beside=beside,
     )  # fmt: skip
 
 
@@ -96,38 +111,66 @@ def _add_slopes(y, weights, count, slopes, h, out):
 
 
 @bare
-def _square_sums(tableau, rtol, atol, h, y, new, slopes):
-    """Return for both estimates of the error the sum of squares over the state, each entry in its tolerance."""
-    main, low = 0.0 * h, 0.0 * h
+def _restore(model, work, t, new, spare, now):
+    """Project the states of the lanes that are near a singular pose."""
+    for k in range(new.shape[0]):
+        spare[k] = new[k]
+    project(model, work, t, spare, now[TOLERANCE], STAGE_ITERATIONS)
+    for k in range(new.shape[0]):
+        new[k] = chosen_in_lanes(now[RESTORED], spare[k], new[k])
+
+
+@bare
+def _square_sum(model, work, weights, rtol, atol, y, new, spare, slopes, now, restores):
+    """Return for an estimate of the error the sum of squares over the state, each entry in its tolerance.
+
+    Of lanes near a singular pose only the error along the constraints counts. The last slope is not in use yet.
+    """
+    count, last = weights.shape[0], slopes[weights.shape[0]]
     for k in range(y.shape[0]):
-        first, second = tableau.error[0] * slopes[0, k], tableau.error_low[0] * slopes[0, k]
-        for j in range(1, tableau.error.shape[0]):
-            if tableau.error[j] != 0.0 or tableau.error_low[j] != 0.0:
-                first = first + tableau.error[j] * slopes[j, k]
-                second = second + tableau.error_low[j] * slopes[j, k]
-        size = larger(abs(y[k]), abs(new[k]))
-        unit = h / (atol[k] + rtol * size)
-        main = main + (first * unit) * (first * unit)
-        low = low + (second * unit) * (second * unit)
-    return main, low
+        total = weights[0] * slopes[0, k]
+        for j in range(1, count):
+            if weights[j] != 0.0:
+                total = total + weights[j] * slopes[j, k]
+        last[k] = now[STEP] * total
+    if restores:
+        for k in range(y.shape[0]):
+            spare[k] = last[k]
+        tangent(model, work, spare)
+        for k in range(y.shape[0]):
+            last[k] = chosen_in_lanes(now[RESTORED], spare[k], last[k])
+    square = 0.0 * now[STEP]
+    for k in range(y.shape[0]):
+        scaled = last[k] / (atol[k] + rtol * larger(abs(y[k]), abs(new[k])))
+        square = square + scaled * scaled
+    return square
 
 
 @bare
 def _error(main, low, n):
-    """Return the scaled error of one lane (Hairer, Norsett, Wanner I, sec. II.10), of `_square_sums`."""
+    """Return the scaled error of one lane (Hairer, Norsett, Wanner I, sec. II.10), of two sums of squares."""
     scale = (main + 0.01 * low) * n
     return 0.0 if scale == 0.0 else main / np.sqrt(scale)  # NaN must stay NaN, and be rejected
 
 
 @loop_jit
-def propose_all(model, work, options, runs, first, last, times, order):
-    """Evaluate f at the starts of a scene's runs, first to last, and guess the first steps, as a run alone does."""
+def begin_all(model, work, options, runs, first, last, times, order):
+    """Begin a scene's runs, first to last, as a run alone begins: modes, f at the start, and a guess of the first step."""
+    table = event_tables(model)[1]
     for i in range(first, last):
-        y, slope = runs.states[i, 0], runs.slopes[i]
-        derivative(model, work, times[0], y, slope)
-        runs.h[i] = stepping.first_step(model, work, times[0], y, slope, order, options, times[-1] - times[0])
-        runs.t[i], runs.next_output[i], runs.rhs_calls[i] = times[0], 1, 2
-        runs.code[i] = leg.SINGULAR if regularity(work) < NEAR_SINGULAR else leg.RUNNING
+        y, slope, run = runs.begun[i], runs.slopes[i], runs.now[i]
+        run.t, run.next_output, run.span = times[0], 1, times[-1] - times[0]
+        runs.code[i] = stepping.begin(model, work, options, run, y, slope, table)
+        if runs.code[i] == leg.RUNNING:
+            runs.pivot[i] = regularity(work)
+            run.h = stepping.first_step(model, work, run.t, y, slope, order, options, run.span)
+            run.rhs_calls += 1
+
+
+# Return the event functions of a lane.
+_table = bare(lambda side, w: Tables(side.tables.low[w], side.tables.high[w], side.tables.new[w]))
+# Return model and work of a run's own system.
+_system = bare(lambda runs, i: (Model(runs.handles[runs.scene[i], 0]), Work(runs.handles[runs.scene[i], 1])))
 
 
 @bare
@@ -136,14 +179,21 @@ def _take_up(runs, side, i, w):
     scene = runs.scene[i]
     if side.scene[w] != scene:
         side.scene[w] = scene
+        side.now[TOLERANCE, w] = runs.tolerance[scene]
         for k in range(side.figures.shape[0]):
             side.figures[k, w] = runs.figures[scene, k]
         for k in range(side.y.shape[0]):
             side.atol[k, w] = runs.atol[scene, k]
     for k in range(side.y.shape[0]):
-        side.y[k, w], side.slopes[0, k, w] = runs.states[i, 0, k], runs.slopes[i, k]
-    side.run[w], side.rejected[w] = i, 0
-    side.pace[MARK, w], side.pace[SLOW, w] = runs.t[i], 0.0
+        side.y[k, w], side.slopes[0, k, w] = runs.begun[i, k], runs.slopes[i, k]
+    side.run[w], side.rejected[w], side.search[w, ACTIVE] = i, 0, 0.0
+    side.now[PIVOT, w] = side.now[THERE, w] = runs.pivot[i]
+    side.pace[MARK, w], side.pace[SLOW, w] = runs.now[i].t, 0.0
+    side.beside.model[w], side.beside.work[w] = runs.handles[scene, 2], runs.handles[scene, 3]
+    table = _table(side, w)
+    if has_events(table):
+        model, work = _system(runs, i)
+        roots(model, work, runs.now[i].t, runs.begun[i], 0.0, table.low)
 
 
 @bare
@@ -161,79 +211,122 @@ def _fill(runs, side, waiting, last):
 
 
 @bare
+def _attempt(runs, side, times, i, w):
+    """Return the step that lane w is to try."""
+    run = runs.now[i]
+    return stepping.next_attempt(0.0, run, times[run.next_output], True, side.search[w])
+
+
+@bare
 def _choose_steps(options, runs, side, times):
-    """Choose the step of every lane, 0 where it is idle."""
+    """Choose the step of every lane, 0 where it is idle; return whether any projects its stages."""
+    restores, now = False, side.now
     for w in range(WIDTH):
         i = side.run[w]
+        now[STEP, w] = now[RESTORED, w] = 0.0
         if i == IDLE:
-            side.now[STEP, w] = 0.0
             continue
-        reach = times[runs.next_output[i]] - runs.t[i]
-        h, lands, _ = stepping.choose_step(runs.h[i], reach, True, side.search)
-        side.now[STEP, w], side.lands[w] = h, lands
+        attempt = _attempt(runs, side, times, i, w)
+        now[TIME, w], now[STEP, w] = attempt.t, attempt.h
+        is_near = (side.rejected[w] == 1 and now[PIVOT, w] < NEAR_SINGULAR) or now[THERE, w] < NEAR_SINGULAR
+        if options.project and is_near:
+            runs.now[i].near_singular += 1
+            now[RESTORED, w] = 1.0
+            restores = True
+    return restores
 
 
 @bare
-def _try(model, work, tableau, options, atol, y, new, slopes, now):
+def _try(model, work, tableau, options, atol, y, new, spare, slopes, now, restores):
     """Make the step of every lane; leave the new states and the sums of squares of their errors."""
     h, count, pivot = now[STEP], tableau.b.shape[0], in_every_lane(1.0)
-    for i in range(1, count + 1):
-        _add_slopes(y, tableau.a[i] if i < count else tableau.b, i, slopes, h, new)
-        if i == count:
-            now[MAIN], now[LOW] = _square_sums(tableau, options.rtol, atol, h, y, new, slopes)
-            if options.project:
-                now[LEFT] = project(model, work, 0.0, new, options.projection_tolerance, stepping.PROJECTION_ITERATIONS)
-        derivative(model, work, 0.0, new, slopes[i])
+    for i in range(1, count):
+        _add_slopes(y, tableau.a[i], i, slopes, h, new)
+        t = now[TIME] + tableau.c[i] * h
+        if restores:
+            _restore(model, work, t, new, spare, now)
+        derivative(model, work, t, new, slopes[i])
         pivot = smaller(pivot, regularity(work))
-    now[PIVOT] = pivot
+    _add_slopes(y, tableau.b, count, slopes, h, new)
+    t = now[TIME] + h
+    if restores:
+        _restore(model, work, t, new, spare, now)
+    for place, weights in ((MAIN, tableau.error), (LOW, tableau.error_low)):
+        now[place] = _square_sum(model, work, weights, options.rtol, atol, y, new, spare, slopes, now, restores)
+    if options.project:
+        now[LEFT] = project(model, work, t, new, now[TOLERANCE], stepping.PROJECTION_ITERATIONS)
+    derivative(model, work, t, new, slopes[count])
+    now[PIVOT], now[THERE] = pivot, regularity(work)
 
 
 @bare
-def _is_hopeless(options, runs, side, span, i, w):
+def _is_hopeless(options, run, side, w):
     """Return whether a run creeps: twice in a row a stretch of steps at which max_steps would not suffice."""
-    if runs.steps[i] % options.chunk != 0:
+    if run.steps % options.chunk != 0:
         return False
-    creeps = runs.t[i] - side.pace[MARK, w] < span * options.chunk / options.max_steps
-    side.pace[MARK, w], side.pace[SLOW, w] = runs.t[i], side.pace[SLOW, w] + 1.0 if creeps else 0.0
+    creeps = run.t - side.pace[MARK, w] < run.span * options.chunk / options.max_steps
+    side.pace[MARK, w], side.pace[SLOW, w] = run.t, side.pace[SLOW, w] + 1.0 if creeps else 0.0
     return side.pace[SLOW, w] >= 2.0
+
+
+@bare
+def _is_singular(options, now, w):
+    """Return whether a step ends, or had a stage, where a lane is not accurate."""
+    pivot, there = now[PIVOT, w], now[THERE, w]
+    loses = not max(BORNE, LOST * options.rtol) * min(pivot, there) >= EPS
+    return loses or is_too_near(there, pivot if now[RESTORED, w] == 1.0 else 1.0, options.rtol, 0, True)
 
 
 @bare
 def _judge(tableau, options, runs, side, times, i, w):
     """Propose the next step of lane w by this one's error; return how run i stands and whether the step is taken."""
-    h, lands, span = side.now[STEP, w], side.lands[w] == 1, times[-1] - times[0]
-    target = times[runs.next_output[i]]
-    t_new = target if lands else runs.t[i] + h
-    if t_new == runs.t[i]:
+    run, now, last, (model, work) = runs.now[i], side.now, tableau.b.shape[0], _system(runs, i)
+    table, ends, attempt = _table(side, w), side.ends, _attempt(runs, side, times, i, w)
+    if stepping.stands_still(attempt):
         return leg.STEP_TOO_SMALL, False
-    runs.rhs_calls[i] += tableau.b.shape[0]
-    if not side.now[PIVOT, w] >= NEAR_SINGULAR:
-        return leg.SINGULAR, False
-    proposed = runs.h[i]
-    error = _error(side.now[MAIN, w], side.now[LOW, w], side.y.shape[0])
-    accepted, runs.h[i] = stepping.resized(error, tableau.error_order, h, runs.h[i], lands, side.rejected[w] == 1)
-    side.rejected[w] = 0 if accepted else 1
-    if not accepted:
-        runs.rejected[i] += 1
-        if runs.t[i] + runs.h[i] == runs.t[i] or runs.h[i] < stepping.SHORTEST * span:
-            return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE, False
-        return leg.RUNNING, False
-    place, left = runs.next_output[i], side.now[LEFT, w]
-    if not left <= stepping.PROJECTION_FAILURE * options.projection_tolerance:
+    run.rhs_calls += last
+    if not attempt.searching:
+        error = _error(now[MAIN, w], now[LOW, w], side.y.shape[0])
+        accepted, run.h = stepping.resized(
+            error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, side.rejected[w] == 1
+        )
+        side.rejected[w] = 0 if accepted else 1
+        if not accepted:
+            run.rejected += 1
+            if attempt.t + run.h == attempt.t or run.h < stepping.SHORTEST * run.span:
+                return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE, False
+            return leg.RUNNING, False
+    if not now[LEFT, w] <= stepping.PROJECTION_FAILURE * now[TOLERANCE, w]:
         return leg.PROJECTION, False
-    runs.compliance[i, place] = max(runs.compliance[i, place], left)
-    runs.t[i] = t_new
-    runs.steps[i] += 1
-    if lands:
-        runs.cut[i] += stepping.is_cut(proposed, h)
-        for k in range(side.y.shape[0]):
-            runs.states[i, place, k] = side.new[k, w]
-        runs.next_output[i] += 1
-        if runs.next_output[i] == times.shape[0]:
-            return leg.DONE, True
-    if runs.steps[i] >= options.max_steps:
-        return leg.TOO_MANY_STEPS, True
-    return leg.STALLED if _is_hopeless(options, runs, side, span, i, w) else leg.RUNNING, True
+    run.compliance = max(run.compliance, now[LEFT, w])
+    for k in range(side.y.shape[0]):
+        ends.y[k], ends.y_new[k] = side.y[k, w], side.new[k, w]
+        ends.dy[k], ends.dy_new[k] = side.slopes[0, k, w], side.slopes[last, k, w]
+    verdict = KEEP
+    if has_events(table):
+        verdict = watch_at(options.watch, model, work, attempt.t, attempt.h, ends, run, side.search[w], table)
+        if verdict == RETRY:
+            run.h = attempt.proposed
+            return leg.RUNNING, False
+    if verdict != EVENT and _is_singular(options, now, w):
+        return leg.SINGULAR, False
+    outputs = leg.Outputs(times, runs.states[i], runs.compliance[i])
+    code = stepping.accept(model, work, options, run, attempt, verdict, ends.y, ends.y_new, table, outputs)
+    if verdict == EVENT and code == leg.RUNNING:
+        _take_event(model, work, attempt.t_new, side, w, last)
+        run.rhs_calls += 1
+    if code == leg.RUNNING and _is_hopeless(options, run, side, w):
+        return leg.STALLED, True
+    return code, True
+
+
+@bare
+def _take_event(model, work, t, side, w, last):
+    """Let lane w go on from the state after an event, in its new modes."""
+    derivative(model, work, t, side.ends.y, side.ends.dy)
+    side.now[THERE, w] = regularity(work)
+    for k in range(side.y.shape[0]):
+        side.new[k, w], side.slopes[last, k, w] = side.ends.y[k], side.ends.dy[k]
 
 
 @bare
@@ -249,6 +342,7 @@ def _judge_all(tableau, options, runs, side, times):
             runs.code[i] = code
             if code != leg.RUNNING:
                 side.run[w] = IDLE
+                side.beside.model[w] = 0
                 ended = True
     return ended
 
@@ -256,13 +350,13 @@ def _judge_all(tableau, options, runs, side, times):
 @bare_loop
 def advance_in_lanes(model, work, tableau, options, runs, side, times, first, last):
     """Integrate the runs from `first` to `last`, each to its last time or to its first failure."""
-    atol, y, new = in_lanes(side.atol), in_lanes(side.y), in_lanes(side.new)
+    atol, y, new, spare = in_lanes(side.atol), in_lanes(side.y), in_lanes(side.new), in_lanes(side.spare)
     slopes, now = in_lanes(side.slopes), in_lanes(side.now)
     final = tableau.b.shape[0]
     waiting, busy = _fill(runs, side, first, last)
     while busy > 0:
-        _choose_steps(options, runs, side, times)
-        _try(model, work, tableau, options, atol, y, new, slopes, now)
+        restores = _choose_steps(options, runs, side, times)
+        _try(model, work, tableau, options, atol, y, new, spare, slopes, now, restores)
         ended = _judge_all(tableau, options, runs, side, times)
         taken = now[TAKEN]
         for k in range(y.shape[0]):

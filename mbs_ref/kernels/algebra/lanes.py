@@ -141,6 +141,27 @@ def in_lanes(context, array):
     return seen(array), lowered
 
 
+@_intrinsic
+def in_floats(context, array):
+    """View an array of lanes (...) as an array of floats (..., WIDTH)."""
+    seen = types.Array(types.float64, array.ndim + 1, "C")
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        given = context.make_array(sig.args[0])(context, builder, args[0])
+        view = context.make_array(seen)(context, builder)
+        ends = (given.shape, WIDTH), (given.strides, BYTES // WIDTH)
+        shape, strides = ([*cgutils.unpack_tuple(builder, part), context.get_constant(types.intp, last)]
+                          for part, last in ends)  # fmt: skip
+        context.populate_array(
+            view, data=builder.bitcast(given.data, view.data.type), meminfo=given.meminfo, parent=given.parent,
+            shape=cgutils.pack_array(builder, shape), strides=cgutils.pack_array(builder, strides),
+            itemsize=context.get_constant(types.intp, BYTES // WIDTH),
+        )  # fmt: skip
+        return impl_ret_borrowed(context, builder, seen, view._getvalue())
+
+    return seen(array), lowered
+
+
 def room_for_lanes(*shape: int) -> np.ndarray:
     """Return zeros (..., WIDTH) where packed instructions may load and store."""
     count = int(np.prod(shape)) * BYTES
@@ -253,6 +274,16 @@ def in_every_lane(context, x):
 
 
 @_intrinsic
+def lane_of(context, x, w):
+    """Return lane w, a float."""
+
+    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.extract_element(args[0], builder.trunc(args[1], ir.IntType(32)))
+
+    return types.float64(LANES, types.int64), lowered
+
+
+@_intrinsic
 def largest_of_lanes(context, x):
     """Return the largest lane, a float; infinite where one is not a number."""
 
@@ -281,6 +312,26 @@ def chosen_in_lanes(context, mark, a, b):
 largest_of = either("largest_of(x)", bare(lambda x: x), largest_of_lanes)
 # Return whether a number is zero, in every lane.
 vanishes = either("vanishes(x)", bare(lambda x: x == 0.0), bare(lambda x: largest_of_lanes(abs(x)) == 0.0))
+
+
+@bare
+def take_lane(of, w, to):
+    """Copy lane w of an array with two axes to one of floats."""
+    every = in_floats(of)
+    for i in range(to.shape[0]):
+        for c in range(to.shape[1]):
+            to[i, c] = every[i, c, w]
+
+
+@bare
+def put_lane(of, w, to):
+    """Copy an array of floats with two axes to lane w of another."""
+    every = in_floats(to)
+    for i in range(of.shape[0]):
+        for c in range(of.shape[1]):
+            every[i, c, w] = of[i, c]
+
+
 QUARTERS = 2.0 / np.pi
 # pi/2 in three parts: the first two have 33 bits, so that up to 2^20 multiples of them are exact
 QUARTER = (1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21)

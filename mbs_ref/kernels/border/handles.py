@@ -15,7 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.typing.templates import AttributeTemplate
-from numba.extending import infer_getattr, lower_getattr_generic
+from numba.extending import infer_getattr, intrinsic, lower_getattr_generic
 from numba.np.arrayobj import make_array, populate_array
 
 from mbs_ref.kernels.algebra.lanes import BYTES, LANES
@@ -57,6 +57,7 @@ class WorkInLanes(NamedTuple):
 
 ModelInLanes.NUMBER = WorkInLanes.NUMBER = LANES  # type: ignore[attr-defined]
 _GENERAL = (Model, Work, ModelInLanes, WorkInLanes)
+_intrinsic: Any = intrinsic  # what it makes is called without the typing context
 
 
 def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
@@ -88,8 +89,15 @@ def handle_class(module: str, name: str, groups: type, **lengths: int) -> Any:
 def handle_in_lanes(of: type) -> Any:
     """Return the class of handles to the same groups whose floats are lanes, to stand in the same module."""
     handle = handle_class(of.__module__, f"{of.__name__}InLanes", _owned[of][0], **_owned[of][1])
-    handle.NUMBER = LANES
+    handle.NUMBER, handle.ALONE = LANES, of
     return handle
+
+
+@_intrinsic
+def alone(context, handle, address):
+    """Return the handle at an address, of the core of a handle in lanes, of one run."""
+    kind = types.NamedUniTuple(types.int64, 1, handle.instance_class.ALONE)
+    return kind(handle, types.int64), lambda context, builder, sig, args: context.make_tuple(builder, kind, args[1:])
 
 
 def is_handle(kind: Any) -> bool:

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.lanes import cos_sin
+from mbs_ref.kernels.algebra.lanes import cos_sin, take_lane
 from mbs_ref.kernels.border.handles import handle_class, handle_in_lanes
 from mbs_ref.kernels.border.questions import accelerate
 from mbs_ref.kernels.border.supplies import supply
@@ -85,6 +85,12 @@ def load_state(model, work, y):
         kin.motion[i, 1] = y[3 * n + k + 1]
         kin.motion[i, 2] = y[3 * n + k + 2]
         kin.motion[i, 3] = angle
+
+
+@bare
+def take_kinematics(work, w, its):
+    take_lane(work.kinematics.pose, w, its.kinematics.pose)
+    take_lane(work.kinematics.motion, w, its.kinematics.motion)
 
 
 block = jit(lambda model: RATES)

@@ -189,8 +189,15 @@ def _largest_pivot(a, order, scale, rank, count):
     return best, largest, not largest > RANK_TOLERANCE
 
 
+@bare
+def _in_own_order(a, order, count):
+    for i in range(count):
+        order[i] = i
+
+
+# Lanes take the rows in the order of pivots that a system alone finds at its start, and which the scratch then holds.
+_start_order = either("_start_order(a, order, count)", _in_own_order, bare(lambda a, order, count: None))
 # Return the place of the next pivot, its relative size, and whether no row is left that is independent of those before.
-# In lanes, whose rows are independent at the start, they have their own order: D is positive definite.
 _pivot = either(
     "_pivot(a, order, scale, rank, count)", _largest_pivot,
     bare(lambda a, order, scale, rank, count: (rank, a[order[rank], order[rank]] / scale[order[rank]], False)),
@@ -204,8 +211,7 @@ def _factor_own(loops, closures, k):
     Rows keep their places: L_ij lies where D has the rows `order` i and j.
     """
     a, order, scale, count = closures.own[k], closures.order[k], closures.scale[k], loops.count[k]
-    for i in range(count):
-        order[i] = i
+    _start_order(a, order, count)
     rank = 0
     while rank < loops.most[k]:
         best, largest, is_none = _pivot(a, order, scale, rank, count)

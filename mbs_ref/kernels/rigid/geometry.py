@@ -14,6 +14,8 @@ by_core = partial(supplied, passes_handle=False)
 
 # Copy the state into the kinematics, in elimination order and world axes.
 load_state = supplied("load_state(model, work, y)")
+# Copy lane w of the kinematics into the scratch of a system alone.
+take_kinematics = supplied("take_kinematics(work, w, its)")
 # Scale what the state stores beyond the freedoms of its bodies: their poses do not change.
 normalize = supplied("normalize(model, y)")
 # Return how far the state is from what `normalize` makes of it.

@@ -6,9 +6,10 @@ is stretched, but its damper outweighs the spring and it gives nothing; limited 
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.lanes import either, vanishes
+from mbs_ref.kernels.algebra.lanes import WIDTH, either, lane_of, put_lane, vanishes
 from mbs_ref.kernels.border.calls import call_user
-from mbs_ref.kernels.border.questions import apply_contacts, apply_given_loads, apply_granules
+from mbs_ref.kernels.border.handles import alone
+from mbs_ref.kernels.border.questions import apply_contacts, apply_given_loads, apply_granules, apply_loads
 from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
@@ -65,10 +66,23 @@ def rigid_apply_given_loads(model, work, t):
 
 @jit
 def lanes_apply_loads(model, work, t):
-    """Evaluate gravity and springs, which are all that lanes have."""
+    """Evaluate gravity and springs that push and pull."""
     core.apply_gravity(model, work)
     _apply_springs(model, work)
     core.apply_torsion_springs(model, work)
+
+
+@jit
+def lanes_apply_loads_alone(model, work, t):
+    """Let the system of each lane evaluate its loads, which depend on the time or on modes of its own."""
+    beside = work.beside
+    for w in range(WIDTH):
+        if beside.model[w] != 0:
+            own, its = alone(model, beside.model[w]), alone(work, beside.work[w])
+            core.take_kinematics(work, w, its)
+            its.solved.time[0] = np.nan
+            apply_loads(own, its, lane_of(t, w))
+            put_lane(its.kinematics.force, w, work.kinematics.force)
 
 
 # --- springs ----------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.kernels.border.groups import Floats, Ints, empty, members
 from mbs_ref.kernels.contact.laws import ContactLaws, ContactModes
 from mbs_ref.kernels.contact.near_pairs import NearPairs
@@ -236,6 +237,13 @@ class Tree(NamedTuple):
     acceleration: Annotated[Floats, "n + 1", "rates"]  # the solution of the pass, ground row zero
 
 
+class Beside(NamedTuple):
+    """The systems of the runs in lanes, which evaluate loads that depend on modes of their own."""
+
+    model: Annotated[Ints, WIDTH]  # addresses of their handles
+    work: Annotated[Ints, WIDTH]
+
+
 class Solved(NamedTuple):
     """Which state the accelerations in the tree belong to."""
 
@@ -249,7 +257,7 @@ GROUPS: dict[str, type] = {  # of every scene of bodies and joints
     "contact_pairs": ContactPairs, "contact_laws": ContactLaws, "contact_modes": ContactModes,
     "near_pairs": NearPairs, "granules": Granules, "watches": Watches, "signals": SignalArrays, "world": World,
 }  # fmt: skip
-SCRATCH: dict[str, type] = {"rows": Rows, "tree": Tree, "closures": Closures, "solved": Solved}
+SCRATCH: dict[str, type] = {"rows": Rows, "tree": Tree, "closures": Closures, "solved": Solved, "beside": Beside}
 
 
 def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loops, **lengths: int) -> Any:

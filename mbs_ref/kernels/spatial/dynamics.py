@@ -14,11 +14,11 @@ import sys
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.lanes import larger
+from mbs_ref.kernels.algebra.lanes import larger, take_lane
 from mbs_ref.kernels.border.handles import handle_class, handle_in_lanes
 from mbs_ref.kernels.border.questions import accelerate, fill_deflection_rates
 from mbs_ref.kernels.border.supplies import supply
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry
 from mbs_ref.kernels.rigid.dynamics import correct_rates, is_solved, respond
 from mbs_ref.kernels.rigid.elimination import rows_times
@@ -27,6 +27,18 @@ from mbs_ref.kernels.spatial.joints import leave_slips
 from mbs_ref.kernels.spatial.marks import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
 from mbs_ref.kernels.spatial.model import RATES, SpatialGroups, SpatialScratch
 from mbs_ref.kernels.spatial.orientation import composed, parameters, put_parameters, theta_rate, turn_theta, turning_of
+
+
+@bare
+def take_kinematics(work, w, its):
+    kin, own = work.kinematics, its.kinematics
+    take_lane(kin.position, w, own.position)
+    take_lane(kin.velocity, w, own.velocity)
+    take_lane(kin.omega, w, own.omega)
+    take_lane(kin.inertia, w, own.inertia)
+    for i in range(own.turned.shape[0]):
+        take_lane(kin.turned[i], w, own.turned[i])
+
 
 block = jit(lambda model: RATES)
 

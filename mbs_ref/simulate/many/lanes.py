@@ -20,18 +20,18 @@ from mbs_ref.cores.in_lanes import build_of, figures_of
 from mbs_ref.cores.relative import no_tree
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
-from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, propose_all, room_beside, runs_from
-from mbs_ref.integrators.loop.leg import DONE
+from mbs_ref.integrators.loop import leg
+from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, begin_all, room_beside, runs_from
 from mbs_ref.integrators.stages.tableau import DOP853
 from mbs_ref.kernels.algebra.lanes import WIDTH
-from mbs_ref.scene import PointBushing, Scene, SpringDamper, TorsionSpring
-from mbs_ref.scene.traits import traits
+from mbs_ref.scene import Scene
+from mbs_ref.scene.traits import deflecting, traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
-from mbs_ref.simulate.legs import Counts, Run, largest_between, planned_legs, reached, run_legs
+from mbs_ref.simulate.legs import Counts, Run, largest_between, planned_legs, reached, run_legs, start_run
 from mbs_ref.simulate.one_run import all_samples, compiled, or_empty, simulated, trajectory, with_estimate
 from mbs_ref.simulate.plan import Plan
-from mbs_ref.simulate.start_checks import consistent_start, rank_at_start
+from mbs_ref.simulate.start_checks import ambiguous_start, consistent_start, rank_at_start, redundancy
 from mbs_ref.trajectory import Status, Timing, Trajectory
 
 NOTE = f"integrated in {WIDTH} lanes, or alone after a failure there"
@@ -80,19 +80,19 @@ class Bunch(NamedTuple):
 def why_not_in_lanes(scene: Scene, settings: Settings) -> str:
     """Return why runs cannot use lanes, or nothing.
 
-    Lanes support trees, and closed loops in the plane, under gravity and springs that push and pull, by DOP853 with
-    tolerances; nothing that depends on the time, and no events.
+    Lanes support rigid bodies by DOP853 with tolerances. A contact that is a constraint, one that sticks in space, a
+    prescribed motion, a user's function, a rolling wheel and a signal with breakpoints are not supported.
     """
     return "; ".join(_reasons(scene, settings))
 
 
 def _reasons(scene: Scene, settings: Settings) -> Iterator[str]:
-    known = (PointBushing, SpringDamper, TorsionSpring)
-    loads = [x.name for x in scene.loads if not isinstance(x, known) or getattr(x, "tension_only", False)]
-    loads += [part.name for part in (*scene.contacts, *scene.events)]
-    if loads:
-        yield f"{', '.join(loads[:4])}: lanes support gravity and springs that push and pull"
-    others = sorted(traits(scene) & {"rheonomic", "user-constraint", "nonholonomic"})
+    held = [contact.name for contact in scene.contacts if contact.holds]
+    if held:
+        yield f"contacts {', '.join(held[:4])} are constraints while they last"
+    if deflecting(scene):
+        yield f"contacts {', '.join(deflecting(scene)[:4])} stick in space, and their deflections are states"
+    others = sorted(traits(scene) & {"rheonomic", "user-constraint", "nonholonomic", "user-force", "breakpoints"})
     if others:
         yield f"scene {scene.name!r} is {', '.join(others)}"
     if settings.method not in (None, DEFAULT) or settings.step is not None:
@@ -101,8 +101,6 @@ def _reasons(scene: Scene, settings: Settings) -> Iterator[str]:
         yield "outputs = 'dense': lanes end steps at outputs"
     if settings.stabilization == "baumgarte":
         yield "stabilization = 'baumgarte': lanes project"
-    if scene.dimension == 3 and [*no_tree(scene)]:
-        yield f"scene {scene.name!r} has closed loops in space, or joints that relative coordinates lack"
     if core_name(scene) == "particles":
         yield "particles have a core of their own"
 
@@ -115,21 +113,24 @@ def alike(bunch: Bunch) -> bytes:
 def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
     """Return the runs of bunches with the same key, equal to those of `run_legs`.
 
-    A run that fails is repeated alone, which gives its message. `loop_s` is the mean over the runs.
+    A run that fails is repeated alone, which gives its message. `loop_s` is the mean over the runs. Of a scene with
+    events a bunch holds one run, whose modes its system then has.
     """
-    leg = planned_legs(bunches[0].system, bunches[0].plan, refine)[0]
+    planned = planned_legs(bunches[0].system, bunches[0].plan, refine)[0]
     began = time.perf_counter()
-    runs = _advanced(bunches, leg.times)
-    loop_s = (time.perf_counter() - began) / max(1, len(runs.t))
-    succeeded = (runs.code == DONE) & np.isfinite(runs.states).all(axis=(1, 2))
-    outputs = np.concatenate(([0], leg.outputs))
+    runs = _advanced(bunches, planned.times)
+    loop_s = (time.perf_counter() - began) / max(1, len(runs.code))
+    succeeded = (runs.code == leg.DONE) & np.isfinite(runs.states).all(axis=(1, 2))
+    outputs = np.concatenate(([0], planned.outputs))
 
     def run(k: int) -> Run:
         bunch = bunches[runs.scene[k]]
         if succeeded[k]:
-            worst, _ = largest_between(runs.compliance[k], leg.outputs, 0.0)
+            worst, _ = largest_between(runs.compliance[k], planned.outputs, 0.0)
             return _complete(bunch.plan, runs, k, runs.states[k, outputs], np.append(0.0, worst), loop_s)
-        return run_legs(bunch.system, bunch.plan, runs.states[k, 0].copy(), refine)
+        y = runs.states[k, 0].copy()
+        start_run(bunch.system, bunch.plan, y)
+        return run_legs(bunch.system, bunch.plan, y, refine)
 
     return [[run(k) for k in range(first, last)] for first, last in _places(bunches)]
 
@@ -144,21 +145,33 @@ def _advanced(bunches: Sequence[Bunch], times: np.ndarray) -> Runs:
     figures = np.stack([figures_of(bunch.system) for bunch in bunches])
     atol = np.stack([bunch.plan.options.atol for bunch in bunches])
     scene = np.repeat(np.arange(len(bunches)), [len(bunch.starts) for bunch in bunches])
-    runs = runs_from(figures, atol, scene, np.concatenate([bunch.starts for bunch in bunches]), len(times))
+    tolerance = np.array([bunch.plan.options.projection_tolerance for bunch in bunches])
+    starts = np.concatenate([bunch.starts for bunch in bunches])
+    handles = np.array([_handles(bunch.system) for bunch in bunches], np.int64)
+    runs = runs_from(handles, figures, atol, tolerance, scene, starts, len(times))
     room = bunches[0].system.room
-    side = room_beside(room.figures, atol.shape[1], len(DOP853.b))
     with np.errstate(all="ignore"):
-        for (system, plan, *_), (first, last) in zip(bunches, _places(bunches), strict=True):
-            propose_all(system.model, system.work, plan.options, runs, first, last, times, DOP853.order)
+        for (system, plan, own, *_), (first, last) in zip(bunches, _places(bunches), strict=True):
+            for y in own[:1]:
+                start_run(system, plan, y)
+            begin_all(system.model, system.work, plan.options, runs, first, last, times, DOP853.order)
+        n_roots = int(bunches[0].system.redundant.groups.contact_modes.roots[0])
+        side = room_beside(room.figures, room.beside, atol.shape[1], len(DOP853.b), n_roots)
         advance_in_lanes(room.model, room.work, DOP853, bunches[0].plan.options, runs, side, times, 0, len(scene))
     return runs
 
 
+def _handles(system: System) -> tuple[int, ...]:
+    """Return the addresses of what a system is, and of what evaluates its loads."""
+    return tuple(part.address for own in (system, system.redundant) for part in (own.model, own.work))
+
+
 def _complete(plan: Plan, runs: Runs, k: int, states: np.ndarray, compliance: np.ndarray, loop_s: float) -> Run:
     """Return run k, which reached its end."""
-    steps, rejected, cut, calls = (int(count[k]) for count in (runs.steps, runs.rejected, runs.cut, runs.rhs_calls))
-    counts = Counts(steps, rejected, cut, calls, 0, 0)
-    return Run(plan.times, states, compliance, counts, Status.SUCCESS, reached(plan), loop_s, 0.0, False)
+    now = leg.figures_of(runs.now[k])
+    counts = Counts(now.steps, now.rejected, now.cut, now.rhs_calls, now.events, 0)
+    near = bool(now.near_singular)
+    return Run(plan.times, states, compliance, counts, Status.SUCCESS, reached(plan), loop_s, 0.0, near)
 
 
 class Checked(NamedTuple):
@@ -179,6 +192,9 @@ def starts_in_lanes(
     def piece(part: slice) -> list[Trajectory]:
         if not hasattr(of_thread, "system"):
             of_thread.system = first.system.twin()
+        if first.system.event_sources:  # every run has modes of its own
+            each = [first._replace(system=first.system.twin(), starts=y[None].copy()) for y in states[part]]
+            return [path for paths in _side_by_side(each) for path in paths]
         return _side_by_side([first._replace(system=of_thread.system, starts=states[part].copy())])[0]
 
     work = pieces(len(states), threads, len(first.plan.times) * states.shape[1])
@@ -221,7 +237,7 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
     is_coarse = all(is_coarsened(*one[:2], run) for one, own in zip(bunches, runs, strict=True) for run in own)
     if bunches and bunches[0].plan.settings.estimate == "on":
         finer = [companion_plan(bunch.system, bunch.plan, is_coarse) for bunch in bunches]
-        again = [bunch._replace(plan=plan) for bunch, (plan, _) in zip(bunches, finer, strict=True)]
+        again = [one._replace(system=one.system.beside(), plan=plan) for one, (plan, _) in zip(bunches, finer, strict=True)]
         others = _runs(again, refine=finer[0][1])
     times = [Timing(build_s=case.build_s, first_call_s=ready, loop_s=0.0) for case in cases]
     return [_trajectories(*one, is_coarse) for one in zip(checked, times, runs, others, strict=True)]
@@ -240,9 +256,10 @@ def _start(case: Bunch, y: np.ndarray) -> list[str] | Trajectory:
     system, plan = case.system, case.plan
     before, notes = y.copy(), consistent_start(system.redundant, y, plan.settings)
     rank = rank_at_start(system, y)
-    if rank is None or rank == system.n_constraints:
-        return notes
-    why = f"not in lanes: {system.n_constraints - rank} constraint rows are redundant"
+    missing = 0 if rank is None else system.n_constraints - rank
+    if missing == system.n_spare_rows and not (missing and ambiguous_start(system, y, rank)):
+        return [*notes, *redundancy(system, rank)]
+    why = f"not in lanes: {missing - system.n_spare_rows} more constraint rows are redundant than in most poses"
     return simulated(system.twin(), replace(plan, notes=(why, *plan.notes[1:])), before, case.build_s)
 
 
