@@ -273,6 +273,10 @@ def in_every_lane(context, x):
     return LANES(types.float64), lambda context, builder, sig, args: _in_all(builder, args[0])
 
 
+# Return zero, of the type of a number.
+zero_like = either("zero_like(x)", bare(lambda x: 0.0), bare(lambda x: in_every_lane(0.0)))
+
+
 @_intrinsic
 def lane_of(context, x, w):
     """Return lane w, a float."""

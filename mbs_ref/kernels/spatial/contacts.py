@@ -9,6 +9,9 @@ on in the direction that its own acceleration takes.
 
 import math
 
+from mbs_ref.kernels.algebra.lanes import WIDTH, in_floats
+from mbs_ref.kernels.border.handles import alone
+from mbs_ref.kernels.border.questions import fill_deflection_rates
 from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid.shapes import Surface, contact_geometry, on_round, tooth_gap, tooth_wall
@@ -190,3 +193,16 @@ def spatial_fill_deflection_rates(model, work, dy):
         dy[place + 1] = 0.0
         if modes.mode[k] == law.MODE_CLOSED and modes.grip[k] == law.GRIP_STICK:
             dy[place], dy[place + 1] = slip_of(model, contact_geometry(model, work, k))
+
+
+@jit
+def lanes_fill_deflection_rates(model, work, dy):
+    """Let the system of each lane write the rates of its deflections; it has evaluated the loads of the same state."""
+    count, beside, every = work.grips.deflection.shape[0], work.beside, in_floats(dy)
+    for w in range(WIDTH if count > 0 else 0):
+        if beside.model[w] != 0:
+            its = alone(work, beside.work[w])
+            own_dy = its.solved.state
+            fill_deflection_rates(alone(model, beside.model[w]), its, own_dy)
+            for k in range(dy.shape[0] - 2 * count, dy.shape[0]):
+                every[k, w] = own_dy[k]

@@ -36,6 +36,7 @@ def take_kinematics(work, w, its):
     take_lane(kin.velocity, w, own.velocity)
     take_lane(kin.omega, w, own.omega)
     take_lane(kin.inertia, w, own.inertia)
+    take_lane(work.grips.deflection, w, its.grips.deflection)
     for i in range(own.turned.shape[0]):
         take_lane(kin.turned[i], w, own.turned[i])
 

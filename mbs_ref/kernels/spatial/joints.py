@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.algebra.lanes import zero_like
 from mbs_ref.kernels.jit import bare
 from mbs_ref.kernels.rigid.joints import bodies_of_row, put_row
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
@@ -62,12 +63,13 @@ def put_point(work, slot, side, row, apart):
     a0, a1, a2 = apart.arm_a
     b0, b1, b2 = apart.arm_b
     on_a, on_b = work.rows.jacobian[slot, side], work.rows.jacobian[slot, 1 - side]
-    put_row(on_a[row], (-1.0, 0.0, 0.0), (0.0, -a2, a1))
-    put_row(on_a[row + 1], (0.0, -1.0, 0.0), (a2, 0.0, -a0))
-    put_row(on_a[row + 2], (0.0, 0.0, -1.0), (-a1, a0, 0.0))
-    put_row(on_b[row], (1.0, 0.0, 0.0), (0.0, b2, -b1))
-    put_row(on_b[row + 1], (0.0, 1.0, 0.0), (-b2, 0.0, b0))
-    put_row(on_b[row + 2], (0.0, 0.0, 1.0), (b1, -b0, 0.0))
+    zero = zero_like(a0)
+    put_row(on_a[row], (-1.0, 0.0, 0.0), (zero, -a2, a1))
+    put_row(on_a[row + 1], (0.0, -1.0, 0.0), (a2, zero, -a0))
+    put_row(on_a[row + 2], (0.0, 0.0, -1.0), (-a1, a0, zero))
+    put_row(on_b[row], (1.0, 0.0, 0.0), (zero, b2, -b1))
+    put_row(on_b[row + 1], (0.0, 1.0, 0.0), (-b2, zero, b0))
+    put_row(on_b[row + 2], (0.0, 0.0, 1.0), (b1, -b0, zero))
 
 
 rate_of_turning = bare(lambda work, i, n, gap: dot(swing(work, i, n), gap))

@@ -25,7 +25,7 @@ from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, begin_all, ro
 from mbs_ref.integrators.stages.tableau import DOP853
 from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import Scene
-from mbs_ref.scene.traits import deflecting, traits
+from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
 from mbs_ref.simulate.legs import Counts, Run, largest_between, planned_legs, reached, run_legs, start_run
@@ -80,8 +80,8 @@ class Bunch(NamedTuple):
 def why_not_in_lanes(scene: Scene, settings: Settings) -> str:
     """Return why runs cannot use lanes, or nothing.
 
-    Lanes support rigid bodies by DOP853 with tolerances. A contact that is a constraint, one that sticks in space, a
-    prescribed motion, a user's function, a rolling wheel and a signal with breakpoints are not supported.
+    Lanes support rigid bodies by DOP853 with tolerances. A contact that is a constraint, a prescribed motion, a
+    user's function, a rolling wheel and a signal with breakpoints are not supported.
     """
     return "; ".join(_reasons(scene, settings))
 
@@ -90,8 +90,6 @@ def _reasons(scene: Scene, settings: Settings) -> Iterator[str]:
     held = [contact.name for contact in scene.contacts if contact.holds]
     if held:
         yield f"contacts {', '.join(held[:4])} are constraints while they last"
-    if deflecting(scene):
-        yield f"contacts {', '.join(deflecting(scene)[:4])} stick in space, and their deflections are states"
     others = sorted(traits(scene) & {"rheonomic", "user-constraint", "nonholonomic", "user-force", "breakpoints"})
     if others:
         yield f"scene {scene.name!r} is {', '.join(others)}"
