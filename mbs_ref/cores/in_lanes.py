@@ -18,6 +18,7 @@ from mbs_ref.kernels.contact.neighbours import Granules
 from mbs_ref.kernels.relative.model import Redundant
 from mbs_ref.kernels.rigid.model import Beside
 from mbs_ref.scene import PointBushing, SpringDamper, TorsionSpring
+from mbs_ref.scene.traits import traits
 
 NOT_IN_LANES = Redundant, ContactModes, NearPairs, Granules
 
@@ -67,11 +68,17 @@ def _has_lasting_loads(system: Any) -> bool:
     )
 
 
+def _has_lasting_rows(system: Any) -> bool:
+    """Return the same of constraint rows."""
+    return not any(contact.holds for contact in system.scene.contacts) and "rheonomic" not in traits(system.scene)
+
+
 def side_by_side(system: Any) -> SideBySide:
     """Return arrays for systems of this one's structure."""
     figures, taken, kept = room_for_lanes(len(figures_of(system))), 0, []
     inner: list[int] = []
     loads = core.LANES_LOADS if _has_lasting_loads(system) else core.LOADS_ALONE
+    rows = core.LANES_ROWS if _has_lasting_rows(system) else core.ROWS_ALONE
     _pivots(system)  # leaves their order in the scratch
 
     def placed(array: np.ndarray) -> np.ndarray:
@@ -86,8 +93,8 @@ def side_by_side(system: Any) -> SideBySide:
         own = [Redundant(np.array(inner)) if isinstance(g, Redundant) else g for g in own]
         scratch = [type(group)(*map(_repeated, group)) for group in part.scratch]
         handles = [make_handle(map(_without_lanes, groups), checked=True) for groups in (own, scratch)]
-        asked = (core.LANES, loads, core.LOOPS if system.n_closure_rows else core.OPEN)
-        asked = asked if part is system.redundant is system else asked[:1] if part is system else asked[1:2]
+        asked = (loads, core.LANES, rows, core.LOOPS if system.n_closure_rows else core.OPEN)
+        asked = asked if part is system.redundant is system else asked[1:2] if part is system else asked[:1]
         for handle in handles:
             core.connected(part.CORE + core.IN_LANES, handle, asked)
         kept += [own, scratch, handles]

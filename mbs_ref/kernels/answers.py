@@ -47,7 +47,8 @@ TANGENT = "tangent"  # of directions along the constraints; loops need it on the
 FORM = "form"  # of methods on the DAE itself
 REPORT = "report"  # afterwards
 LANES = "lanes"  # of runs side by side
-LANES_LOADS, LOADS_ALONE = "loads in lanes", "loads alone"  # gravity and springs; any loads, each run's by itself
+LANES_LOADS, LANES_ROWS = "loads in lanes", "rows in lanes"  # that depend neither on the time nor on modes
+LOADS_ALONE, ROWS_ALONE = "loads alone", "rows alone"  # any, evaluated by the system of each lane
 GROUPS = {
     MOTION: "derivative compliance project regularity accelerate fill_rows apply_loads expand take_velocities",
     EVENTS: "position_count root_count roots transition start_modes contact_mobility apply_contacts "
@@ -61,8 +62,9 @@ GROUPS = {
     FORM: "multipliers position_count force_balance times_mass answer row_times add_row displace position_rate "
     "defect_of gamma_of",
     REPORT: "contact_forces",
-    LANES: "derivative project regularity accelerate fill_rows fill_deflection_rates",
+    LANES: "derivative project regularity accelerate fill_deflection_rates",
     **dict.fromkeys((LANES_LOADS, LOADS_ALONE), "apply_loads"),
+    **dict.fromkeys((LANES_ROWS, ROWS_ALONE), "fill_rows"),
 }
 IN_LANES = " in lanes"  # behind the name of a core
 HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a model and a scratch for
@@ -76,7 +78,7 @@ HANDLES: dict[str, tuple[type, type]] = {  # core -> what its own code takes a m
     "relative_planar in lanes": (TreeModelInLanes, TreeWorkInLanes),
     "relative_spatial in lanes": (TreeModelInLanes, TreeWorkInLanes),
 }
-_ENDINGS = {OPEN: "_open", LOADS_ALONE: "_alone"}  # of answers' names
+_ENDINGS = {OPEN: "_open", LOADS_ALONE: "_alone", ROWS_ALONE: "_alone"}  # of answers' names
 _RIGID = [import_module(f"{rigid.__name__}.{module.name}") for module in pkgutil.iter_modules(rigid.__path__)]
 _OWN = {  # core -> the first words of its answers' names, and their modules
     "planar": (("planar", "rigid"), (planar, *_RIGID)),

@@ -152,7 +152,7 @@ def run_legs(system: System, plan: Plan, y: np.ndarray, refine: int = 1) -> Run:
         began = time.perf_counter()
         legs = _advanced(system, plan, planned, run, y)
         loop_s = time.perf_counter() - began
-    states, compliance = _samples(planned, legs)
+    states, compliance = samples(planned, legs)
     ended = figures_of(run)
     counts = Counts(interrupts.steps, ended.rejected, ended.cut, ended.rhs_calls, ended.events, ended.switches)
     times, stuck = plan.times[: len(states)], ended.t
@@ -223,18 +223,18 @@ def _advanced(system: System, plan: Plan, planned: list[LegPlan], run: Progress,
     return legs
 
 
-def _samples(planned: list[LegPlan], legs: list[Leg]) -> tuple[np.ndarray, np.ndarray]:
+def samples(planned: list[LegPlan], legs: list[Leg]) -> tuple[np.ndarray, np.ndarray]:
     """Return the states at the output times that were reached, and the compliance (m) of the steps up to each."""
     states, compliance, carried = [legs[0].states[:1]], [np.zeros(1)], 0.0
     for plan, leg in zip(planned, legs, strict=False):
         reached = plan.outputs[plan.outputs < leg.reached]
-        largest, carried = largest_between(leg.compliance[: leg.reached], reached, carried)
+        largest, carried = _largest_between(leg.compliance[: leg.reached], reached, carried)
         states.append(leg.states[reached])
         compliance.append(largest)
     return np.concatenate(states), np.concatenate(compliance)
 
 
-def largest_between(compliance: np.ndarray, outputs: np.ndarray, carried: float) -> tuple[np.ndarray, float]:
+def _largest_between(compliance: np.ndarray, outputs: np.ndarray, carried: float) -> tuple[np.ndarray, float]:
     """Return the largest compliance (m) since the previous output, for each output, and that after the last one.
 
     `carried` (m) is the largest one after the last output of the previous leg.

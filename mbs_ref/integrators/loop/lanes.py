@@ -73,16 +73,33 @@ MARK, SLOW = range(2)  # where a run was a stretch of steps ago (s), and how man
 
 def runs_from(
     handles: np.ndarray, figures: np.ndarray, atol: np.ndarray, tolerance: np.ndarray, scene: np.ndarray,
-    starts: np.ndarray, n_times: int,
+    starts: np.ndarray,
 ) -> Runs:  # fmt: skip
-    """Return the runs that wait, from `starts` (n_runs, n_state), with room for what becomes of them."""
+    """Return the runs that are to begin at `starts` (n_runs, n_state)."""
     n, size = starts.shape
-    states, compliance = np.empty((n, n_times, size)), np.zeros((n, n_times))
-    states[:, 0] = starts
     return Runs(
-        handles, figures, atol, tolerance, scene, states, compliance, starts.copy(), np.empty((n, size)), np.ones(n),
-        np.zeros(n, leg.PROGRESS), np.zeros(n, np.int64),
-    )  # fmt: skip
+        handles,
+        figures,
+        atol,
+        tolerance,
+        scene,
+        starts[:, None],
+        np.zeros((n, 1)),
+        np.empty((n, size)),
+        np.empty((n, size)),
+        np.ones(n),
+        np.zeros(n, leg.PROGRESS),
+        np.full(n, leg.DONE),
+    )
+
+
+def next_leg(runs: Runs, n_times: int) -> Runs:
+    """Return the runs from where they are, with room for the states of a leg; those that failed have ended."""
+    n, _, size = runs.states.shape
+    states, begun = np.empty((n, n_times, size)), runs.states[:, -1].copy()
+    states[:, 0] = begun
+    code = np.where(runs.code == leg.DONE, leg.RUNNING, runs.code)
+    return runs._replace(states=states, compliance=np.zeros((n, n_times)), begun=begun, code=code)
 
 
 def room_beside(figures: np.ndarray, beside: Beside, n_state: int, s: int, n_roots: int) -> Side:
@@ -155,11 +172,13 @@ def _error(main, low, n):
 
 @loop_jit
 def begin_all(model, work, options, runs, first, last, times, order):
-    """Begin a scene's runs, first to last, as a run alone begins: modes, f at the start, and a guess of the first step."""
+    """Begin a leg of a scene's runs, first to last, as a run alone does: modes, f, and a guess of the first step."""
     table = event_tables(model)[1]
     for i in range(first, last):
+        if runs.code[i] != leg.RUNNING:
+            continue
         y, slope, run = runs.begun[i], runs.slopes[i], runs.now[i]
-        run.t, run.next_output, run.span = times[0], 1, times[-1] - times[0]
+        run.t, run.h, run.next_output, run.span = times[0], 0.0, 1, times[-1] - times[0]
         runs.code[i] = stepping.begin(model, work, options, run, y, slope, table)
         if runs.code[i] == leg.RUNNING:
             runs.pivot[i] = regularity(work)

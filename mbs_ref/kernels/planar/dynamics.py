@@ -89,6 +89,7 @@ def load_state(model, work, y):
 
 @bare
 def take_kinematics(work, w, its):
+    its.solved.time[0] = np.nan
     take_lane(work.kinematics.pose, w, its.kinematics.pose)
     take_lane(work.kinematics.motion, w, its.kinematics.motion)
 

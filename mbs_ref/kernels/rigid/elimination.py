@@ -23,7 +23,7 @@ overconstrained loop such as Bricard's look independent by the square of the dis
 that the compiler knows. Rows that a closure does not have are zero.
 """
 
-from mbs_ref.kernels.algebra.lanes import either, smaller, vanishes
+from mbs_ref.kernels.algebra.lanes import either, exceeds, smaller, vanishes
 from mbs_ref.kernels.jit import bare, jit, placed
 from mbs_ref.kernels.rigid.geometry import block, pass_closure, plus_mobility
 
@@ -71,7 +71,7 @@ def _row_mobility(model, work, slot, row):
 def start_closures(block, loops, closures, jacobian):
     """Put the rows of closures where their paths begin; `closures.scale` is given."""
     closures.regularity[0] = 1.0
-    _list_live(loops, closures)
+    list_live(loops, closures)
     for k in range(loops.slot.shape[0]):
         if closures.empty[k] == 1:
             closures.rank[k] = loops.count[k]  # its multiplier is known: zero
@@ -85,12 +85,13 @@ def start_closures(block, loops, closures, jacobian):
                     for r in range(len(block)):
                         closures.passed[start, c, r] = jacobian[loops.slot[k], side, r, c]
         _clear(block, closures.own[k])
+        start_own(loops, closures, k)
         for j in range(closures.first[k], closures.first[k + 1]):
             _clear(block, closures.coupling[closures.met[j]])
 
 
 @placed
-def _list_live(loops, closures):
+def _list_in_floats(loops, closures):
     """Find the closures whose rows are empty, and leave these out of the lists; most often nothing has changed."""
     changed = False
     for k in range(loops.slot.shape[0]):
@@ -104,6 +105,19 @@ def _list_live(loops, closures):
     if changed:
         _keep_live(closures.empty, loops.entry, loops.passing, closures.entry, closures.passing)
         _keep_live(closures.empty, loops.first, loops.met, closures.first, closures.met)
+
+
+@placed
+def _start_in_lanes(loops, closures, k):
+    for r in range(loops.count[k]):
+        is_empty = 1.0 - exceeds(closures.scale[k, r], 0.0)
+        closures.own[k, r, r] = is_empty
+        closures.scale[k, r] = closures.scale[k, r] + is_empty
+
+
+# In lanes a row that is empty stays, and what multiplies its multiplier is 1: the multiplier vanishes.
+list_live = either("list_live(loops, closures)", _list_in_floats, bare(lambda loops, closures: None))
+start_own = either("start_own(loops, closures, k)", bare(lambda loops, closures, k: None), _start_in_lanes)
 
 
 @placed

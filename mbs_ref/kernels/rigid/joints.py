@@ -8,8 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.algebra.lanes import WIDTH, lane_of, put_lane
 from mbs_ref.kernels.border.calls import call_user
-from mbs_ref.kernels.border.questions import derivative, fill_contact_rows, fill_further_rows, regularity
+from mbs_ref.kernels.border.handles import alone
+from mbs_ref.kernels.border.questions import derivative, fill_contact_rows, fill_further_rows, fill_rows, regularity
 from mbs_ref.kernels.jit import bare, jit, loop_jit, strict_jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import inward, separation
@@ -110,11 +112,28 @@ def _fill_drives(model, work, t):
 
 @jit
 def lanes_fill_rows(model, work, t):
-    """Evaluate the rows that prescribe no motion in time, which are all that lanes have."""
+    """Evaluate the rows that depend neither on the time nor on modes."""
     _fill_points(model, work)
     _fill_distances(model, work)
     _fill_planes(model, work)
     core.fill_own_rows(model, work)
+
+
+@jit
+def lanes_fill_rows_alone(model, work, t):
+    """Let the system of each lane evaluate its rows, which depend on the time or on modes of its own."""
+    beside, rows = work.beside, work.rows
+    for w in range(WIDTH):
+        if beside.model[w] != 0:
+            its = alone(work, beside.work[w])
+            core.take_kinematics(work, w, its)
+            fill_rows(alone(model, beside.model[w]), its, lane_of(t, w))
+            put_lane(its.rows.residual, w, rows.residual)
+            put_lane(its.rows.rate, w, rows.rate)
+            put_lane(its.rows.gamma, w, rows.gamma)
+            for slot in range(rows.jacobian.shape[0]):
+                for side in range(2):
+                    put_lane(its.rows.jacobian[slot, side], w, rows.jacobian[slot, side])
 
 
 @jit

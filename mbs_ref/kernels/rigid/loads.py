@@ -80,7 +80,6 @@ def lanes_apply_loads_alone(model, work, t):
         if beside.model[w] != 0:
             own, its = alone(model, beside.model[w]), alone(work, beside.work[w])
             core.take_kinematics(work, w, its)
-            its.solved.time[0] = np.nan
             apply_loads(own, its, lane_of(t, w))
             put_lane(its.kinematics.force, w, work.kinematics.force)
 

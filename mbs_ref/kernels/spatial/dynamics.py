@@ -32,6 +32,7 @@ from mbs_ref.kernels.spatial.orientation import composed, parameters, put_parame
 @bare
 def take_kinematics(work, w, its):
     kin, own = work.kinematics, its.kinematics
+    its.solved.time[0] = np.nan
     take_lane(kin.position, w, own.position)
     take_lane(kin.velocity, w, own.velocity)
     take_lane(kin.omega, w, own.omega)

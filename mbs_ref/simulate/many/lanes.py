@@ -21,14 +21,14 @@ from mbs_ref.cores.relative import no_tree
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop import leg
-from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, begin_all, room_beside, runs_from
+from mbs_ref.integrators.loop.lanes import Runs, advance_in_lanes, begin_all, next_leg, room_beside, runs_from
 from mbs_ref.integrators.stages.tableau import DOP853
 from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
-from mbs_ref.simulate.legs import Counts, Run, largest_between, planned_legs, reached, run_legs, start_run
+from mbs_ref.simulate.legs import Counts, LegPlan, Run, planned_legs, reached, run_legs, samples, start_run
 from mbs_ref.simulate.one_run import all_samples, compiled, or_empty, simulated, trajectory, with_estimate
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start_checks import ambiguous_start, consistent_start, rank_at_start, redundancy
@@ -80,19 +80,14 @@ class Bunch(NamedTuple):
 def why_not_in_lanes(scene: Scene, settings: Settings) -> str:
     """Return why runs cannot use lanes, or nothing.
 
-    Lanes support rigid bodies by DOP853 with tolerances. A contact that is a constraint, a prescribed motion, a
-    user's function, a rolling wheel and a signal with breakpoints are not supported.
+    Lanes support all rigid bodies but those with a user's function or constraint, by DOP853 with tolerances.
     """
     return "; ".join(_reasons(scene, settings))
 
 
 def _reasons(scene: Scene, settings: Settings) -> Iterator[str]:
-    held = [contact.name for contact in scene.contacts if contact.holds]
-    if held:
-        yield f"contacts {', '.join(held[:4])} are constraints while they last"
-    others = sorted(traits(scene) & {"rheonomic", "user-constraint", "nonholonomic", "user-force", "breakpoints"})
-    if others:
-        yield f"scene {scene.name!r} is {', '.join(others)}"
+    if others := sorted(traits(scene) & {"user-constraint", "user-force"}):
+        yield f"scene {scene.name!r} has a {' and a '.join(others)}, which lanes cannot evaluate"
     if settings.method not in (None, DEFAULT) or settings.step is not None:
         yield f"lanes are for {DEFAULT} with tolerances"
     if settings.outputs == "dense":
@@ -104,8 +99,8 @@ def _reasons(scene: Scene, settings: Settings) -> Iterator[str]:
 
 
 def alike(bunch: Bunch) -> bytes:
-    """Return a key that is equal for bunches of one tree structure and the same output times."""
-    return build_of(bunch.system) + bunch.plan.times.tobytes()
+    """Return a key that is equal for bunches of one structure and the same times of outputs and breakpoints."""
+    return build_of(bunch.system) + bunch.plan.times.tobytes() + np.array(bunch.system.scene.breakpoints()).tobytes()
 
 
 def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
@@ -114,19 +109,19 @@ def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
     A run that fails is repeated alone, which gives its message. `loop_s` is the mean over the runs. Of a scene with
     events a bunch holds one run, whose modes its system then has.
     """
-    planned = planned_legs(bunches[0].system, bunches[0].plan, refine)[0]
+    planned = planned_legs(bunches[0].system, bunches[0].plan, refine)
     began = time.perf_counter()
-    runs = _advanced(bunches, planned.times)
-    loop_s = (time.perf_counter() - began) / max(1, len(runs.code))
-    succeeded = (runs.code == leg.DONE) & np.isfinite(runs.states).all(axis=(1, 2))
-    outputs = np.concatenate(([0], planned.outputs))
+    legs = _advanced(bunches, planned)
+    loop_s = (time.perf_counter() - began) / max(1, len(legs[-1].code))
+    finite = [np.isfinite(one.states).all(axis=(1, 2)) for one in legs]
+    succeeded = np.all([legs[-1].code == leg.DONE, *finite], axis=0)
 
     def run(k: int) -> Run:
-        bunch = bunches[runs.scene[k]]
+        bunch = bunches[legs[0].scene[k]]
         if succeeded[k]:
-            worst, _ = largest_between(runs.compliance[k], planned.outputs, 0.0)
-            return _complete(bunch.plan, runs, k, runs.states[k, outputs], np.append(0.0, worst), loop_s)
-        y = runs.states[k, 0].copy()
+            own = [leg.Leg(one.states[k], one.compliance[k], len(one.states[k]), Status.SUCCESS) for one in legs]
+            return _complete(bunch.plan, legs[-1].now[k], *samples(planned, own), loop_s)
+        y = legs[0].states[k, 0].copy()
         start_run(bunch.system, bunch.plan, y)
         return run_legs(bunch.system, bunch.plan, y, refine)
 
@@ -139,24 +134,35 @@ def _places(bunches: Sequence[Bunch]) -> list[tuple[int, int]]:
     return list(itertools.pairwise(ends))
 
 
-def _advanced(bunches: Sequence[Bunch], times: np.ndarray) -> Runs:
+def _advanced(bunches: Sequence[Bunch], planned: list[LegPlan]) -> list[Runs]:
+    """Return the runs after each leg."""
+    runs, legs = _started(bunches), list[Runs]()
+    room, options = bunches[0].system.room, bunches[0].plan.options
+    n_roots = int(bunches[0].system.redundant.groups.contact_modes.roots[0])
+    side = room_beside(room.figures, room.beside, runs.atol.shape[1], len(DOP853.b), n_roots)
+    with np.errstate(all="ignore"):
+        for times, *_ in planned:
+            runs = next_leg(runs, len(times))
+            for (system, plan, *_), (first, last) in zip(bunches, _places(bunches), strict=True):
+                system.set_mode_time(0.5 * (times[0] + times[-1]))
+                begin_all(system.model, system.work, plan.options, runs, first, last, times, DOP853.order)
+            advance_in_lanes(room.model, room.work, DOP853, options, runs, side, times, 0, len(runs.code))
+            legs.append(runs)
+    return legs
+
+
+def _started(bunches: Sequence[Bunch]) -> Runs:
+    """Return the runs at their starts, with the systems in the modes that they have there."""
+    for system, plan, starts, _ in bunches:
+        if len(starts):
+            start_run(system, plan, starts[0])
     figures = np.stack([figures_of(bunch.system) for bunch in bunches])
     atol = np.stack([bunch.plan.options.atol for bunch in bunches])
     scene = np.repeat(np.arange(len(bunches)), [len(bunch.starts) for bunch in bunches])
     tolerance = np.array([bunch.plan.options.projection_tolerance for bunch in bunches])
     starts = np.concatenate([bunch.starts for bunch in bunches])
     handles = np.array([_handles(bunch.system) for bunch in bunches], np.int64)
-    runs = runs_from(handles, figures, atol, tolerance, scene, starts, len(times))
-    room = bunches[0].system.room
-    with np.errstate(all="ignore"):
-        for (system, plan, own, *_), (first, last) in zip(bunches, _places(bunches), strict=True):
-            for y in own[:1]:
-                start_run(system, plan, y)
-            begin_all(system.model, system.work, plan.options, runs, first, last, times, DOP853.order)
-        n_roots = int(bunches[0].system.redundant.groups.contact_modes.roots[0])
-        side = room_beside(room.figures, room.beside, atol.shape[1], len(DOP853.b), n_roots)
-        advance_in_lanes(room.model, room.work, DOP853, bunches[0].plan.options, runs, side, times, 0, len(scene))
-    return runs
+    return runs_from(handles, figures, atol, tolerance, scene, starts)
 
 
 def _handles(system: System) -> tuple[int, ...]:
@@ -164,9 +170,9 @@ def _handles(system: System) -> tuple[int, ...]:
     return tuple(part.address for own in (system, system.redundant) for part in (own.model, own.work))
 
 
-def _complete(plan: Plan, runs: Runs, k: int, states: np.ndarray, compliance: np.ndarray, loop_s: float) -> Run:
-    """Return run k, which reached its end."""
-    now = leg.figures_of(runs.now[k])
+def _complete(plan: Plan, run: leg.Progress, states: np.ndarray, compliance: np.ndarray, loop_s: float) -> Run:
+    """Return a run that reached its end."""
+    now = leg.figures_of(run)
     counts = Counts(now.steps, now.rejected, now.cut, now.rhs_calls, now.events, 0)
     near = bool(now.near_singular)
     return Run(plan.times, states, compliance, counts, Status.SUCCESS, reached(plan), loop_s, 0.0, near)
@@ -235,7 +241,9 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
     is_coarse = all(is_coarsened(*one[:2], run) for one, own in zip(bunches, runs, strict=True) for run in own)
     if bunches and bunches[0].plan.settings.estimate == "on":
         finer = [companion_plan(bunch.system, bunch.plan, is_coarse) for bunch in bunches]
-        again = [one._replace(system=one.system.beside(), plan=plan) for one, (plan, _) in zip(bunches, finer, strict=True)]
+        again = [
+            one._replace(system=one.system.beside(), plan=plan) for one, (plan, _) in zip(bunches, finer, strict=True)
+        ]
         others = _runs(again, refine=finer[0][1])
     times = [Timing(build_s=case.build_s, first_call_s=ready, loop_s=0.0) for case in cases]
     return [_trajectories(*one, is_coarse) for one in zip(checked, times, runs, others, strict=True)]
