@@ -27,8 +27,8 @@ _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
 
 def _copied(group: Any) -> Any:
-    """Return a group with arrays of its own; a log is empty before a run, and large."""
-    return type(group)(*(np.zeros_like(a) if name == "log" else a.copy() for name, a in group._asdict().items()))
+    """Return a group with arrays of its own; a log is empty before a run, and so large that zeros are not written."""
+    return type(group)(*(np.zeros(a.shape) if name == "log" else a.copy() for name, a in group._asdict().items()))
 
 
 class Reporting(NamedTuple):
