@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.questions import derivative, position_count, position_rate, rate_from, roots
-from mbs_ref.kernels.contact.laws import RATE, SPEED, TURN, VALUE
+from mbs_ref.kernels.contact.laws import LEFT_OUT, RATE, ROOTS_EACH, SPEED, TURN, VALUE
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rows import copy_rows
 
@@ -159,6 +159,7 @@ def _search(model, work, path, unsure, low, new):
     tables, places = np.empty((most, 4, count)), np.empty(most)
     bends = np.full((most, count), np.inf)  # second differences of the interval twice as wide
     scratch, state = np.empty_like(new), np.empty_like(path.ends.y)
+    _leave_out(unsure, scratch)
     _pick(low, unsure, tables[0])
     _pick(new, unsure, tables[1])
     places[0], places[1] = 0.0, 1.0
@@ -264,6 +265,16 @@ def _advance(tables, places, top):
     """Begin the next interval where the last one ended."""
     copy_rows(tables[top], tables[0])
     places[0] = places[top]
+
+
+@jit
+def _leave_out(unsure, table):
+    """Mark the sources without an unsure function."""
+    table[SPEED] = 0.0
+    for i in range(0, table.shape[1], ROOTS_EACH):
+        table[SPEED, i] = LEFT_OUT
+    for i in unsure:
+        table[SPEED, i - i % ROOTS_EACH] = 0.0
 
 
 @jit

@@ -44,7 +44,8 @@ gamma_of = question("gamma_of(work)", MATRIX)
 root_count = question("root_count(model)", COUNT)
 # Fill the table (4, n) of event functions, positive while the frozen modes hold (mbs_ref.kernels.contact.laws). All
 # are in units of the function's roundoff (and s). Contacts that are far away in the last `duration` (s) are left out;
-# a negative one leaves out those that were. Return whether others are left out now.
+# a negative one leaves out those that were, and sources marked in the table are left out (LEFT_OUT). Return whether
+# other contacts are left out now.
 roots = question("roots(model, work, t, y, duration, table)", FLAG)
 # Change the modes whose event functions are negative; return 0, 1 (endless) or 2 (stop), and the last source. `span`
 # (s) is the leg's: what it takes for events to follow each other at once is measured by it.

@@ -25,6 +25,7 @@ ENDS = 3  # that of a contact's open ends
 # velocities while the bodies turn little, UNKNOWN where there is none, and how fast they turn (rad/s).
 VALUE, RATE, SPEED, TURN = range(4)
 UNKNOWN = -1.0
+LEFT_OUT = -2.0  # instead of the bound of a source's first function, before an evaluation: none of its four is needed
 TURNED = -math.inf  # value of friction's function where only the direction of sliding is frozen anew: no event
 
 

@@ -27,7 +27,7 @@ def contact_roots(model, work, t, y, duration, table):
     """
     pairs, laws, modes = model.contact_pairs, model.contact_laws, model.contact_modes
     near = model.near_pairs
-    if _some_constrained(laws, modes):
+    if _some_constrained(laws, modes, table):
         ask.accelerate(model, work, t, y)  # their functions are multipliers
         store_solved(work, t, y)  # the step that goes on from here need not ask again
     else:
@@ -35,10 +35,12 @@ def contact_roots(model, work, t, y, duration, table):
     is_new = duration >= 0.0 and ask.find_near(model, work, duration)
     for place in range(near.count[0]):
         k = near.pair[place]
+        i = law.ROOTS_EACH * k
+        if table[law.SPEED, i] == law.LEFT_OUT:
+            continue
         touch = contact_geometry(model, work, k)
         if duration >= 0.0 and touch.gap > modes.lag[k] * modes.noise[0]:
             modes.lag[k] = 0.0
-        i = law.ROOTS_EACH * k
         leaving = leaving_ends(model, work, k) if touch.beyond > -np.inf else 0.0
         closed = modes.mode[k] == law.MODE_CLOSED
         speed = _gap_speed(model, work, k, touch)
@@ -70,10 +72,11 @@ def _gap_speed(model, work, k, touch):
 
 
 @jit
-def _some_constrained(laws, modes):
+def _some_constrained(laws, modes, table):
     closed = 0
     for k in range(laws.slot.shape[0]):
-        closed += laws.slot[k] >= 0 and modes.mode[k] == law.MODE_CLOSED
+        needed = table[law.SPEED, law.ROOTS_EACH * k] != law.LEFT_OUT
+        closed += needed and laws.slot[k] >= 0 and modes.mode[k] == law.MODE_CLOSED
     return closed > 0
 
 
@@ -183,10 +186,7 @@ def _impact(model, work, t, y, k):
 @jit
 def rigid_contact_forces(model, work, t, y, out):
     pairs, laws, modes = model.contact_pairs, model.contact_laws, model.contact_modes
-    if _some_constrained(laws, modes):
-        ask.accelerate(model, work, t, y)
-    else:
-        core.load_state(model, work, y)
+    ask.accelerate(model, work, t, y)
     for k in range(pairs.kind.shape[0]):
         touch = contact_geometry(model, work, k)
         out[k, 0] = -touch.gap

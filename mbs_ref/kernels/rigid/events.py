@@ -8,7 +8,7 @@ rest exactly at d = 0 would chatter.
 import numpy as np
 
 from mbs_ref.kernels.border import questions as ask
-from mbs_ref.kernels.contact.laws import RATE, ROOTS_EACH, SPEED, TURN, TURNED, UNKNOWN, VALUE
+from mbs_ref.kernels.contact.laws import LEFT_OUT, RATE, ROOTS_EACH, SPEED, TURN, TURNED, UNKNOWN, VALUE
 from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
 from mbs_ref.kernels.jit import jit
 from mbs_ref.kernels.rigid import geometry as core
@@ -41,6 +41,8 @@ def watch_roots(model, work, table):
     first = modes.mode.shape[0] - watches.a.shape[0]
     for k in range(watches.a.shape[0]):
         i = ROOTS_EACH * (first + k)
+        if table[SPEED, i] == LEFT_OUT:
+            continue
         side = modes.mode[first + k]
         above, speed, bound = _watched(watches, work, k)
         table[VALUE, i] = side * above / watches.noise[k] + 1.0
@@ -83,8 +85,10 @@ rigid_root_count = jit(lambda model: model.contact_modes.roots[0])
 
 @jit
 def rigid_roots(model, work, t, y, duration, table):
-    table[:] = 0.0
-    table[VALUE] = 1.0
+    for i in range(table.shape[1]):
+        table[VALUE, i], table[RATE, i], table[TURN, i] = 1.0, 0.0, 0.0
+        if table[SPEED, i] != LEFT_OUT:
+            table[SPEED, i] = 0.0
     is_new = contact_roots(model, work, t, y, duration, table)
     ask.switch_roots(model, work, table)
     return is_new

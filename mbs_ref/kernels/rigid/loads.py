@@ -156,9 +156,9 @@ def spring_roots(model, work, table):
     spring, modes = model.springs, model.contact_modes
     noise = modes.noise[0]
     for k in range(spring.place.shape[0]):
-        if spring.place[k] < 0:
-            continue
         i = law.ROOTS_EACH * spring.place[k]
+        if i < 0 or table[law.SPEED, i] == law.LEFT_OUT:
+            continue
         mode = modes.mode[spring.place[k]]
         stretch, speed, tension = _pull(spring, work, k)
         slack = noise * spring.stiffness[k] + modes.noise[1] * spring.damping[k]
