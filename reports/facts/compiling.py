@@ -17,6 +17,7 @@ from reports.facts.stored import keep, recall
 
 CORES = package_data(__name__, "cores.toml")  # scene, coordinates, ...
 LANES = "runs in lanes"  # for batches alone: a report makes none
+IN_LANES = "double_pendulum", "spatial_chain", "n_four_bar", "spatial_slider_crank", "bouncing_ball"
 SOLVER = "mbs_ref"
 PROGRAM: tuple[str, Coordinates, bool] = ("pendulum", "cartesian", False)  # what other engines that compile run
 
@@ -53,8 +54,8 @@ def _prepare(store: Store, key: str, work: Callable[[], None], call: Caller) -> 
 
 
 def run_in_lanes() -> None:
-    """Run the first hundredth of trees and of a closed loop as a batch does."""
-    for built in map(scenes.make, ("double_pendulum", "spatial_chain", "n_four_bar")):
+    """Run the first hundredth of trees, closed loops and a contact as a batch does."""
+    for built in map(scenes.make, IN_LANES):
         simulate_scenes([built], _settings("dop853", "adaptive", built.duration, "relative"), lanes=True)
 
 

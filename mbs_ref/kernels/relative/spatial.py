@@ -19,6 +19,7 @@ from mbs_ref.kernels.spatial.orientation import (
     parameters,
     put_parameters,
     rotation,
+    scale_theta,
     theta_rate,
     world_inertia,
 )
@@ -362,9 +363,7 @@ def relative_spatial_project(model, work, t, y, tolerance, most):
     for i in range(joints.kind.shape[0]):
         k = _theta_of(joints, i)
         if k >= 0:
-            e0, e1, e2, e3 = parameters(y, k)
-            s = 1.0 / np.sqrt(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
-            put_parameters(y, k, (s * e0, s * e1, s * e2, s * e3))
+            scale_theta(y, k, 1.0)
     return relative_spatial_compliance(model, work, t, y)[0]
 
 

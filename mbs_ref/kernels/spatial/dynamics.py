@@ -26,7 +26,15 @@ from mbs_ref.kernels.spatial import contacts, joints, loads, marks, orientation,
 from mbs_ref.kernels.spatial.joints import leave_slips
 from mbs_ref.kernels.spatial.marks import add, dot, minus, put, symmetric_times, times, triple, turn, turn_back
 from mbs_ref.kernels.spatial.model import RATES, SpatialGroups, SpatialScratch
-from mbs_ref.kernels.spatial.orientation import composed, parameters, put_parameters, theta_rate, turn_theta, turning_of
+from mbs_ref.kernels.spatial.orientation import (
+    composed,
+    parameters,
+    put_parameters,
+    scale_theta,
+    theta_rate,
+    turn_theta,
+    turning_of,
+)
 
 
 @bare
@@ -167,7 +175,7 @@ def normalize(model, y):
     bodies = model.bodies
     for i in range(bodies.mass.shape[0]):
         if bodies.rigid[i] == 1:
-            turn_theta(y, bodies.q[i] + 3, (0.0, 0.0, 0.0))
+            scale_theta(y, bodies.q[i] + 3, 1.0)
 
 
 # --- for methods on the DAE itself ------------------------------------------------------------------

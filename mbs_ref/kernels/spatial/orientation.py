@@ -6,8 +6,9 @@ rotation results whatever the norm; theta' = E^T omega / 2 with the world angula
 
 import numpy as np
 
-from mbs_ref.kernels.jit import jit
-from mbs_ref.kernels.spatial.marks import put, triple, turn
+from mbs_ref.kernels.algebra.lanes import chosen_in_lanes, either, in_every_lane
+from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.spatial.marks import dot, put, triple, turn
 
 # Return row[k : k + 4].
 parameters = jit(lambda row, k: (row[k], row[k + 1], row[k + 2], row[k + 3]))
@@ -117,6 +118,20 @@ def load_state(model, work, y):
 def turn_theta(y, q, turning):
     """Turn the Euler parameters at y[q : q + 4] by a small world rotation, to norm one."""
     change = theta_rate(parameters(y, q), turning)
-    e0, e1, e2, e3 = y[q] + change[0], y[q + 1] + change[1], y[q + 2] + change[2], y[q + 3] + change[3]
-    s = 1.0 / np.sqrt(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
+    for c in range(4):
+        y[q + c] += change[c]
+    scale_theta(y, q, dot(turning, turning))
+
+
+@jit
+def scale_theta(y, q, moves):
+    """Scale the Euler parameters at y[q : q + 4] to norm one; of lanes, those where `moves` is not zero."""
+    e0, e1, e2, e3 = parameters(y, q)
+    s = _scale(moves, 1.0 / np.sqrt(e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3))
     put_parameters(y, q, (s * e0, s * e1, s * e2, s * e3))
+
+
+# A lane that does not move stays as it is to the last digit, whatever those beside it do.
+_scale = either(
+    "_scale(moves, s)", bare(lambda moves, s: s), bare(lambda moves, s: chosen_in_lanes(moves, s, in_every_lane(1.0)))
+)

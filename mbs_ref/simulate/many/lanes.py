@@ -265,7 +265,7 @@ def _start(case: Bunch, y: np.ndarray) -> list[str] | Trajectory:
     missing = 0 if rank is None else system.n_constraints - rank
     if missing == system.n_spare_rows and not (missing and ambiguous_start(system, y, rank)):
         return [*notes, *redundancy(system, rank)]
-    why = f"not in lanes: {missing - system.n_spare_rows} more constraint rows are redundant than in most poses"
+    why = f"not in lanes: {missing} constraint rows are redundant"
     return simulated(system.twin(), replace(plan, notes=(why, *plan.notes[1:])), before, case.build_s)
 
 
