@@ -34,10 +34,10 @@ def simulate_starts(
     a new one for every run.
 
     With `lanes` each thread integrates several runs at once by packed instructions, many times faster, if scene and
-    settings allow it (mbs_ref.simulate.many.lanes.why_not_in_lanes): trees, and closed loops in the plane, under
-    gravity and springs, by DOP853 with tolerances. Trees of known joints use relative coordinates, whatever the
-    settings are, and all take the steps of that run alone; sines and sums differ by roundoff. No run depends on the
-    others. A note reports the use of lanes, or the reason against them.
+    settings allow it (mbs_ref.simulate.many.lanes.why_not_in_lanes): all rigid bodies without a user's function or
+    constraint, by DOP853 with tolerances. Trees of known joints use relative coordinates, whatever the settings are,
+    and all take the steps of that run alone; sines and sums differ by roundoff. No run depends on the others. A note
+    reports the use of lanes, or the reason against them.
     """
     check_starts(scene, starts)
     if not len(starts.position):

@@ -10,15 +10,17 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.cores.system import Poses
+from mbs_ref.integrators import STIFF
 from mbs_ref.observables.distance import farthest
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
 from mbs_ref.simulate.error_estimate import ENDED
+from mbs_ref.simulate.legs import start_run
 from mbs_ref.simulate.many.ensemble.design import Design
 from mbs_ref.simulate.many.ensemble.variants import Variants, own_start
 from mbs_ref.simulate.many.lanes import NOTE, processors, shared, why_not_in_lanes
-from mbs_ref.simulate.method_choice import AUTO
+from mbs_ref.simulate.method_choice import AUTO, after_first_steps
 from mbs_ref.simulate.one_run import compiled, or_empty
 from mbs_ref.trajectory import Status, Trajectory
 
@@ -80,10 +82,10 @@ def run_ensemble(
     """Run a design; after Ctrl-C the result holds the completed runs.
 
     Runs of one scene, or of scenes with one structure, use vector lanes if they can. The default method is DOP853 in
-    lanes, and else "auto" for each run. ValueError if the samples do not fit into memory, and as `simulate` raises it
-    for settings.
+    lanes, and else "auto" for each run, as it is where the scene's own run is stiff. ValueError if the samples do not
+    fit into memory, and as `simulate` raises it for settings.
     """
-    reason = why_not_in_lanes(variants.source.scene, settings)
+    reason = why_not_in_lanes(variants.source.scene, settings) or _why_stiff(variants.source.scene, settings)
     settings, times = _settled(variants.source.scene, settings, may_choose=bool(reason))
     store = _Store(variants.source.scene, design, settings, times, reason)
     values, began = design.values, time.perf_counter()
@@ -101,6 +103,18 @@ def run_ensemble(
     except KeyboardInterrupt:
         pass
     return store.ensemble(tuple(marks))
+
+
+def _why_stiff(scene: Scene, settings: Settings) -> str:
+    """Return why a run is cheaper by an implicit method, if the method is not set, or nothing."""
+    if settings.method is not None:
+        return ""
+    chosen = settings.model_copy(update={"method": AUTO, "t_end": settings.t_end or scene.duration})
+    plan, system, _ = compiled(scene, chosen, None)
+    y = system.initial_state()
+    start_run(system, plan, y)
+    plan = after_first_steps(system, plan, y)
+    return plan.reason if plan.integrator.name == STIFF else ""
 
 
 def _settled(scene: Scene, settings: Settings, may_choose: bool) -> tuple[Settings, np.ndarray]:

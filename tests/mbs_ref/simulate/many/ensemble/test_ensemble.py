@@ -93,6 +93,20 @@ def test_starts_alone_go_in_lanes_and_say_so(thrown):
     assert thrown.counts == {"success": 400}
 
 
+def test_a_stiff_scene_runs_by_an_implicit_method_in_place_of_lanes():
+    scene = scenes.make("block_stack")
+    name = scene.bodies[-1].name
+    chosen, forced = (
+        ensemble(scene, {f"{name}.velocity.x": "0+-1e-3"}, 4, t_end=0.2, method=method) for method in (None, "dop853")
+    )
+    assert set(chosen.methods) == {"radau"}
+    assert any(
+        sentence.startswith("not in lanes: stiff: stability limits the steps of dop853") for sentence in chosen.how
+    )
+    assert set(forced.methods) == {"dop853"}
+    assert any(sentence.startswith("integrated in 8 lanes") for sentence in forced.how)
+
+
 def test_an_oscillator_swings_between_the_deviations_of_its_start():
     """x = x0 cos w t + v0/w sin w t of a start that moves the spring's end with the body."""
     made = ensemble(OSCILLATOR, {"bob.position.x": "5+-0.1", "bob.velocity.x": "+-0.3"}, 100, rtol=1e-10)
