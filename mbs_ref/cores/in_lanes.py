@@ -61,15 +61,25 @@ def _pivots(system: Any) -> np.ndarray:
     return system.scratch.closures.order.copy()
 
 
-def _has_lasting_loads(system: Any) -> bool:
-    """Return whether loads depend neither on the time nor on modes, so that they are evaluated in lanes."""
-    return not system.event_sources and all(
-        isinstance(load, PointBushing | SpringDamper | TorsionSpring) for load in system.scene.loads
-    )
+def handles_of(system: Any) -> tuple[int, ...]:
+    """Return the addresses of a system's model and work, and those of what knows its loads and rows."""
+    if _loads_depend(system):
+        system.redundant.prepare(core.BESIDE)
+    return tuple(part.address for own in (system, system.redundant) for part in (own.model, own.work))
+
+
+def _loads_depend(system: Any) -> bool:
+    """Return whether loads depend on the time or on modes, or are others than lanes evaluate."""
+    return bool(system.event_sources) or not _has_springs_alone(system)
+
+
+def _has_springs_alone(system: Any) -> bool:
+    """Return whether all loads are springs that lanes evaluate, or that depend on modes alone."""
+    return all(isinstance(load, PointBushing | SpringDamper | TorsionSpring) for load in system.scene.loads)
 
 
 def _has_lasting_rows(system: Any) -> bool:
-    """Return the same of constraint rows."""
+    """Return whether constraint rows depend neither on the time nor on modes."""
     return not any(contact.holds for contact in system.scene.contacts) and "rheonomic" not in traits(system.scene)
 
 
@@ -77,7 +87,7 @@ def side_by_side(system: Any) -> SideBySide:
     """Return arrays for systems of this one's structure."""
     figures, taken, kept = room_for_lanes(len(figures_of(system))), 0, []
     inner: list[int] = []
-    loads = core.LANES_LOADS if _has_lasting_loads(system) else core.LOADS_ALONE
+    loads = core.LOADS_ALONE if _loads_depend(system) else core.LANES_LOADS
     rows = core.LANES_ROWS if _has_lasting_rows(system) else core.ROWS_ALONE
     _pivots(system)  # leaves their order in the scratch
 
@@ -100,6 +110,7 @@ def side_by_side(system: Any) -> SideBySide:
         kept += [own, scratch, handles]
         inner = [handle.ctypes.data for handle in handles]
     beside = next(group for group in kept[1] if isinstance(group, Beside))  # of the redundant system
+    beside.always[:] = not _has_springs_alone(system)
     return SideBySide(figures, beside, ModelInLanes(inner[0]), WorkInLanes(inner[1]), kept)
 
 

@@ -46,9 +46,10 @@ FEATURES = {  # each with its questions
 TANGENT = "tangent"  # of directions along the constraints; loops need it on the way
 FORM = "form"  # of methods on the DAE itself
 REPORT = "report"  # afterwards
+BESIDE = "beside"  # of the system of a lane
 LANES = "lanes"  # of runs side by side
 LANES_LOADS, LANES_ROWS = "loads in lanes", "rows in lanes"  # that depend neither on the time nor on modes
-LOADS_ALONE, ROWS_ALONE = "loads alone", "rows alone"  # any, evaluated by the system of each lane
+LOADS_ALONE, ROWS_ALONE = "loads alone", "rows alone"  # any, with the system of each lane
 GROUPS = {
     MOTION: "derivative compliance project regularity accelerate fill_rows apply_loads expand take_velocities",
     EVENTS: "position_count root_count roots transition start_modes contact_mobility apply_contacts "
@@ -62,6 +63,7 @@ GROUPS = {
     FORM: "multipliers position_count force_balance times_mass answer row_times add_row displace position_rate "
     "defect_of gamma_of",
     REPORT: "contact_forces",
+    BESIDE: "apply_further_loads",
     LANES: "derivative project regularity accelerate fill_deflection_rates",
     **dict.fromkeys((LANES_LOADS, LOADS_ALONE), "apply_loads"),
     **dict.fromkeys((LANES_ROWS, ROWS_ALONE), "fill_rows"),

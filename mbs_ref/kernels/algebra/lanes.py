@@ -336,6 +336,15 @@ def put_lane(of, w, to):
             every[i, c, w] = of[i, c]
 
 
+@bare
+def add_lane(of, w, to):
+    """Add an array of floats with two axes to lane w of another."""
+    every = in_floats(to)
+    for i in range(of.shape[0]):
+        for c in range(of.shape[1]):
+            every[i, c, w] += of[i, c]
+
+
 QUARTERS = 2.0 / np.pi
 # pi/2 in three parts: the first two have 33 bits, so that up to 2^20 multiples of them are exact
 QUARTER = (1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21)

@@ -66,6 +66,8 @@ fill_further_rows = question("fill_further_rows(model, work, t)")
 apply_loads = question("apply_loads(model, work, t)")
 # Add the forces of all loads but gravity, contacts and granules.
 apply_given_loads = question("apply_given_loads(model, work, t)")
+# Add the forces of loads that depend on the time, or on modes, and of those that the core alone has.
+apply_further_loads = question("apply_further_loads(model, work, t)")
 # Add the forces of every contact that is closed.
 apply_contacts = question("apply_contacts(model, work)")
 # Let the list of near pairs cover the last `duration` (s) before the pose in `work`; return whether it is new.

@@ -6,17 +6,20 @@ is stretched, but its damper outweighs the spring and it gives nothing; limited 
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.lanes import WIDTH, either, lane_of, put_lane, vanishes
+from mbs_ref.kernels.algebra.lanes import WIDTH, add_lane, either, lane_of, vanishes
 from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.handles import alone
-from mbs_ref.kernels.border.questions import apply_contacts, apply_given_loads, apply_granules, apply_loads
+from mbs_ref.kernels.border.questions import apply_contacts, apply_further_loads, apply_given_loads, apply_granules
 from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_forces import norm
 from mbs_ref.kernels.rigid.marks import exchange, rate_seen, separation, speed_between
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
+from mbs_ref.kernels.rows import clear
 from mbs_ref.kernels.signals import evaluate
+
+ALL, TWO_SIDED, ONE_SIDED = range(3)  # springs: those that only pull are one-sided
 
 
 @jit
@@ -57,7 +60,7 @@ def rigid_apply_loads(model, work, t):
 @jit
 def rigid_apply_given_loads(model, work, t):
     _apply_forces(model, work, t)
-    _apply_springs(model, work)
+    _apply_springs(model, work, ALL)
     core.apply_torsion_springs(model, work)
     core.apply_own_loads(model, work)
     if model.world.user_force[0] != 0:
@@ -68,20 +71,42 @@ def rigid_apply_given_loads(model, work, t):
 def lanes_apply_loads(model, work, t):
     """Evaluate gravity and springs that push and pull."""
     core.apply_gravity(model, work)
-    _apply_springs(model, work)
+    _apply_springs(model, work, TWO_SIDED)
     core.apply_torsion_springs(model, work)
 
 
 @jit
 def lanes_apply_loads_alone(model, work, t):
-    """Let the system of each lane evaluate its loads, which depend on the time or on modes of its own."""
+    """Evaluate gravity and springs, and let the system of each lane add what depends on the time or on its modes."""
     beside = work.beside
+    lanes_apply_loads(model, work, t)
     for w in range(WIDTH):
         if beside.model[w] != 0:
             own, its = alone(model, beside.model[w]), alone(work, beside.work[w])
-            core.take_kinematics(work, w, its)
-            apply_loads(own, its, lane_of(t, w))
-            put_lane(its.kinematics.force, w, work.kinematics.force)
+            if beside.always[0] == 1 or _pushes(own):
+                core.take_kinematics(work, w, its)
+                clear(its.kinematics.force)
+                apply_further_loads(own, its, lane_of(t, w))
+                add_lane(its.kinematics.force, w, work.kinematics.force)
+
+
+@bare
+def _pushes(model):
+    """Return whether a contact or a spring that only pulls may have a force in its mode."""
+    modes = model.contact_modes
+    for k in range(modes.mode.shape[0] - model.watches.a.shape[0]):
+        if modes.mode[k] in (law.MODE_CLOSED, law.MODE_PLAIN, law.MODE_LIMITED):
+            return True
+    return False
+
+
+@jit
+def rigid_apply_further_loads(model, work, t):
+    _apply_forces(model, work, t)
+    _apply_springs(model, work, ONE_SIDED)
+    core.apply_own_loads(model, work)
+    apply_contacts(model, work)
+    apply_granules(model, work)
 
 
 # --- springs ----------------------------------------------------------------------------------------
@@ -106,10 +131,12 @@ _clipped = either(
 
 
 @bare
-def _apply_springs(model, work):
+def _apply_springs(model, work, which):
     """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
     spring, modes = model.springs, model.contact_modes
     for k in range(spring.a.shape[0]):
+        if (which == TWO_SIDED and spring.place[k] >= 0) or (which == ONE_SIDED and spring.place[k] < 0):
+            continue
         a, b = spring.a[k], spring.b[k]
         apart = separation(work, a, b, spring.point_a[k], spring.point_b[k])
         gap, rate, arm_a = apart.gap, apart.rate, apart.arm_a

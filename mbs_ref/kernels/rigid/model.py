@@ -242,6 +242,7 @@ class Beside(NamedTuple):
 
     model: Annotated[Ints, WIDTH]  # addresses of their handles
     work: Annotated[Ints, WIDTH]
+    always: Annotated[Ints, 1]  # 1 where loads do not depend on modes alone
 
 
 class Solved(NamedTuple):

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from mbs_ref.cores.choice import core_name
-from mbs_ref.cores.in_lanes import build_of, figures_of
+from mbs_ref.cores.in_lanes import build_of, figures_of, handles_of
 from mbs_ref.cores.relative import no_tree
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
@@ -161,13 +161,8 @@ def _started(bunches: Sequence[Bunch]) -> Runs:
     scene = np.repeat(np.arange(len(bunches)), [len(bunch.starts) for bunch in bunches])
     tolerance = np.array([bunch.plan.options.projection_tolerance for bunch in bunches])
     starts = np.concatenate([bunch.starts for bunch in bunches])
-    handles = np.array([_handles(bunch.system) for bunch in bunches], np.int64)
+    handles = np.array([handles_of(bunch.system) for bunch in bunches], np.int64)
     return runs_from(handles, figures, atol, tolerance, scene, starts)
-
-
-def _handles(system: System) -> tuple[int, ...]:
-    """Return the addresses of what a system is, and of what evaluates its loads."""
-    return tuple(part.address for own in (system, system.redundant) for part in (own.model, own.work))
 
 
 def _complete(plan: Plan, run: leg.Progress, states: np.ndarray, compliance: np.ndarray, loop_s: float) -> Run:
