@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from statistics import median
 
 import numpy as np
 import pytest
@@ -59,6 +60,35 @@ def test_batch_against_single_runs(benchmark, starts, settings, lanes):
     ratios = {"throughput": 10.0 * wall, "cpu": 10.0 * cpu}
     benchmark.extra_info |= ratios
     print(f"{settings.samples} outputs, estimate {settings.estimate}, {'lanes' if lanes else 'threads'}: {ratios}")
+
+
+FAMILIES = {  # a scene, its parameters, and the time (s) of its runs
+    "balls": ("spatial_chain", {"links": 10}, 1.0),
+    "closed loops": ("n_four_bar", {"loops": 4}, 1.0),
+    "closed loops in space": ("spatial_slider_crank", {}, 1.0),
+    "a ball on a floor": ("bouncing_ball", {}, 0.4),
+    "a crash": ("android_simplified", {}, 0.12),
+}
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_lanes_of_each_family(family):
+    name, parameters, duration = FAMILIES[family]
+    scene, settings = scenes.make(name, **parameters), Settings(t_end=duration)
+    path = simulate(scene, Settings(t_end=0.5 * duration, samples=64, rtol=1e-9, estimate="off", reactions=False))
+    starts = Poses.of(path)
+
+    def single() -> None:
+        for k in range(0, len(path.times), 4):
+            simulate(scene, settings, start=Poses(*(part[k : k + 1] for part in starts)))
+
+    def lanes() -> list[Trajectory]:
+        return simulate_starts(scene, starts, settings, threads=1, lanes=True)
+
+    single()
+    assert all("lanes" in one.notes[0] for one in lanes())
+    cpu = median(_ratios(single, lanes)[1] for _ in range(ROUNDS))
+    print(f"{family}, {settings.samples} outputs, estimate on: CPU {4.0 * cpu:.2f} times that of single runs (aim 8)")
 
 
 def _ratios(first: Callable[[], object], second: Callable[[], object]) -> tuple[float, float]:
