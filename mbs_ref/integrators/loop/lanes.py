@@ -25,7 +25,8 @@ from mbs_ref.kernels.rigid.dynamics import BORNE, EPS
 from mbs_ref.kernels.rigid.model import Beside
 
 IDLE = -1
-LOST = 1e-3  # of rtol: a run leaves where elimination, which lanes do not refine, loses more
+# of rtol: a run leaves where elimination, which lanes do not refine, loses more; at a relative pivot p, eps / p^(3/2)
+LOST = 1e-3
 
 
 class Runs(NamedTuple):
@@ -40,7 +41,7 @@ class Runs(NamedTuple):
     compliance: np.ndarray  # (n_runs, n_times) largest |C| over the steps since the time before
     begun: np.ndarray  # (n_runs, n_state) the start, once its modes are settled
     slopes: np.ndarray  # (n_runs, n_state) f there
-    pivot: np.ndarray  # (n_runs,) the smallest closure pivot there
+    pivot: np.ndarray  # (n_runs,) the smallest closure pivot of the last evaluation there
     now: np.ndarray  # (n_runs,) PROGRESS
     code: np.ndarray  # (n_runs,) int, of mbs_ref.integrators.loop.leg
 
@@ -54,7 +55,7 @@ class Side(NamedTuple):
     new: np.ndarray  # (n_state, WIDTH) the new state
     spare: np.ndarray  # (n_state, WIDTH)
     slopes: np.ndarray  # (s + 1, n_state, WIDTH)
-    now: np.ndarray  # (10, WIDTH): TIME, STEP, TAKEN, MAIN, LOW, PIVOT, THERE, LEFT, RESTORED, TOLERANCE
+    now: np.ndarray  # (11, WIDTH): TIME, STEP, TAKEN, MAIN, LOW, PIVOT, LAST, THERE, LEFT, RESTORED, TOLERANCE
     pace: np.ndarray  # (2, WIDTH): MARK, SLOW
     run: np.ndarray  # (WIDTH,) int, place among the runs or IDLE
     scene: np.ndarray  # (WIDTH,) int, whose figures and tolerances the lane has, or IDLE
@@ -66,8 +67,9 @@ class Side(NamedTuple):
 
 
 # s at the step's start, h (s), 1 where it is taken, the sums of squares of both estimates of its error, the smallest
-# closure pivot of its stages and that at its end, |C| there, 1 where stages are projected, tolerance of projection
-TIME, STEP, TAKEN, MAIN, LOW, PIVOT, THERE, LEFT, RESTORED, TOLERANCE = range(10)
+# closure pivots of its stages, that at its last one and that at its end, |C| there, 1 where stages are projected,
+# tolerance of projection
+TIME, STEP, TAKEN, MAIN, LOW, PIVOT, LAST, THERE, LEFT, RESTORED, TOLERANCE = range(11)
 MARK, SLOW = range(2)  # where a run was a stretch of steps ago (s), and how many stretches in a row were slow
 
 
@@ -109,7 +111,7 @@ def room_beside(figures: np.ndarray, beside: Beside, n_state: int, s: int, n_roo
     """
     return Side(
         figures=figures, atol=room(n_state), y=room(n_state), new=room(n_state), spare=room(n_state),
-        slopes=room(s + 1, n_state), now=room(10), pace=room(2),
+        slopes=room(s + 1, n_state), now=room(11), pace=room(2),
         run=np.full(WIDTH, IDLE), scene=np.full(WIDTH, IDLE), rejected=np.zeros(WIDTH, np.int64),
         search=np.zeros((WIDTH, 8)), tables=Tables(*np.zeros((3, WIDTH, 4, n_roots))),
         ends=Ends(*np.zeros((4, n_state)), np.ones(2, np.int64)), beside=beside,
@@ -181,9 +183,9 @@ def begin_all(model, work, options, runs, first, last, times, order):
         run.t, run.h, run.next_output, run.span = times[0], 0.0, 1, times[-1] - times[0]
         runs.code[i] = stepping.begin(model, work, options, run, y, slope, table)
         if runs.code[i] == leg.RUNNING:
-            runs.pivot[i] = regularity(work)
             run.h = stepping.first_step(model, work, run.t, y, slope, order, options, run.span)
             run.rhs_calls += 1
+            runs.pivot[i] = regularity(work)
 
 
 # Return the event functions of a lane.
@@ -267,9 +269,10 @@ def _try(model, work, tableau, options, atol, y, new, spare, slopes, now, restor
         derivative(model, work, t, new, slopes[i])
         pivot = smaller(pivot, regularity(work))
     _add_slopes(y, tableau.b, count, slopes, h, new)
-    t = now[TIME] + h
+    t, now[LAST] = now[TIME] + h, regularity(work)
     if restores:
         _restore(model, work, t, new, spare, now)
+        now[LAST] = chosen_in_lanes(now[RESTORED], regularity(work), now[LAST])
     for place, weights in ((MAIN, tableau.error), (LOW, tableau.error_low)):
         now[place] = _square_sum(model, work, weights, options.rtol, atol, y, new, spare, slopes, now, restores)
     if options.project:
@@ -292,7 +295,7 @@ def _is_hopeless(options, run, side, w):
 def _is_singular(options, now, w):
     """Return whether a step ends, or had a stage, where a lane is not accurate."""
     pivot, there = now[PIVOT, w], now[THERE, w]
-    loses = not max(BORNE, LOST * options.rtol) * min(pivot, there) >= EPS
+    loses = not min(pivot, there) >= (EPS / max(BORNE, LOST * options.rtol)) ** (2.0 / 3.0)
     return loses or is_too_near(there, pivot if now[RESTORED, w] == 1.0 else 1.0, options.rtol, 0, True)
 
 
@@ -312,6 +315,7 @@ def _judge(tableau, options, runs, side, times, i, w):
         side.rejected[w] = 0 if accepted else 1
         if not accepted:
             run.rejected += 1
+            now[THERE, w] = now[LAST, w]
             if attempt.t + run.h == attempt.t or run.h < stepping.SHORTEST * run.span:
                 return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE, False
             return leg.RUNNING, False
