@@ -98,19 +98,23 @@ class Layout:
     def arrays(self, system: JointedSystem, offset: np.ndarray, axis: np.ndarray) -> arrays.Joints:
         """Return the joints' arrays, their orientations at t = 0 (n, 1 or 4) and axes (n, dimension) given."""
         arms = np.zeros((2, len(self.order), self.scene.dimension))
-        for i, k in self.joint.items():
-            for side, end in enumerate(self.ends(i)):
-                arms[side, i] = system.arm_of(self.scene.joints[k], end)
+        joints, ends = [self.scene.joints[k] for k in self.joint.values()], map(self.ends, self.joint)
+        for side, names in enumerate(zip(*ends, strict=True)):
+            arms[side, list(self.joint)] = system.arms(joints, names)
         return arrays.Joints(
             kind=ints(self.kind), parent=ints(self.parent), q=ints(self.q[:-1].tolist()),
             v=ints(self.v[:-1].tolist()), freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,
             offset=offset,
         )  # fmt: skip
 
-    def world_axis(self, i: int) -> np.ndarray:
-        """Return the world direction of a joint's axis at t = 0; zero where it has none."""
-        axis = getattr(self.scene.joints[self.joint[i]], "axis", None) if i in self.joint else None
-        return np.zeros(self.scene.dimension) if axis is None else unit(axis)
+    def world_axes(self) -> np.ndarray:
+        """Return the world directions (n, dimension) of the joints' axes at t = 0; zero where there is none."""
+        result = np.zeros((len(self.order), self.scene.dimension))
+        for i, k in self.joint.items():
+            axis = vars(self.scene.joints[k]).get("axis")
+            if axis is not None:
+                result[i] = unit(axis)
+        return result
 
     @cached_property
     def _are_lengths(self) -> tuple[np.ndarray, np.ndarray]:
@@ -173,7 +177,7 @@ class RelativeSystem(System):
         lengths = {"n": n, "n + 1": n + 1, "rates": rates, "d": self.scene.dimension}
         links = empty(arrays.Links, **lengths)
         links.turns[:] = [kind not in UNTURNED for kind in self.layout.kind]
-        full = empty(arrays.Full, n_state=len(self.redundant.initial_state()))
+        full = empty(arrays.Full, n_state=len(self.redundant.scratch.solved.state))
         return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), full)
 
     def twin(self) -> Self:
@@ -203,10 +207,8 @@ class RelativeSystem(System):
         """Return each body's orientation in its parent at t = 0, and the joints' axes as `Joints` has them."""
         turn = self._places(self.redundant.initial_state()[None])[1][:, 0]
         parents = self.redundant.groups.bodies.parent
-        axes = np.zeros((len(parents), self.scene.dimension))
-        for i, parent in enumerate(parents):
-            holder = parent if self.layout.kind[i] == arrays.PRISMATIC else i
-            axes[i] = self.REDUNDANT.turned(self._from(turn[holder], self.GROUND), self.layout.world_axis(i))
+        kept = np.where(np.array(self.layout.kind) == arrays.PRISMATIC, parents, np.arange(len(parents)))
+        axes = self.REDUNDANT.turned(self._from(turn[kept], self.GROUND), self.layout.world_axes())
         return self._from(turn[parents], turn[:-1]).reshape(len(parents), -1), axes
 
     def _coordinates(self, kind: int, i: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 
 from mbs_ref.cores.in_lanes import SideBySide, side_by_side
+from mbs_ref.cores.joint_graph import graph_of
 from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.handles import Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
@@ -73,10 +74,9 @@ class System(ABC):
         """What the scene has of mbs_ref.kernels.answers.FEATURES."""
         scene = self.scene
         grains = [isinstance(load, Granules) for load in scene.loads]
-        rows = [row for joint in scene.joints for row in joint.rows(scene.dimension)]
         has = {
             core.LOADS: not all(grains), core.GRANULES: any(grains),
-            core.ROWS: not all(isinstance(row, SharedPoint | Rod) for row in rows),
+            core.ROWS: not all(isinstance(row, SharedPoint | Rod) for rows in graph_of(scene)[0] for row in rows),
             core.GRIPS: any(contact.friction and contact.friction.STICKS for contact in scene.contacts),
             core.HELD: any(contact.holds for contact in scene.contacts),
             core.SWITCHES: len(self.event_sources) > len(scene.contacts),

@@ -6,6 +6,7 @@ in compiled code `model.bodies` is one group of it as views, at the price of a f
 compiled code counts the references of an array it is given, atomically, at every call.
 """
 
+import ctypes
 from collections import namedtuple
 from typing import Any, NamedTuple
 
@@ -19,11 +20,12 @@ from numba.extending import infer_getattr, lower_getattr_generic
 from numba.np.arrayobj import make_array, populate_array
 
 from mbs_ref.kernels.algebra.lanes import BYTES, LANES
-from mbs_ref.kernels.border.groups import check, declared, members
+from mbs_ref.kernels.border.groups import absent, check, declared, members
 
 QUESTIONS = 48  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
 _WORDS = 5  # then, per array: address, then up to four lengths
 _PADDING = [(0,) * (_WORDS - 1 - n) for n in range(_WORDS)]  # behind the lengths of an array of n dimensions
+_Byte, _NOTHING = ctypes.c_char, np.zeros(1)
 _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
 
 
@@ -67,11 +69,19 @@ def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
     """
     words = [0] * QUESTIONS
     for group in groups:
-        if not checked:
+        if not (checked or group is absent(type(group))):
             check(group)
-        for array in group:
-            words += (array.__array_interface__["data"][0], *array.shape, *_PADDING[array.ndim])
+        for part in group:
+            words += (_address(part), *part.shape, *_PADDING[part.ndim])
     return np.array(words, dtype=np.int64)
+
+
+def _address(part: np.ndarray) -> int:
+    """Return where an array begins in memory; of one without entries, some place that may be read."""
+    try:  # NumPy's own attributes take three times as long
+        return ctypes.addressof(_Byte.from_buffer(part if part.size else _NOTHING))
+    except TypeError:  # not contiguous, or not to be written to
+        return part.ctypes.data
 
 
 def handle_class(module: str, name: str, groups: type, **lengths: int) -> Any:
