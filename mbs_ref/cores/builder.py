@@ -14,7 +14,7 @@ from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import absent, empty, floats, ints, members
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import GROUND, Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
+from mbs_ref.scene import Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.euler_parameters import rotation_matrices
@@ -46,15 +46,16 @@ class PlacedRow(NamedTuple):
 class Builder(ABC):
     """Bodies' places and axes at t = 0, and slots of a scene's joints; `signal` collects the functions of time.
 
-    `centres` (n_bodies + 1, dimension; m) and `axes` have ground last.
+    `centres` (n_bodies + 1, dimension; m), `angles` (rad, 0 of what has none) and `axes` have ground last.
     """
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.n, self.dimension = scene, len(scene.bodies), scene.dimension
         self.joint_rows, self.layout = graph_of(scene)
-        self.axes = _axes(scene)
+        self.angles = [*(vars(body).get("angle", 0.0) for body in scene.bodies), 0.0]
+        self.axes = _axes(scene, self.angles)
         self.centres = np.array([*(body.position for body in scene.bodies), (0.0,) * self.dimension])
-        self.scene_index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
+        self.scene_index = scene.places
         self.number = {body: k for k, body in enumerate(self.layout.order)} | {-1: self.n}
         self.segments: list[list[Segment]] = []
         self.place: dict[int, Place] = {}  # by the joint's index
@@ -122,7 +123,7 @@ class Builder(ABC):
 
     def angle(self, name: str) -> float:
         """Return a planar body's angle at t = 0, rad; 0 of what has none."""
-        return 0.0 if name == GROUND else _angle(self.scene.bodies[self.scene_index[name]])
+        return self.angles[self.scene_index[name]]
 
     def signal(self, segments: list[Segment]) -> int:
         self.segments.append(segments)
@@ -133,17 +134,11 @@ class Builder(ABC):
         return self.signal(motion_segments(drive.motion, drive.level))
 
 
-def _axes(scene: Scene) -> np.ndarray:
+def _axes(scene: Scene, angles: list[float]) -> np.ndarray:
     """Return the axes (n_bodies + 1, dimension, dimension) of bodies and ground as columns, world, at t = 0."""
     if scene.dimension == 3:
         return rotation_matrices([*(vars(body).get("orientation", UNTURNED) for body in scene.bodies), UNTURNED])
-    pairs = [(math.cos(angle), math.sin(angle)) for angle in (*map(_angle, scene.bodies), 0.0)]
-    return np.array([((c, -s), (s, c)) for c, s in pairs])
-
-
-def _angle(body: Any) -> float:
-    """Return a planar body's angle at t = 0, rad; 0 of what has none."""
-    return vars(body).get("angle", 0.0)
+    return np.array([((c, -s), (s, c)) for c, s in zip(map(math.cos, angles), map(math.sin, angles), strict=True)])
 
 
 def ends(build: Builder, loads: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:

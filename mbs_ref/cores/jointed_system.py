@@ -126,12 +126,10 @@ class JointedSystem(ContactSystem):
 
         It is counted from the origin on ground, and zero without a mark.
         """
-        build, pairs = self.builder, list(zip(joints, ends, strict=True))
-        names = [getattr(joint, end) for joint, end in pairs]
-        marks = [joint.mark(end) for joint, end in pairs]
-        centres = (build.centres[build.scene_index[name]] for name in names)
-        world = [centre if mark is None else mark for mark, centre in zip(marks, centres, strict=True)]
-        return build.points(names, floats(world, build.dimension))
+        build = self.builder
+        named = [(getattr(joint, end), joint.mark(end)) for joint, end in zip(joints, ends, strict=True)]
+        world = [mark or build.centres[build.scene_index[name]] for name, mark in named]
+        return build.points([name for name, _ in named], floats(world, build.dimension))
 
     @abstractmethod
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> Sequence[Taylor]:

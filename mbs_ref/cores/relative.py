@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -24,7 +23,6 @@ from mbs_ref.scene.traits import deflecting, joined
 
 KINDS = {Revolute: arrays.REVOLUTE, Prismatic: arrays.PRISMATIC, Weld: arrays.WELD, Spherical: arrays.SPHERICAL}
 FREEDOMS = {arrays.REVOLUTE: 1, arrays.PRISMATIC: 1, arrays.WELD: 0, arrays.SPHERICAL: 3, arrays.HELD: 0}
-PARAMETERS = 4  # of an orientation in space, in place of three angles
 
 
 def no_tree(scene: Scene) -> Iterator[str]:
@@ -60,40 +58,36 @@ class Layout:
         _, graph = graph_of(scene)
         self.scene, self.order, self.parent = scene, graph.order, graph.parent
         self.joint = {i: edge.joints[0] for i, edge in enumerate(graph.tree_edge) if edge}  # by elimination number
+        self.bodies = [scene.bodies[k] for k in graph.order]
         self.kind = [self._kind(i) for i in range(len(self.order))]
-        self.freedoms = [self._freedoms(i) for i in range(len(self.order))]
-        widths = [self.freedoms[i] + self._surplus(i) for i in range(len(self.order))]
-        self.q = np.concatenate(([0], np.cumsum(widths))).astype(int)
+        self.freedoms = [self._freedoms(kind, body) for kind, body in zip(self.kind, self.bodies, strict=True)]
+        # one coordinate more than rates where Euler parameters are
+        pairs = zip(self.kind, self.freedoms, strict=True)
+        self.widths = [n + (kind == arrays.SPHERICAL or n == 6) for kind, n in pairs]
+        kinds = list(zip(self.kind, self.widths, strict=True))
+        self.q = np.concatenate(([0], np.cumsum(self.widths))).astype(int)
         self.v = self.q[-1] + np.concatenate(([0], np.cumsum(self.freedoms))).astype(int)
         self.n_positions, self.n_state = int(self.q[-1]), int(self.v[-1])
-        kinds = list(zip(self.kind, widths, strict=True))
         self.alike = {  # places of the joints of each kind and number of coordinates
             one: ints([i for i, other in enumerate(kinds) if other == one]) for one in sorted({*kinds}) if one[1]
         }  # fmt: skip
-
-    def body(self, i: int) -> Any:
-        return self.scene.bodies[self.order[i]]
 
     def _kind(self, i: int) -> int:
         if i not in self.joint:
             return arrays.FREE
         joint = self.scene.joints[self.joint[i]]
         shares_point = isinstance(joint, Revolute | Spherical)
-        return arrays.HELD if shares_point and isinstance(self.body(i), PointMass) else KINDS[type(joint)]  # type: ignore[index]
+        return arrays.HELD if shares_point and isinstance(self.bodies[i], PointMass) else KINDS[type(joint)]  # type: ignore[index]
 
-    def _freedoms(self, i: int) -> int:
-        if self.kind[i] != arrays.FREE:
-            return FREEDOMS[self.kind[i]]
-        return self.scene.dimension if isinstance(self.body(i), PointMass) else 3 * self.scene.dimension - 3
-
-    def _surplus(self, i: int) -> int:
-        """Return how many coordinates more than rates a body's joint has: one where Euler parameters are."""
-        return int(self.kind[i] == arrays.SPHERICAL or self.freedoms[i] == 6)
+    def _freedoms(self, kind: int, body: Any) -> int:
+        if kind != arrays.FREE:
+            return FREEDOMS[kind]
+        return self.scene.dimension if isinstance(body, PointMass) else 3 * self.scene.dimension - 3
 
     def ends(self, i: int) -> tuple[str, str]:
         """Return the fields of the joint that name the body and its parent."""
         joint: Any = self.scene.joints[self.joint[i]]
-        return ("body_a", "body_b") if joint.body_a == self.body(i).name else ("body_b", "body_a")
+        return ("body_a", "body_b") if joint.body_a == self.bodies[i].name else ("body_b", "body_a")
 
     def arrays(self, system: JointedSystem, offset: np.ndarray, axis: np.ndarray) -> arrays.Joints:
         """Return the joints' arrays, their orientations at t = 0 (n, 1 or 4) and axes (n, dimension) given."""
@@ -102,8 +96,8 @@ class Layout:
         for side, names in enumerate(zip(*ends, strict=True)):
             arms[side, list(self.joint)] = system.arms(joints, names)
         return arrays.Joints(
-            kind=ints(self.kind), parent=ints(self.parent), q=ints(self.q[:-1].tolist()),
-            v=ints(self.v[:-1].tolist()), freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,
+            kind=ints(self.kind), parent=ints(self.parent), q=self.q[:-1],
+            v=self.v[:-1], freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,
             offset=offset,
         )  # fmt: skip
 
@@ -116,21 +110,14 @@ class Layout:
                 result[i] = unit(axis)
         return result
 
-    @cached_property
-    def _are_lengths(self) -> tuple[np.ndarray, np.ndarray]:
-        """Which coordinates and which rates are of lengths."""
-        q, u = list[bool](), list[bool]()
-        for i, kind in enumerate(self.kind):
-            lengths = {arrays.FREE: self.scene.dimension, arrays.PRISMATIC: 1}.get(kind, 0)
-            rest = self.freedoms[i] - lengths
-            q += lengths * [True] + (PARAMETERS if rest and self._surplus(i) else rest) * [False]
-            u += lengths * [True] + rest * [False]
-        return np.array(q, dtype=bool), np.array(u, dtype=bool)
-
     def units(self, length: float, time: float) -> np.ndarray:
         """Return what each entry of the state counts in: a length, one, and the same over the time."""
-        q, u = (np.where(lengths, length, 1.0) for lengths in self._are_lengths)
-        return np.concatenate((q, u / time))
+        q, u = list[float](), list[float]()
+        for kind, width, freedoms in zip(self.kind, self.widths, self.freedoms, strict=True):
+            lengths = {arrays.FREE: self.scene.dimension, arrays.PRISMATIC: 1}.get(kind, 0)
+            q += lengths * [length] + (width - lengths) * [1.0]
+            u += lengths * [length] + (freedoms - lengths) * [1.0]
+        return np.concatenate((q, np.divide(u, time)))
 
 
 UNTURNED = (arrays.FREE, arrays.SPHERICAL, arrays.HELD)  # bodies that their parent does not turn

@@ -115,11 +115,9 @@ class SpatialSystem(JointedSystem):
         self.groups.loops.most[:] = self._closure_ranks()
 
     def _scratch(self) -> Any:
-        sticking, slots = len(deflecting(self.scene)), len(self.groups.slots.body)
-        state = self.n_positions + 3 * (self.n_bodies + len(self.rigid)) + 2 * sticking
-        scratch = rigid_scratch(
-            SpatialScratch, self.n_bodies, slots, state, self.groups.loops, rates=6, n_sticking=sticking
-        )
+        sticking, slots, n = len(deflecting(self.scene)), len(self.groups.slots.body), self.n_bodies
+        state = self.n_positions + 3 * (n + len(self.rigid)) + 2 * sticking
+        scratch = rigid_scratch(SpatialScratch, n, slots, state, self.groups.loops, rates=6, n_sticking=sticking)
         scratch.kinematics.turned[:] = np.eye(3)
         scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
         return scratch

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from contextlib import AbstractContextManager, nullcontext
 from copy import copy
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from mbs_ref.cores.in_lanes import SideBySide, side_by_side
 from mbs_ref.cores.joint_graph import graph_of
 from mbs_ref.kernels import answers as core
-from mbs_ref.kernels.border.handles import Model, Work, make_handle
+from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.rows import Rod, SharedPoint
 from mbs_ref.scene.contact import Granules
@@ -36,6 +36,12 @@ class Poses(NamedTuple):
         return cls(path.position, path.orientation, path.velocity, path.angular_velocity)
 
 
+@cache
+def _answers(name: str, groups: tuple[str, ...]) -> np.ndarray:
+    """Return the first words of the handles of a core of this name, which answers groups of questions."""
+    return core.connected(name, np.zeros(QUESTIONS, dtype=np.int64), groups)
+
+
 class System(ABC):
     """A compiled scene. A core implements the abstract methods and sets scene, groups and scratch.
 
@@ -55,11 +61,11 @@ class System(ABC):
     @cached_property
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """Handles of the scene's arrays and of the scratch, by which the core answers (kernels/border/calls.py)."""
-        parts, groups = (self.groups, self.scratch), self.answered
         # scratch comes from `empty`, which follows the declarations; so do copies
-        handles = [make_handle(part, checked) for part, checked in zip(parts, (self.is_twin, True), strict=True)]
-        scene, scratch = (core.connected(self.CORE, handle, groups) for handle in handles)
-        return scene, scratch
+        handles = make_handle(self.groups, checked=self.is_twin), make_handle(self.scratch, checked=True)
+        for handle in handles:
+            handle[:QUESTIONS] = _answers(self.CORE, self.answered)
+        return handles
 
     @cached_property
     def answered(self) -> tuple[str, ...]:

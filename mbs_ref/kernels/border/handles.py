@@ -8,6 +8,7 @@ compiled code counts the references of an array it is given, atomically, at ever
 
 import ctypes
 from collections import namedtuple
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -69,19 +70,30 @@ def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
     """
     words = [0] * QUESTIONS
     for group in groups:
-        if not (checked or group is absent(type(group))):
+        if group is absent(type(group)):
+            words += _words_of_absent(type(group))
+            continue
+        if not checked:
             check(group)
-        for part in group:
-            words += (_address(part), *part.shape, *_PADDING[part.ndim])
+        words += _words(group)
     return np.array(words, dtype=np.int64)
 
 
-def _address(part: np.ndarray) -> int:
-    """Return where an array begins in memory; of one without entries, some place that may be read."""
-    try:  # NumPy's own attributes take three times as long
-        return ctypes.addressof(_Byte.from_buffer(part if part.size else _NOTHING))
-    except TypeError:  # not contiguous, or not to be written to
-        return part.ctypes.data
+@cache
+def _words_of_absent(group: type) -> list[int]:
+    return _words(absent(group))
+
+
+def _words(group: Any) -> list[int]:
+    """Return address and lengths of each array of a group; without entries it has some address that may be read."""
+    words: list[int] = []
+    for part in group:
+        try:  # NumPy's own attributes take three times as long
+            address = ctypes.addressof(_Byte.from_buffer(part if part.size else _NOTHING))
+        except TypeError:  # not contiguous, or not to be written to
+            address = part.ctypes.data
+        words += (address, *part.shape, *_PADDING[part.ndim])
+    return words
 
 
 def handle_class(module: str, name: str, groups: type, **lengths: int) -> Any:

@@ -23,8 +23,7 @@ class Axes(Protocol):
     def body(self, name: str) -> int: ...
     def angle(self, name: str) -> float: ...  # rad, in the plane
     def points(self, names: Names, world: Any) -> np.ndarray: ...  # of world points, each in a body's axes, m
-    def directions(self, names: Names, world: Any) -> np.ndarray: ...  # of world directions, each in a body's
-    def turns(self, names: Names) -> np.ndarray: ...  # matrices from world axes into bodies'
+    def directions(self, names: Names, world: Any) -> np.ndarray: ...  # of world directions, each in a body's axes
 
 
 class Row:
@@ -39,10 +38,7 @@ class Row:
 
     @staticmethod
     def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
-        """Return the numbers of such rows, whose fields `of` lists, in the axes of their bodies a and b.
-
-        They are in the order of the group's arrays.
-        """
+        """Return the arrays of the group for rows of which `of` lists a field, in the axes of their bodies a and b."""
         raise NotImplementedError("this kind of row names no numbers")
 
 
