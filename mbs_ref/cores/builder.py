@@ -40,7 +40,9 @@ class PlacedRow(NamedTuple):
     joint: Any
     a: str
     b: str
-    at: Place
+    slot: int
+    first: int  # of its places in the slot
+    side: int  # of body a
 
 
 class Builder(ABC):
@@ -68,8 +70,12 @@ class Builder(ABC):
         held = [k for k, contact in enumerate(scene.contacts) if contact.holds]
         self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
         self.rows: dict[str, list[PlacedRow]] = {}  # by the group of arrays that they fill
-        for k in sorted(self.place):
-            self._place_rows(scene.joints[k], self.joint_rows[k], self.place[k])
+        for k, at in sorted(self.place.items()):
+            joint, first = scene.joints[k], at.row
+            for row in self.joint_rows[k]:
+                placed = PlacedRow(row, joint, *joint.ends, at.slot, first, at.side)
+                self.rows.setdefault(row.GROUP, []).append(placed)
+                first += row.count
 
     def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
         slot, row = len(self.slot_bodies), 0
@@ -85,13 +91,6 @@ class Builder(ABC):
         self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
         self.slot_rows.append(1)
         return len(self.slot_rows) - 1
-
-    def _place_rows(self, joint: Any, rows: Sequence[Row], at: Place) -> None:
-        (slot, first, side, _), (a, b) = at, joint.ends
-        for row in rows:
-            count = row.count
-            self.rows.setdefault(row.GROUP, []).append(PlacedRow(row, joint, a, b, Place(slot, first, side, count)))
-            first += count
 
     def loops(self) -> Loops:
         """Return the closures of loops: the slots beyond the tree's that have rows."""
@@ -189,13 +188,13 @@ def _row_group(build: Builder, kind: type[Row], group: Any) -> Any:
     rows = build.rows.get(kind.GROUP)
     if not rows:
         return absent(group)
-    each = [r.row for r in rows]
-    numbers = kind.numbers(build, lambda f: [getattr(x, f) for x in each], [r.a for r in rows], [r.b for r in rows])
+    each, joints, a, b, slots, firsts, sides = zip(*rows, strict=True)
+    numbers = kind.numbers(build, lambda field: [getattr(row, field) for row in each], a, b)
     columns = {name: np.array(n, dtype=float) for name, n in zip(group._fields[3:], numbers, strict=False)}
     if "signal" in group._fields:
-        columns["signal"] = ints([build.motion(r.joint) for r in rows])
-    side = [r.at.side if "side_a" in group._fields else 1 - r.at.side for r in rows]  # a drive's first end is ground
-    return group(ints([r.at.slot for r in rows]), ints([r.at.row for r in rows]), ints(side), **columns)
+        columns["signal"] = ints([build.motion(joint) for joint in joints])
+    own = sides if "side_a" in group._fields else [1 - side for side in sides]  # a drive's first end is ground
+    return group(ints(slots), ints(firsts), ints(own), **columns)
 
 
 def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarray, **own: Any) -> Any:

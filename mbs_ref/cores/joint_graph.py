@@ -36,12 +36,6 @@ class Layout:
     closures: list[Edge]
 
 
-def joint_rows(scene: Scene) -> list[list[Row]]:
-    """Return the elementary rows of every joint; those on a centre of mass with its place."""
-    dimension = scene.dimension
-    return [[_placed(row, scene, joint) for row in joint.rows(dimension)] for joint in scene.joints]
-
-
 def _placed(row: Row, scene: Scene, joint: Any) -> Row:
     if isinstance(row, Prescribed) and row.point is None:
         return replace(row, point=scene.bodies[scene.places[joint.ends[1]]].position)
@@ -54,8 +48,9 @@ def row_count(rows: Sequence[Row]) -> int:
 
 @of_last_scene
 def graph_of(scene: Scene) -> tuple[list[list[Row]], Layout]:
-    """Return the rows of every joint, as `joint_rows` does, and the layout."""
-    rows = joint_rows(scene)
+    """Return the elementary rows of every joint, those on a centre of mass with its place, and the layout."""
+    dimension = scene.dimension
+    rows = [[_placed(row, scene, joint) for row in joint.rows(dimension)] for joint in scene.joints]
     return rows, _span_graph(scene, _edges(scene, rows))
 
 

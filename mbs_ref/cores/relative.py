@@ -186,7 +186,7 @@ class RelativeSystem(System):
         """Return places and orientations (n + 1, m, ...) at redundant states (m, n_full), in elimination order."""
         poses, order, m = self.redundant.poses(full), self.layout.order, len(full)
         place = np.concatenate((poses.position[:, order], np.zeros((m, 1, self.scene.dimension))), axis=1)
-        ground = np.broadcast_to(self.GROUND, (m, 1, *np.shape(self.GROUND)))
+        ground = np.full((m, 1, *np.shape(self.GROUND)), self.GROUND)
         turn = np.concatenate((poses.orientation[:, order], ground), axis=1)
         return place.swapaxes(0, 1), turn.swapaxes(0, 1)
 
