@@ -208,7 +208,7 @@ def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarr
     held = {end for sides, rows in zip(build.slot_bodies, build.slot_rows, strict=True) if rows for end in sides}
     own_bodies = [scene.bodies[i] for i in build.layout.order]
     bodies = Bodies(
-        mass=floats(body.mass for body in own_bodies), inertia=inertia[order],
+        mass=floats([body.mass for body in own_bodies]), inertia=inertia[order],
         rigid=ints([not isinstance(body, PointMass) for body in own_bodies]),
         alone=ints([k not in held for k in range(build.n)]), scene_index=order, q=first[order],
         v=first[build.n + order], start=first[[build.n]], parent=ints(build.layout.parent),

@@ -43,7 +43,7 @@ def _placed(row: Row, scene: Scene, joint: Any) -> Row:
 
 
 def row_count(rows: Sequence[Row]) -> int:
-    return sum(row.count for row in rows)
+    return sum([row.count for row in rows])
 
 
 @of_last_scene
@@ -60,7 +60,7 @@ def _edges(scene: Scene, rows: list[list[Row]]) -> list[Edge]:
     result, places = list[Edge](), scene.places
     by_pair: dict[frozenset[int], list[Edge]] = {}
     for k, joint in enumerate(scene.joints):
-        a, b = (places[end] for end in joint.ends)
+        a, b = [places[end] for end in joint.ends]
         group = by_pair.setdefault(frozenset((a, b)), [])
         edge = next((e for e in group if fits(e.rows, rows[k])), None)
         if edge is None:

@@ -82,7 +82,7 @@ class System(ABC):
         grains = [isinstance(load, Granules) for load in scene.loads]
         has = {
             core.LOADS: not all(grains), core.GRANULES: any(grains),
-            core.ROWS: not all(isinstance(row, SharedPoint | Rod) for rows in graph_of(scene)[0] for row in rows),
+            core.ROWS: not {type(row) for rows in graph_of(scene)[0] for row in rows} <= {SharedPoint, Rod},
             core.GRIPS: any(contact.friction and contact.friction.STICKS for contact in scene.contacts),
             core.HELD: any(contact.holds for contact in scene.contacts),
             core.SWITCHES: len(self.event_sources) > len(scene.contacts),
@@ -132,7 +132,7 @@ class System(ABC):
     @cached_property
     def calls_users(self) -> bool:
         """Whether a force or a constraint is a user's own function."""
-        return any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
+        return not {UserForce, UserConstraint}.isdisjoint(map(type, (*self.scene.loads, *self.scene.joints)))
 
     def beside(self) -> "System":
         """Return a system for a companion run, a twin if runs change modes or times; it locates events elsewhere."""
