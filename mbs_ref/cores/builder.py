@@ -11,15 +11,17 @@ from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs, granules
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
 from mbs_ref.cores.joint_graph import Edge, graph_of, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
-from mbs_ref.kernels.border.groups import declared, empty, floats, ints, members
+from mbs_ref.kernels.border.groups import absent, empty, floats, ints, members
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import GROUND, Force, PointMass, Scene, SpatialBody, Torque, TorqueVector, TorsionSpring
+from mbs_ref.scene import Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
+
+UNTURNED = (1.0, 0.0, 0.0, 0.0)  # Euler parameters
 
 
 class Place(NamedTuple):
@@ -38,19 +40,24 @@ class PlacedRow(NamedTuple):
     joint: Any
     a: str
     b: str
-    at: Place
+    slot: int
+    first: int  # of its places in the slot
+    side: int  # of body a
 
 
 class Builder(ABC):
-    """Bodies' places and axes at t = 0, and slots of a scene's joints; `signal` collects the functions of time."""
+    """Bodies' places and axes at t = 0, and slots of a scene's joints; `signal` collects the functions of time.
+
+    `centres` (n_bodies + 1, dimension; m), `angles` (rad, 0 of what has none) and `axes` have ground last.
+    """
 
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+        self.scene, self.n, self.dimension = scene, len(scene.bodies), scene.dimension
         self.joint_rows, self.layout = graph_of(scene)
-        self.n = len(scene.bodies)
-        self.axes = {body.name: _axes(body) for body in scene.bodies}
-        self.centre = {body.name: np.array(body.position) for body in scene.bodies}
-        self.scene_index = {body.name: k for k, body in enumerate(scene.bodies)} | {GROUND: -1}
+        self.angles = [*(vars(body).get("angle", 0.0) for body in scene.bodies), 0.0]
+        self.axes = _axes(scene, self.angles)
+        self.centres = np.array([*(body.position for body in scene.bodies), (0.0,) * self.dimension])
+        self.scene_index = scene.places
         self.number = {body: k for k, body in enumerate(self.layout.order)} | {-1: self.n}
         self.segments: list[list[Segment]] = []
         self.place: dict[int, Place] = {}  # by the joint's index
@@ -62,7 +69,13 @@ class Builder(ABC):
             self._add_slot(edge, self.number[edge.a], self.number[edge.b])
         held = [k for k, contact in enumerate(scene.contacts) if contact.holds]
         self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
-        self.rows = [row for k in sorted(self.place) for row in self._placed_rows(k)]
+        self.rows: dict[str, list[PlacedRow]] = {}  # by the group of arrays that they fill
+        for k, at in sorted(self.place.items()):
+            joint, first = scene.joints[k], at.row
+            for row in self.joint_rows[k]:
+                placed = PlacedRow(row, joint, *joint.ends, at.slot, first, at.side)
+                self.rows.setdefault(row.GROUP, []).append(placed)
+                first += row.count
 
     def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
         slot, row = len(self.slot_bodies), 0
@@ -79,17 +92,11 @@ class Builder(ABC):
         self.slot_rows.append(1)
         return len(self.slot_rows) - 1
 
-    def _placed_rows(self, k: int) -> list[PlacedRow]:
-        joint, at = self.scene.joints[k], self.place[k]
-        result = []
-        for row in self.joint_rows[k]:
-            result.append(PlacedRow(row, joint, *joint.ends, at._replace(n_rows=row.count)))
-            at = at._replace(row=at.row + row.count)
-        return result
-
     def loops(self) -> Loops:
         """Return the closures of loops: the slots beyond the tree's that have rows."""
         slots = [k for k in range(self.n, len(self.slot_rows)) if self.slot_rows[k]]
+        if not slots:
+            return empty(Loops, **{"n + 1": self.n + 1, "n_closures + 1": 1})
         closures = [Closure(k, self.slot_bodies[k], self.slot_rows[k]) for k in slots]
         return loops_of_closures(self.layout.parent, closures)
 
@@ -97,13 +104,17 @@ class Builder(ABC):
         """Return a body's elimination number; that of ground is the number of bodies."""
         return self.number[self.scene_index[name]]
 
-    def point(self, name: str, world: Any) -> np.ndarray:
-        """Return a world point at t = 0 in the axes of a body of this name, or of ground."""
-        return np.array(world, float) if name == GROUND else self.direction(name, np.array(world) - self.centre[name])
+    def points(self, names: Sequence[str], world: Any) -> np.ndarray:
+        """Return world points (k, dimension) at t = 0 in the axes of k bodies of these names, or of ground, m."""
+        return self.directions(names, world - self.centres[[self.scene_index[name] for name in names]])
 
-    def direction(self, name: str, world: Any) -> np.ndarray:
-        """Return a world direction at t = 0 in the axes of a body of this name, or of ground."""
-        return np.array(world, dtype=float) if name == GROUND else self.axes[name].T @ world
+    def directions(self, names: Sequence[str], world: Any) -> np.ndarray:
+        """Return world directions (k, dimension) at t = 0 in the axes of k bodies of these names, or of ground."""
+        return (self.turns(names) @ np.array(world)[..., None])[..., 0]
+
+    def turns(self, names: Sequence[str]) -> np.ndarray:
+        """Return what turns world axes into those of k bodies of these names (k, dimension, dimension)."""
+        return self.axes[[self.scene_index[name] for name in names]].swapaxes(1, 2)
 
     @abstractmethod
     def groups(self) -> Any:
@@ -111,7 +122,7 @@ class Builder(ABC):
 
     def angle(self, name: str) -> float:
         """Return a planar body's angle at t = 0, rad; 0 of what has none."""
-        return 0.0 if name == GROUND else getattr(self.scene.bodies[self.scene_index[name]], "angle", 0.0)
+        return self.angles[self.scene_index[name]]
 
     def signal(self, segments: list[Segment]) -> int:
         self.segments.append(segments)
@@ -122,13 +133,11 @@ class Builder(ABC):
         return self.signal(motion_segments(drive.motion, drive.level))
 
 
-def _axes(body: Any) -> np.ndarray:
-    """Return a body's axes (dimension, dimension) as columns, world, at t = 0."""
-    if isinstance(body, SpatialBody):
-        return rotation_matrices(body.orientation)
-    angle = getattr(body, "angle", 0.0)
-    c, s = math.cos(angle), math.sin(angle)
-    return np.eye(3) if len(body.position) == 3 else np.array([[c, -s], [s, c]])
+def _axes(scene: Scene, angles: list[float]) -> np.ndarray:
+    """Return the axes (n_bodies + 1, dimension, dimension) of bodies and ground as columns, world, at t = 0."""
+    if scene.dimension == 3:
+        return rotation_matrices([*(vars(body).get("orientation", UNTURNED) for body in scene.bodies), UNTURNED])
+    return np.array([((c, -s), (s, c)) for c, s in zip(map(math.cos, angles), map(math.sin, angles), strict=True)])
 
 
 def ends(build: Builder, loads: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
@@ -138,15 +147,16 @@ def ends(build: Builder, loads: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
 
 def forces(build: Builder) -> Forces:
     """Return the forces and torques, each a vector times a signal, along body axes where they turn with the body."""
-    d = build.scene.dimension
     loads = [x for x in build.scene.loads if isinstance(x, Force | Torque | TorqueVector)]
-    follows = [getattr(x, "frame", "world") == "body" for x in loads]
-    vectors = [x.torque if isinstance(x, Torque) else build.direction(x.body, x.vector) if turns else np.array(x.vector)
+    if not loads:
+        return absent(Forces)
+    d, follows = build.dimension, [getattr(x, "frame", "world") == "body" for x in loads]
+    vectors = [x.torque if isinstance(x, Torque) else build.directions([x.body], [x.vector])[0] if turns else x.vector
                for x, turns in zip(loads, follows, strict=True)]  # fmt: skip
     pairs, no_turn = list(zip(loads, vectors, strict=True)), np.zeros(d * (d - 1) // 2)
     return Forces(
         body=ints([build.body(x.body) for x in loads]),
-        point=floats([build.point(x.body, x.point) if isinstance(x, Force) else np.zeros(d) for x in loads], d),
+        point=floats([build.points([x.body], [x.point])[0] if isinstance(x, Force) else np.zeros(d) for x in loads], d),
         force=floats([v if isinstance(x, Force) else np.zeros(d) for x, v in pairs], d),
         torque=floats([no_turn if isinstance(x, Force) else np.atleast_1d(v) for x, v in pairs], len(no_turn)),
         follows=ints(follows),
@@ -157,6 +167,8 @@ def forces(build: Builder) -> Forces:
 def torsion_springs(build: Builder, rest: Callable[[TorsionSpring], float], **marks: np.ndarray) -> TorsionSprings:
     """Return the torsion springs; `marks` are where their angle is read in space."""
     loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
+    if not loads:
+        return absent(TorsionSprings)
     a, b = ends(build, loads)
     return empty(TorsionSprings, k=len(loads))._replace(
         a=a, b=b, stiffness=floats(x.stiffness for x in loads), damping=floats(x.damping for x in loads),
@@ -173,21 +185,16 @@ def row_groups(build: Builder, groups: type) -> dict[str, Any]:
 
 def _row_group(build: Builder, kind: type[Row], group: Any) -> Any:
     """Return the arrays of one kind of row: where each is, its numbers, and the signal of a prescribed one."""
-    rows = [placed for placed in build.rows if isinstance(placed.row, kind)]
-    numbers = [r.row.numbers(build, r.a, r.b) for r in rows]
-    own = list(declared(group).items())[3:]
-    d = build.scene.dimension  # for which any word stands
-    columns = {
-        name: np.array([n[k] for n in numbers], dtype=float).reshape(
-            len(rows), *(n if isinstance(n, int) else d for n in array.shape[1:])
-        )
-        for k, (name, array) in enumerate(own)
-        if name != "signal"
-    }
+    rows = build.rows.get(kind.GROUP)
+    if not rows:
+        return absent(group)
+    each, joints, a, b, slots, firsts, sides = zip(*rows, strict=True)
+    numbers = kind.numbers(build, lambda field: [getattr(row, field) for row in each], a, b)
+    columns = {name: np.array(n, dtype=float) for name, n in zip(group._fields[3:], numbers, strict=False)}
     if "signal" in group._fields:
-        columns["signal"] = ints([build.motion(r.joint) for r in rows])
-    side = [r.at.side if "side_a" in group._fields else 1 - r.at.side for r in rows]  # a drive's first end is ground
-    return group(ints([r.at.slot for r in rows]), ints([r.at.row for r in rows]), ints(side), **columns)
+        columns["signal"] = ints([build.motion(joint) for joint in joints])
+    own = sides if "side_a" in group._fields else [1 - side for side in sides]  # a drive's first end is ground
+    return group(ints(slots), ints(firsts), ints(own), **columns)
 
 
 def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarray, **own: Any) -> Any:
@@ -196,34 +203,31 @@ def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarr
     `widths` (2, n_bodies) are how many coordinates and rates each body has in the state, and `inertia`
     (n_bodies, moments) what turns it, both in scene order.
     """
-    scene, order = build.scene, build.layout.order
+    scene, order = build.scene, ints(build.layout.order)
     first = np.concatenate(([0], np.cumsum(widths)))  # rates follow all coordinates
     held = {end for sides, rows in zip(build.slot_bodies, build.slot_rows, strict=True) if rows for end in sides}
+    own_bodies = [scene.bodies[i] for i in build.layout.order]
     bodies = Bodies(
-        mass=floats(scene.bodies[i].mass for i in order), inertia=inertia[order].astype(float),
-        rigid=ints([not isinstance(scene.bodies[i], PointMass) for i in order]),
-        alone=ints([k not in held for k in range(build.n)]), scene_index=ints(order), q=ints(first[order].tolist()),
-        v=ints(first[build.n + np.array(order, dtype=int)].tolist()), start=ints([int(first[build.n])]),
-        parent=ints(build.layout.parent),
+        mass=floats([body.mass for body in own_bodies]), inertia=inertia[order],
+        rigid=ints([not isinstance(body, PointMass) for body in own_bodies]),
+        alone=ints([k not in held for k in range(build.n)]), scene_index=order, q=first[order],
+        v=first[build.n + order], start=first[[build.n]], parent=ints(build.layout.parent),
     )  # fmt: skip
     pairs = contact_pairs(scene, build)
-    every = groups(
+    return groups(
         bodies=bodies, slots=Slots(np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), ints(build.slot_rows)),
         loops=build.loops(), **row_groups(build, groups), springs=springs(scene, build), contact_pairs=pairs,
         contact_laws=contact_laws(scene, build.contact_slot), contact_modes=contact_modes(scene),
-        near_pairs=contact_balls(pairs), granules=granules(scene, build), watches=watches(scene, build),
-        signals=signal_arrays(build.segments),
+        near_pairs=contact_balls(pairs, scene.dimension), granules=granules(scene, build),
+        watches=watches(scene, build), signals=signal_arrays(build.segments),
         world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)), **own,
     )  # fmt: skip
-    return groups(*map(contiguous, every))
-
-
-def contiguous(group: Any) -> Any:
-    return type(group)(*map(np.ascontiguousarray, group))
 
 
 def signal_arrays(signals: list[list[Segment]]) -> SignalArrays:
     """Flatten the segments of every signal."""
+    if not signals:
+        return absent(SignalArrays)
     flat = [segment for signal in signals for segment in signal]
     coefficients = np.zeros((len(flat), DEGREE + 1))
     for k, segment in enumerate(flat):

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbs_ref.cores.events import RELEASES
-from mbs_ref.kernels.border.groups import empty, floats, ints
+from mbs_ref.kernels.border.groups import absent, empty, floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.contact import neighbours
 from mbs_ref.kernels.contact.near_pairs import NearPairs
@@ -83,17 +83,19 @@ _SHAPES: dict[type, Any] = {
 
 def contact_pairs(scene: Scene, places: Axes) -> ContactPairs:
     """Return the shapes in body axes."""
+    if not scene.contacts:
+        return absent(ContactPairs)
     parts, d, sticking = scene.contacts, scene.dimension, deflecting(scene)
     shapes: list[_Shape] = [_SHAPES[type(part)](part) for part in parts]
-    pairs = list(zip(parts, shapes, strict=True))
+    axes = [x for shape in shapes for x in shape.axes]
     order = {name: k for k, name in enumerate(sticking)}
     return ContactPairs(
         kind=ints([s.kind for s in shapes]), a=ints([places.body(p.body_a) for p in parts]),
         b=ints([places.body(p.body_b) for p in parts]),
-        center=floats((places.point(p.body_a, s.center) for p, s in pairs), d),
+        center=places.points([p.body_a for p in parts], [s.center for s in shapes]),
         radius=floats(s.radius for s in shapes),
-        origin=floats((places.point(p.body_b, s.origin) for p, s in pairs), d),
-        axes=floats([[places.direction(p.body_b, x) for x in s.axes] for p, s in pairs], d, d),
+        origin=places.points([p.body_b for p in parts], [s.origin for s in shapes]),
+        axes=places.directions([p.body_b for p in parts for _ in range(d)], axes).reshape(-1, d, d),
         half=floats((s.half for s in shapes), 2), ends=ints([s.ends for s in shapes]),
         thickness=floats(s.thickness for s in shapes), flank=floats((s.flank for s in shapes), 2),
         deflection=ints([order.get(p.name, -1) for p in parts]), sticking=ints([len(sticking)]),
@@ -108,9 +110,8 @@ class Ball(NamedTuple):
     reach: float  # m
 
 
-def contact_balls(pairs: ContactPairs) -> NearPairs:
+def contact_balls(pairs: ContactPairs, dimension: int) -> NearPairs:
     """Return what every pair's shapes lie in, and the list of near pairs."""
-    dimension = pairs.center.shape[1]
     sides = [(_ball(pairs, k), _other_ball(pairs, k)) for k in range(len(pairs.kind))]
     bounded = [k for k, (_, other) in enumerate(sides) if other is not None]
     every = empty(NearPairs, dimension=dimension)._replace(
@@ -158,7 +159,7 @@ def granules(scene: Scene, places: Axes) -> neighbours.Granules:
     """Return the arrays of the granules: their shapes, walls and law, and room for the list of near pairs."""
     parts = [load for load in scene.loads if isinstance(load, contact.Granules)]
     if not parts:
-        return empty(neighbours.Granules, dimension=scene.dimension, **{"n + 1": 1})
+        return absent(neighbours.Granules)
     (part,) = parts
     chosen = np.flatnonzero(np.broadcast_to(part.radius, len(scene.bodies)))
     radius, half = part.shapes(len(scene.bodies), scene.dimension)

@@ -10,7 +10,7 @@ import numpy as np
 
 from mbs_ref.cores.system import System
 from mbs_ref.kernels import answers as core
-from mbs_ref.kernels.border.groups import floats, ints
+from mbs_ref.kernels.border.groups import absent, floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.rigid.model import WATCH_COORDINATE, WATCH_DISTANCE, WATCH_RATE, Springs, Watches
 from mbs_ref.scene import GROUND, PointBushing, Scene, SpringDamper
@@ -34,6 +34,8 @@ _FRICTIONS = {"none": shared.FRICTION_NONE, "smooth": shared.FRICTION_SMOOTH, "s
 
 def contact_laws(scene: Scene, slots: dict[int, int]) -> shared.ContactLaws:
     """Return the laws and frictions; `slots` holds the row of each constraint contact, by its place."""
+    if not scene.contacts:
+        return absent(shared.ContactLaws)
     laws = [part.law.numbers() for part in scene.contacts]
     frictions = [part.friction.numbers() if part.friction else FrictionNumbers() for part in scene.contacts]
     numbers = [law._asdict() | friction._asdict() for law, friction in zip(laws, frictions, strict=True)]
@@ -78,14 +80,15 @@ def contact_modes(scene: Scene) -> shared.ContactModes:
 def springs(scene: Scene, places: Axes) -> Springs:
     """Return the springs between points, and in the plane the bushings."""
     loads = [x for x in scene.loads if isinstance(x, SpringDamper | PointBushing)]
+    if not loads:
+        return absent(Springs)
     modes = {x.name: len(scene.contacts) + k for k, x in enumerate(_tension_only(scene))}
-    ends = [[places.point(*end) for end in zip(x.ends, x.marks, strict=True)] for x in loads]
     given = [getattr(x, "rest_length", 0.0) for x in loads]  # a bushing is unstrained where its marks coincide
     rest = [math.dist(*x.marks) if length is None else length for length, x in zip(given, loads, strict=True)]
-    points = floats(ends, 2, scene.dimension)
+    point_a, point_b = (places.points([x.ends[k] for x in loads], [x.marks[k] for x in loads]) for k in range(2))
     return Springs(
         a=ints([places.body(x.body_a) for x in loads]), b=ints([places.body(x.body_b) for x in loads]),
-        point_a=points[:, 0], point_b=points[:, 1], stiffness=floats(x.stiffness for x in loads),
+        point_a=point_a, point_b=point_b, stiffness=floats(x.stiffness for x in loads),
         damping=floats(x.damping for x in loads), rest_length=floats(rest),
         limit=floats(getattr(x, "limit", None) or math.inf for x in loads),
         isotropic=ints([isinstance(x, PointBushing) for x in loads]),
@@ -95,14 +98,16 @@ def springs(scene: Scene, places: Axes) -> Springs:
 
 def watches(scene: Scene, places: Axes) -> Watches:
     """Return the declared events."""
-    noise, names = contact_noise(scene) if scene.events else np.zeros(3), COORDINATES[scene.dimension]
+    if not scene.events:
+        return absent(Watches)
+    noise, names = contact_noise(scene), COORDINATES[scene.dimension]
     ends = [e.ends if isinstance(e, DistanceEvent) else (e.body, GROUND) for e in scene.events]
-    marks = [[places.point(*end) for end in zip(e.ends, e.marks, strict=True)] if isinstance(e, DistanceEvent)
-             else np.zeros((2, scene.dimension)) for e in scene.events]  # fmt: skip
-    points = floats(marks, 2, scene.dimension)
+    marks = [[places.points([end], [mark])[0] for end, mark in zip(e.ends, e.marks, strict=True)]
+             if isinstance(e, DistanceEvent) else np.zeros((2, scene.dimension)) for e in scene.events]  # fmt: skip
+    point_a, point_b = np.array(marks).swapaxes(0, 1).copy()
     return Watches(
-        a=ints([places.body(a) for a, _ in ends]), b=ints([places.body(b) for _, b in ends]), point_a=points[:, 0],
-        point_b=points[:, 1], quantity=ints([_quantity(event) for event in scene.events]),
+        a=ints([places.body(a) for a, _ in ends]), b=ints([places.body(b) for _, b in ends]), point_a=point_a,
+        point_b=point_b, quantity=ints([_quantity(event) for event in scene.events]),
         component=ints([names.index(getattr(event, "coordinate", "x")) for event in scene.events]),
         value=floats(event.value for event in scene.events),
         noise=floats(_watch_noise(event, noise) for event in scene.events),

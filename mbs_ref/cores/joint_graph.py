@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -24,10 +25,6 @@ class Edge:
     joints: list[int] = field(default_factory=list)  # indices into scene.joints
     rows: list[Row] = field(default_factory=list)
 
-    @property
-    def count(self) -> int:
-        return row_count(self.rows)
-
 
 @dataclass
 class Layout:
@@ -39,35 +36,31 @@ class Layout:
     closures: list[Edge]
 
 
-def joint_rows(scene: Scene) -> list[list[Row]]:
-    """Return the elementary rows of every joint; those on a centre of mass with its place."""
-    return [[_placed(row, scene, joint.ends[1]) for row in joint.rows(scene.dimension)] for joint in scene.joints]
-
-
-def _placed(row: Row, scene: Scene, body: str) -> Row:
+def _placed(row: Row, scene: Scene, joint: Any) -> Row:
     if isinstance(row, Prescribed) and row.point is None:
-        return replace(row, point=scene.bodies[scene.body_index(body)].position)
+        return replace(row, point=scene.bodies[scene.places[joint.ends[1]]].position)
     return row
 
 
 def row_count(rows: Sequence[Row]) -> int:
-    return sum(row.count for row in rows)
+    return sum([row.count for row in rows])
 
 
 @of_last_scene
 def graph_of(scene: Scene) -> tuple[list[list[Row]], Layout]:
-    """Return the rows of every joint, as `joint_rows` does, and the layout."""
-    rows = joint_rows(scene)
+    """Return the elementary rows of every joint, those on a centre of mass with its place, and the layout."""
+    dimension = scene.dimension
+    rows = [[_placed(row, scene, joint) for row in joint.rows(dimension)] for joint in scene.joints]
     return rows, _span_graph(scene, _edges(scene, rows))
 
 
 def _edges(scene: Scene, rows: list[list[Row]]) -> list[Edge]:
     """Group the joints into slots: those of a pair of bodies whose rows are independent in every pose."""
     fits = {2: _fits_in_plane, 3: _fits_in_space}[scene.dimension]
-    result: list[Edge] = []
+    result, places = list[Edge](), scene.places
     by_pair: dict[frozenset[int], list[Edge]] = {}
     for k, joint in enumerate(scene.joints):
-        a, b = (scene.body_index(end) for end in joint.ends)
+        a, b = [places[end] for end in joint.ends]
         group = by_pair.setdefault(frozenset((a, b)), [])
         edge = next((e for e in group if fits(e.rows, rows[k])), None)
         if edge is None:
@@ -118,9 +111,9 @@ def _are_independent(held: Sequence[SharedPoint | Prescribed]) -> bool:
 def _span_graph(scene: Scene, every: list[Edge]) -> Layout:
     """Span the joint graph breadth first, ground first, stronger joints first."""
     # a user's row may leave a body free at some pose, and closes a loop
-    spanning = [edge for edge in every if not any(isinstance(row, UserRow) for row in edge.rows)]
+    spanning = [edge for edge in every if UserRow not in map(type, edge.rows)]
     neighbours: dict[int, list[Edge]] = {i: [] for i in range(-1, len(scene.bodies))}
-    for edge in sorted(spanning, key=lambda e: -e.count):
+    for edge in sorted(spanning, key=lambda e: -row_count(e.rows)):
         neighbours[edge.a].append(edge)
         neighbours[edge.b].append(edge)
     number = {-1: len(scene.bodies)}

@@ -28,7 +28,9 @@ _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
 def _copied(group: Any) -> Any:
     """Return a group with arrays of its own; a log is empty before a run, and so large that zeros are not written."""
-    return type(group)(*(np.zeros(a.shape) if name == "log" else a.copy() for name, a in group._asdict().items()))
+    return group._replace(**{
+        name: np.zeros(a.shape) if name == "log" else a.copy() for name, a in group._asdict().items() if a.size
+    })  # fmt: skip
 
 
 class Reporting(NamedTuple):
@@ -115,18 +117,27 @@ class JointedSystem(ContactSystem):
     def _user_row(self, k: int, at: Place) -> UserRow:
         joint: Any = self.scene.joints[k]
         sides = self.groups.slots.body[at.slot]
-        arms = [self.arm_of(joint, end) for end in ("body_a", "body_b")]
+        arms = self.arms([joint, joint], ["body_a", "body_b"])
         bodies = int(sides[at.side]), int(sides[1 - at.side])
         return UserRow(joint.formula(), joint.name, at.slot, at.row, at.side, bodies, (arms[0], arms[1]))
 
-    def arm_of(self, joint: Any, end: str) -> np.ndarray:
-        """Return where a joint holds one of its ends, body axes, m; from the origin on ground, zero without a mark."""
-        mark = joint.mark(end)
-        return np.zeros(self.scene.dimension) if mark is None else self.builder.point(getattr(joint, end), mark)
+    def arms(self, joints: Sequence[Any], ends: Sequence[str]) -> np.ndarray:
+        """Return where joints hold one end of each (k, dimension), m, body axes, from the centre of mass.
+
+        It is counted from the origin on ground, and zero without a mark.
+        """
+        build = self.builder
+        named = [(getattr(joint, end), joint.mark(end)) for joint, end in zip(joints, ends, strict=True)]
+        world = [mark or build.centres[build.scene_index[name]] for name, mark in named]
+        return build.points([name for name, _ in named], floats(world, build.dimension))
 
     @abstractmethod
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> Sequence[Taylor]:
         """Return a body's place (mbs_ref.scene.joints.PLACES) at the state in the scratch; see `UserRow`."""
+
+    @property
+    def n_positions(self) -> int:
+        return int(self.groups.bodies.start[0])
 
     def set_mode_time(self, t: float) -> None:
         self.groups.world.control[CONTROL_MODE_TIME] = t
@@ -315,7 +326,7 @@ class JointedSystem(ContactSystem):
             rows=JointRows(slot, np.where(mirrored, side, 1 - side), first, count),
             sign=np.where(mirrored, 1.0, -1.0)[:, None],
             body=np.array(bodies, dtype=int),
-            arm=floats(map(self.arm_of, parts, fields), self.scene.dimension),
+            arm=self.arms(parts, fields),
         )
 
     @abstractmethod

@@ -12,7 +12,7 @@ from mbs_ref.kernels.border.groups import floats
 from mbs_ref.kernels.planar import model as arrays
 from mbs_ref.kernels.planar.model import PlanarScratch
 from mbs_ref.kernels.rigid.model import rigid_scratch
-from mbs_ref.scene import PlanarBody, PointMass, Scene
+from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.joints import PlanarPlace
 from mbs_ref.scene.scales import Scales
 
@@ -23,12 +23,12 @@ class _Builder(Builder):
     """Planar bodies, joints and loads."""
 
     def groups(self) -> Any:
-        inertia = [[_HELD_INERTIA if isinstance(b, PointMass) else b.inertia] for b in self.scene.bodies]
+        inertia = [_HELD_INERTIA if isinstance(b, PointMass) else b.inertia for b in self.scene.bodies]
         rest = torsion_springs(
             self, lambda x: self.angle(x.body_b) - self.angle(x.body_a) if x.rest_angle is None else x.rest_angle
         )
         own = {"forces": forces(self), "torsion_springs": rest}
-        return assembled(self, arrays.PlanarGroups, np.full((2, self.n), 3), floats(inertia, 1), **own)
+        return assembled(self, arrays.PlanarGroups, np.full((2, self.n), 3), floats(inertia)[:, None], **own)
 
 
 class PlanarSystem(JointedSystem):
@@ -48,12 +48,10 @@ class PlanarSystem(JointedSystem):
         return scratch
 
     def initial_state(self) -> np.ndarray:
-        bodies = self.scene.bodies
-        turns = [(body.angle, body.angular_velocity) if isinstance(body, PlanarBody) else (0.0, 0.0) for body in bodies]
-        angle, rate = np.array(turns).T
-        q = np.column_stack(([body.position for body in bodies], angle))
-        v = np.column_stack(([body.velocity for body in bodies], rate))
-        return np.concatenate((q.ravel(), v.ravel()))
+        fields = [vars(body) for body in self.scene.bodies]
+        q = [(*own["position"], own.get("angle", 0.0)) for own in fields]
+        v = [(*own["velocity"], own.get("angular_velocity", 0.0)) for own in fields]
+        return np.array((q, v), dtype=float).ravel()
 
     @staticmethod
     def state_units(scene: Scene, scales: Scales) -> np.ndarray:

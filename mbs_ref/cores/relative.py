@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -24,7 +23,6 @@ from mbs_ref.scene.traits import deflecting, joined
 
 KINDS = {Revolute: arrays.REVOLUTE, Prismatic: arrays.PRISMATIC, Weld: arrays.WELD, Spherical: arrays.SPHERICAL}
 FREEDOMS = {arrays.REVOLUTE: 1, arrays.PRISMATIC: 1, arrays.WELD: 0, arrays.SPHERICAL: 3, arrays.HELD: 0}
-PARAMETERS = 4  # of an orientation in space, in place of three angles
 
 
 def no_tree(scene: Scene) -> Iterator[str]:
@@ -60,73 +58,66 @@ class Layout:
         _, graph = graph_of(scene)
         self.scene, self.order, self.parent = scene, graph.order, graph.parent
         self.joint = {i: edge.joints[0] for i, edge in enumerate(graph.tree_edge) if edge}  # by elimination number
+        self.bodies = [scene.bodies[k] for k in graph.order]
         self.kind = [self._kind(i) for i in range(len(self.order))]
-        self.freedoms = [self._freedoms(i) for i in range(len(self.order))]
-        widths = [self.freedoms[i] + self._surplus(i) for i in range(len(self.order))]
-        self.q = np.concatenate(([0], np.cumsum(widths))).astype(int)
+        self.freedoms = [self._freedoms(kind, body) for kind, body in zip(self.kind, self.bodies, strict=True)]
+        # one coordinate more than rates where Euler parameters are
+        pairs = zip(self.kind, self.freedoms, strict=True)
+        self.widths = [n + (kind == arrays.SPHERICAL or n == 6) for kind, n in pairs]
+        kinds = list(zip(self.kind, self.widths, strict=True))
+        self.q = np.concatenate(([0], np.cumsum(self.widths))).astype(int)
         self.v = self.q[-1] + np.concatenate(([0], np.cumsum(self.freedoms))).astype(int)
         self.n_positions, self.n_state = int(self.q[-1]), int(self.v[-1])
-        kinds = list(zip(self.kind, widths, strict=True))
         self.alike = {  # places of the joints of each kind and number of coordinates
             one: ints([i for i, other in enumerate(kinds) if other == one]) for one in sorted({*kinds}) if one[1]
         }  # fmt: skip
-
-    def body(self, i: int) -> Any:
-        return self.scene.bodies[self.order[i]]
 
     def _kind(self, i: int) -> int:
         if i not in self.joint:
             return arrays.FREE
         joint = self.scene.joints[self.joint[i]]
         shares_point = isinstance(joint, Revolute | Spherical)
-        return arrays.HELD if shares_point and isinstance(self.body(i), PointMass) else KINDS[type(joint)]  # type: ignore[index]
+        return arrays.HELD if shares_point and isinstance(self.bodies[i], PointMass) else KINDS[type(joint)]  # type: ignore[index]
 
-    def _freedoms(self, i: int) -> int:
-        if self.kind[i] != arrays.FREE:
-            return FREEDOMS[self.kind[i]]
-        return self.scene.dimension if isinstance(self.body(i), PointMass) else 3 * self.scene.dimension - 3
-
-    def _surplus(self, i: int) -> int:
-        """Return how many coordinates more than rates a body's joint has: one where Euler parameters are."""
-        return int(self.kind[i] == arrays.SPHERICAL or self.freedoms[i] == 6)
+    def _freedoms(self, kind: int, body: Any) -> int:
+        if kind != arrays.FREE:
+            return FREEDOMS[kind]
+        return self.scene.dimension if isinstance(body, PointMass) else 3 * self.scene.dimension - 3
 
     def ends(self, i: int) -> tuple[str, str]:
         """Return the fields of the joint that name the body and its parent."""
         joint: Any = self.scene.joints[self.joint[i]]
-        return ("body_a", "body_b") if joint.body_a == self.body(i).name else ("body_b", "body_a")
+        return ("body_a", "body_b") if joint.body_a == self.bodies[i].name else ("body_b", "body_a")
 
     def arrays(self, system: JointedSystem, offset: np.ndarray, axis: np.ndarray) -> arrays.Joints:
         """Return the joints' arrays, their orientations at t = 0 (n, 1 or 4) and axes (n, dimension) given."""
         arms = np.zeros((2, len(self.order), self.scene.dimension))
-        for i, k in self.joint.items():
-            for side, end in enumerate(self.ends(i)):
-                arms[side, i] = system.arm_of(self.scene.joints[k], end)
+        joints, ends = [self.scene.joints[k] for k in self.joint.values()], map(self.ends, self.joint)
+        for side, names in enumerate(zip(*ends, strict=True)):
+            arms[side, list(self.joint)] = system.arms(joints, names)
         return arrays.Joints(
-            kind=ints(self.kind), parent=ints(self.parent), q=ints(self.q[:-1].tolist()),
-            v=ints(self.v[:-1].tolist()), freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,
+            kind=ints(self.kind), parent=ints(self.parent), q=self.q[:-1],
+            v=self.v[:-1], freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,
             offset=offset,
         )  # fmt: skip
 
-    def world_axis(self, i: int) -> np.ndarray:
-        """Return the world direction of a joint's axis at t = 0; zero where it has none."""
-        axis = getattr(self.scene.joints[self.joint[i]], "axis", None) if i in self.joint else None
-        return np.zeros(self.scene.dimension) if axis is None else unit(axis)
-
-    @cached_property
-    def _are_lengths(self) -> tuple[np.ndarray, np.ndarray]:
-        """Which coordinates and which rates are of lengths."""
-        q, u = list[bool](), list[bool]()
-        for i, kind in enumerate(self.kind):
-            lengths = {arrays.FREE: self.scene.dimension, arrays.PRISMATIC: 1}.get(kind, 0)
-            rest = self.freedoms[i] - lengths
-            q += lengths * [True] + (PARAMETERS if rest and self._surplus(i) else rest) * [False]
-            u += lengths * [True] + rest * [False]
-        return np.array(q, dtype=bool), np.array(u, dtype=bool)
+    def world_axes(self) -> np.ndarray:
+        """Return the world directions (n, dimension) of the joints' axes at t = 0; zero where there is none."""
+        result = np.zeros((len(self.order), self.scene.dimension))
+        for i, k in self.joint.items():
+            axis = vars(self.scene.joints[k]).get("axis")
+            if axis is not None:
+                result[i] = unit(axis)
+        return result
 
     def units(self, length: float, time: float) -> np.ndarray:
         """Return what each entry of the state counts in: a length, one, and the same over the time."""
-        q, u = (np.where(lengths, length, 1.0) for lengths in self._are_lengths)
-        return np.concatenate((q, u / time))
+        q, u = list[float](), list[float]()
+        for kind, width, freedoms in zip(self.kind, self.widths, self.freedoms, strict=True):
+            lengths = {arrays.FREE: self.scene.dimension, arrays.PRISMATIC: 1}.get(kind, 0)
+            q += lengths * [length] + (width - lengths) * [1.0]
+            u += lengths * [length] + (freedoms - lengths) * [1.0]
+        return np.concatenate((q, np.divide(u, time)))
 
 
 UNTURNED = (arrays.FREE, arrays.SPHERICAL, arrays.HELD)  # bodies that their parent does not turn
@@ -173,7 +164,7 @@ class RelativeSystem(System):
         lengths = {"n": n, "n + 1": n + 1, "rates": rates, "d": self.scene.dimension}
         links = empty(arrays.Links, **lengths)
         links.turns[:] = [kind not in UNTURNED for kind in self.layout.kind]
-        full = empty(arrays.Full, n_state=len(self.redundant.initial_state()))
+        full = empty(arrays.Full, n_state=len(self.redundant.scratch.solved.state))
         return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), full)
 
     def twin(self) -> Self:
@@ -195,7 +186,7 @@ class RelativeSystem(System):
         """Return places and orientations (n + 1, m, ...) at redundant states (m, n_full), in elimination order."""
         poses, order, m = self.redundant.poses(full), self.layout.order, len(full)
         place = np.concatenate((poses.position[:, order], np.zeros((m, 1, self.scene.dimension))), axis=1)
-        ground = np.broadcast_to(self.GROUND, (m, 1, *np.shape(self.GROUND)))
+        ground = np.full((m, 1, *np.shape(self.GROUND)), self.GROUND)
         turn = np.concatenate((poses.orientation[:, order], ground), axis=1)
         return place.swapaxes(0, 1), turn.swapaxes(0, 1)
 
@@ -203,10 +194,8 @@ class RelativeSystem(System):
         """Return each body's orientation in its parent at t = 0, and the joints' axes as `Joints` has them."""
         turn = self._places(self.redundant.initial_state()[None])[1][:, 0]
         parents = self.redundant.groups.bodies.parent
-        axes = np.zeros((len(parents), self.scene.dimension))
-        for i, parent in enumerate(parents):
-            holder = parent if self.layout.kind[i] == arrays.PRISMATIC else i
-            axes[i] = self.REDUNDANT.turned(self._from(turn[holder], self.GROUND), self.layout.world_axis(i))
+        kept = np.where(np.array(self.layout.kind) == arrays.PRISMATIC, parents, np.arange(len(parents)))
+        axes = self.REDUNDANT.turned(self._from(turn[kept], self.GROUND), self.layout.world_axes())
         return self._from(turn[parents], turn[:-1]).reshape(len(parents), -1), axes
 
     def _coordinates(self, kind: int, i: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

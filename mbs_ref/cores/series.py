@@ -41,7 +41,7 @@ class Expansion:
         scene = system.scene
         self.tree: Any = system if isinstance(system, RelativePlanarSystem) else RelativePlanarSystem(scene, system)
         plan = self.tree.layout
-        bodies, turned = [plan.body(i) for i in range(len(plan.kind))], np.flatnonzero(np.array(plan.kind) == REVOLUTE)
+        bodies, turned = plan.bodies, np.flatnonzero(np.array(plan.kind) == REVOLUTE)
         n, m = len(bodies), len(turned)
         place, inertia = np.array([*(complex(*body.position) for body in bodies), 0.0]), np.zeros(m + 1)
         turn, lever = np.full(n + 1, m), np.zeros((n + 1, m + 1), dtype=complex)  # by m angles, and by none

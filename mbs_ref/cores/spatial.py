@@ -10,7 +10,7 @@ from mbs_ref.cores.builder import Builder, assembled, ends, forces, torsion_spri
 from mbs_ref.cores.jointed_system import JointedSystem
 from mbs_ref.cores.system import Poses
 from mbs_ref.cores.user_rows import variable
-from mbs_ref.kernels.border.groups import floats, ints
+from mbs_ref.kernels.border.groups import absent, floats, ints
 from mbs_ref.kernels.rigid.model import TorsionSprings, rigid_scratch
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.kernels.spatial.model import SpatialScratch
@@ -42,20 +42,25 @@ class _Builder(Builder):
 
 def _torsion_springs(build: _Builder) -> TorsionSprings:
     loads = [x for x in build.scene.loads if isinstance(x, TorsionSpring)]
-    pairs = [(x, normals(x.axis)) for x in loads]
+    if not loads:
+        return absent(TorsionSprings)
+    (zero, quarter), a = zip(*(normals(x.axis) for x in loads), strict=True), [x.body_a for x in loads]
     return torsion_springs(
         build,
         lambda load: load.rest_angle or 0.0,
-        zero=floats([build.direction(x.body_a, f[0]) for x, f in pairs], 3),
-        quarter=floats([build.direction(x.body_a, f[1]) for x, f in pairs], 3),
-        mark=floats([build.direction(x.body_b, f[0]) for x, f in pairs], 3),
+        zero=build.directions(a, zero),
+        quarter=build.directions(a, quarter),
+        mark=build.directions([x.body_b for x in loads], zero),
     )
 
 
 def _bushings(build: _Builder) -> arrays.Bushings:
     loads = [x for x in build.scene.loads if isinstance(x, Bushing)]
-    point_a, point_b = (floats([build.point(x.ends[k], x.marks[k]) for x in loads], 3) for k in range(2))
-    axes_a, axes_b = (floats([build.direction(x.ends[k], x.frames[k]) for x in loads], 3, 3) for k in range(2))
+    if not loads:
+        return absent(arrays.Bushings)
+    names = [[x.ends[k] for x in loads] for k in range(2)]
+    point_a, point_b = (build.points(names[k], [x.marks[k] for x in loads]) for k in range(2))
+    axes_a, axes_b = (build.turns(names[k]) @ [x.frames[k] for x in loads] for k in range(2))
     stiffness, damping = floats([x.stiffness for x in loads], 6), floats([x.damping for x in loads], 6)
     return arrays.Bushings(*ends(build, loads), point_a, point_b, axes_a, axes_b, stiffness, damping)
 
@@ -77,6 +82,8 @@ def _attraction(build: _Builder) -> arrays.Attraction:
 
 def _gradients(build: _Builder) -> arrays.Gradients:
     loads = [x for x in build.scene.loads if isinstance(x, GravityGradient)]
+    if not loads:
+        return absent(arrays.Gradients)
     planet, body = (ints([build.body(getattr(x, end)) for x in loads]) for end in ("planet", "body"))
     return arrays.Gradients(planet, body, floats(x.gm for x in loads))
 
@@ -108,22 +115,22 @@ class SpatialSystem(JointedSystem):
         self.groups.loops.most[:] = self._closure_ranks()
 
     def _scratch(self) -> Any:
-        sticking, state = int(self.groups.contact_pairs.sticking[0]), len(self.initial_state())
-        slots, loops = len(self.groups.slots.body), self.groups.loops
-        scratch = rigid_scratch(SpatialScratch, self.n_bodies, slots, state, loops, rates=6, n_sticking=sticking)
+        sticking, slots, n = len(deflecting(self.scene)), len(self.groups.slots.body), self.n_bodies
+        state = self.n_positions + 3 * (n + len(self.rigid)) + 2 * sticking
+        scratch = rigid_scratch(SpatialScratch, n, slots, state, self.groups.loops, rates=6, n_sticking=sticking)
         scratch.kinematics.turned[:] = np.eye(3)
         scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
         return scratch
 
     def initial_state(self) -> np.ndarray:
         q, u = list[float](), list[float]()
-        for body in self.scene.bodies:
+        for body, axes in zip(self.scene.bodies, self.builder.axes[:-1], strict=True):
             q += body.position
             u += body.velocity
             if isinstance(body, SpatialBody):
                 q += (np.array(body.orientation) / np.linalg.norm(body.orientation)).tolist()
-                u += (rotation_matrices(body.orientation).T @ body.angular_velocity).tolist()
-        return np.concatenate((q, u, np.zeros(2 * self.groups.contact_pairs.sticking[0])))
+                u += (axes.T @ body.angular_velocity).tolist()
+        return np.concatenate((q, u, np.zeros(2 * len(deflecting(self.scene)))))
 
     @staticmethod
     def state_units(scene: Scene, scales: Scales) -> np.ndarray:
@@ -133,10 +140,6 @@ class SpatialSystem(JointedSystem):
         q = [unit for turns in rigid for unit in 3 * length + turns * 4 * [1.0]]
         u = [unit for turns in rigid for unit in 3 * length + turns * 3 * [1.0]]
         return np.concatenate((q, np.divide(u, scales.time), 2 * len(deflecting(scene)) * length))
-
-    @property
-    def n_positions(self) -> int:
-        return 3 * self.n_bodies + 4 * len(self.rigid)
 
     @cached_property
     def rigid(self) -> np.ndarray:

@@ -3,14 +3,15 @@
 from abc import ABC, abstractmethod
 from contextlib import AbstractContextManager, nullcontext
 from copy import copy
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
 from mbs_ref.cores.in_lanes import SideBySide, side_by_side
+from mbs_ref.cores.joint_graph import graph_of
 from mbs_ref.kernels import answers as core
-from mbs_ref.kernels.border.handles import Model, Work, make_handle
+from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.rows import Rod, SharedPoint
 from mbs_ref.scene.contact import Granules
@@ -35,6 +36,12 @@ class Poses(NamedTuple):
         return cls(path.position, path.orientation, path.velocity, path.angular_velocity)
 
 
+@cache
+def _answers(name: str, groups: tuple[str, ...]) -> np.ndarray:
+    """Return the first words of the handles of a core of this name, which answers groups of questions."""
+    return core.connected(name, np.zeros(QUESTIONS, dtype=np.int64), groups)
+
+
 class System(ABC):
     """A compiled scene. A core implements the abstract methods and sets scene, groups and scratch.
 
@@ -54,11 +61,11 @@ class System(ABC):
     @cached_property
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """Handles of the scene's arrays and of the scratch, by which the core answers (kernels/border/calls.py)."""
-        parts, groups = (self.groups, self.scratch), self.answered
         # scratch comes from `empty`, which follows the declarations; so do copies
-        handles = [make_handle(part, checked) for part, checked in zip(parts, (self.is_twin, True), strict=True)]
-        scene, scratch = (core.connected(self.CORE, handle, groups) for handle in handles)
-        return scene, scratch
+        handles = make_handle(self.groups, checked=self.is_twin), make_handle(self.scratch, checked=True)
+        for handle in handles:
+            handle[:QUESTIONS] = _answers(self.CORE, self.answered)
+        return handles
 
     @cached_property
     def answered(self) -> tuple[str, ...]:
@@ -73,10 +80,9 @@ class System(ABC):
         """What the scene has of mbs_ref.kernels.answers.FEATURES."""
         scene = self.scene
         grains = [isinstance(load, Granules) for load in scene.loads]
-        rows = [row for joint in scene.joints for row in joint.rows(scene.dimension)]
         has = {
             core.LOADS: not all(grains), core.GRANULES: any(grains),
-            core.ROWS: not all(isinstance(row, SharedPoint | Rod) for row in rows),
+            core.ROWS: not {type(row) for rows in graph_of(scene)[0] for row in rows} <= {SharedPoint, Rod},
             core.GRIPS: any(contact.friction and contact.friction.STICKS for contact in scene.contacts),
             core.HELD: any(contact.holds for contact in scene.contacts),
             core.SWITCHES: len(self.event_sources) > len(scene.contacts),
@@ -126,7 +132,7 @@ class System(ABC):
     @cached_property
     def calls_users(self) -> bool:
         """Whether a force or a constraint is a user's own function."""
-        return any(isinstance(part, UserForce | UserConstraint) for part in (*self.scene.loads, *self.scene.joints))
+        return not {UserForce, UserConstraint}.isdisjoint(map(type, (*self.scene.loads, *self.scene.joints)))
 
     def beside(self) -> "System":
         """Return a system for a companion run, a twin if runs change modes or times; it locates events elsewhere."""

@@ -70,14 +70,15 @@ def _path(scene: Scene) -> float:
 
 
 def _points(scene: Scene) -> Iterator[tuple[float, ...]]:
+    dimension = scene.dimension
     for body in scene.bodies:
         yield body.position
     for part in itertools.chain(scene.joints, scene.loads, scene.contacts):
         for field in fields_of(type(part), Role.POINT):
             point = getattr(part, field)
-            if point is not None and len(point) == scene.dimension:
+            if point is not None and len(point) == dimension:
                 yield point
-        yield from (wall.point for wall in getattr(part, "walls", ()))
+        yield from (wall.point for wall in vars(part).get("walls", ()))
 
 
 def _reaches(scene: Scene) -> Iterator[float]:
@@ -89,7 +90,7 @@ def _reaches(scene: Scene) -> Iterator[float]:
 
 
 def _spin(body: Any) -> float:
-    rate = getattr(body, "angular_velocity", 0.0)
+    rate = vars(body).get("angular_velocity", 0.0)
     return math.hypot(*rate) if isinstance(rate, tuple) else abs(rate)
 
 

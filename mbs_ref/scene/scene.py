@@ -28,7 +28,7 @@ class _OfBodies(NamedTuple):
 
     bodies: tuple[Body, ...]
     dimension: int
-    places: dict[str, int]  # by name
+    places: dict[str, int]  # by name; -1 for ground
 
 
 def of_last_scene[T](make: Callable[["Scene"], T]) -> Callable[["Scene"], T]:
@@ -96,7 +96,12 @@ class Scene(Part):
 
     def body_index(self, name: str) -> int:
         """Return the body's place in `bodies`; -1 for ground."""
-        return -1 if name == GROUND else self._of_bodies.places[name]
+        return self.places[name]
+
+    @property
+    def places(self) -> dict[str, int]:
+        """The place in `bodies` of every body by its name; -1 for ground."""
+        return self._of_bodies.places
 
     @property
     def _of_bodies(self) -> _OfBodies:
@@ -104,7 +109,7 @@ class Scene(Part):
         cache: dict[str, Any] = vars(self)
         data: _OfBodies | None = cache.get("_cached_of_bodies")
         if data is None or data.bodies is not self.bodies:
-            places = {body.name: k for k, body in enumerate(self.bodies)}
+            places = {body.name: k for k, body in enumerate(self.bodies)} | {GROUND: -1}
             data = _OfBodies(self.bodies, max(len(body.position) for body in self.bodies), places)
             cache["_cached_of_bodies"] = data
         return data

@@ -86,7 +86,7 @@ def joined(scene: Scene) -> tuple[list[int], bool]:
     group = {name: {name} for name in (GROUND, *scene.body_names)}  # of what joints hold together, by each member
     closing = []
     for k, joint in enumerate(scene.joints):
-        smaller, larger = sorted((group[end] for end in joint.ends), key=len)
+        smaller, larger = sorted([group[end] for end in joint.ends], key=len)
         if smaller is larger:
             closing.append(k)
         else:

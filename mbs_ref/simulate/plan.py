@@ -51,7 +51,7 @@ def make_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Pla
     if name not in known:
         raise ValueError(f"method = {name!r} is unknown to mbs_ref; allowed: {', '.join(known)}")
     integrator = known[name]
-    missing = integrator.requires - traits(scene)
+    missing = integrator.requires and integrator.requires - traits(scene)
     if missing:
         raise ValueError(f"method = {name!r} needs a scene that is {', '.join(sorted(missing))}; {scene.name!r} is not")
     reasons = [reason for reason, _ in obstacles(scene, integrator, settings.coordinates)]

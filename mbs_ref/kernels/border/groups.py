@@ -45,6 +45,12 @@ def empty(group: type, **lengths: int) -> Any:
     )
 
 
+@cache
+def absent(group: type) -> Any:
+    """Return the group of what a scene has none of: zeros without length, the same ones every time."""
+    return empty(group)
+
+
 def ints(values: Sequence[int]) -> np.ndarray:
     """Return whole numbers as an array of a group."""
     return np.array(values, dtype=np.int64)

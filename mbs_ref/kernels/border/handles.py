@@ -6,7 +6,9 @@ in compiled code `model.bodies` is one group of it as views, at the price of a f
 compiled code counts the references of an array it is given, atomically, at every call.
 """
 
+import ctypes
 from collections import namedtuple
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,11 +21,12 @@ from numba.extending import infer_getattr, intrinsic, lower_getattr_generic
 from numba.np.arrayobj import make_array, populate_array
 
 from mbs_ref.kernels.algebra.lanes import BYTES, LANES
-from mbs_ref.kernels.border.groups import check, declared, members
+from mbs_ref.kernels.border.groups import absent, check, declared, members
 
 QUESTIONS = 48  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
 _WORDS = 5  # then, per array: address, then up to four lengths
 _PADDING = [(0,) * (_WORDS - 1 - n) for n in range(_WORDS)]  # behind the lengths of an array of n dimensions
+_Byte, _NOTHING = ctypes.c_char, np.zeros(1)
 _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
 
 
@@ -68,11 +71,30 @@ def make_handle(groups: Any, checked: bool = False) -> np.ndarray:
     """
     words = [0] * QUESTIONS
     for group in groups:
+        if group is absent(type(group)):
+            words += _words_of_absent(type(group))
+            continue
         if not checked:
             check(group)
-        for array in group:
-            words += (array.__array_interface__["data"][0], *array.shape, *_PADDING[array.ndim])
+        words += _words(group)
     return np.array(words, dtype=np.int64)
+
+
+@cache
+def _words_of_absent(group: type) -> list[int]:
+    return _words(absent(group))
+
+
+def _words(group: Any) -> list[int]:
+    """Return address and lengths of each array of a group; without entries it has some address that may be read."""
+    words: list[int] = []
+    for part in group:
+        try:  # NumPy's own attributes take three times as long
+            address = ctypes.addressof(_Byte.from_buffer(part if part.size else _NOTHING))
+        except TypeError:  # not contiguous, or not to be written to
+            address = part.ctypes.data
+        words += (address, *part.shape, *_PADDING[part.ndim])
+    return words
 
 
 def handle_class(module: str, name: str, groups: type, **lengths: int) -> Any:

@@ -20,6 +20,13 @@ def _signal_fields(kind: type[Part]) -> tuple[str, ...]:
     return tuple(name for name, field in kind.model_fields.items() if field.annotation == AnySignal)
 
 
+@cache
+def _mark_fields(kind: type[Part], end: str) -> tuple[str, ...]:
+    """Return the fields of a kind of part that may hold its mark on the body that the field `end` names."""
+    side = end.removeprefix("body")
+    return tuple(name for name in ("point" + side, "center" + side, "point", "center") if name in kind.model_fields)
+
+
 def coordinate_complaints(coordinate: str, dimension: int, instead: str = "") -> Iterator[str]:
     """Yield what keeps a scene of this dimension from having the coordinate; `instead` advises on the angle."""
     if coordinate not in COORDINATES[dimension]:
@@ -49,12 +56,8 @@ class Attached(Part):
 
     def mark(self, end: str) -> tuple[float, ...] | None:
         """Return the world point (m, t = 0) of its attachment to the body named in the field `end`, if it has one."""
-        fields, side = vars(self), end.removeprefix("body")
-        for name in ("point" + side, "center" + side, "point", "center"):
-            mark = fields.get(name)
-            if mark is not None:
-                return mark
-        return None
+        fields = vars(self)
+        return next((fields[name] for name in _mark_fields(type(self), end) if fields[name] is not None), None)
 
     def vectors(self) -> Iterator[tuple[str, tuple[float, ...]]]:
         """Yield the fields that hold world vectors of the scene's dimension."""

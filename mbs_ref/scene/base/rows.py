@@ -4,7 +4,7 @@ Points (m) and unit vectors are the world's at t = 0; each is fixed in the body 
 rows: Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems (1989), sec. 9.4.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
@@ -13,6 +13,8 @@ import numpy as np
 from mbs_ref.scene.base.part import normals, unit
 
 Point = tuple[float, ...]
+Names = Sequence[str]  # of bodies
+Column = Callable[[str], list[Any]]
 
 
 class Axes(Protocol):
@@ -20,8 +22,8 @@ class Axes(Protocol):
 
     def body(self, name: str) -> int: ...
     def angle(self, name: str) -> float: ...  # rad, in the plane
-    def point(self, name: str, world: Any) -> np.ndarray: ...  # of a world point, in body axes, m
-    def direction(self, name: str, world: Any) -> np.ndarray: ...  # of a world direction, in body axes
+    def points(self, names: Names, world: Any) -> np.ndarray: ...  # of world points, each in a body's axes, m
+    def directions(self, names: Names, world: Any) -> np.ndarray: ...  # of world directions, each in a body's axes
 
 
 class Row:
@@ -34,9 +36,10 @@ class Row:
     def count(self) -> int:
         return 1
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        """Return its numbers in the axes of the bodies a and b, in the order of its group's arrays."""
-        raise NotImplementedError(f"{type(self).__name__} names no numbers")
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        """Return the arrays of the group for rows of which `of` lists a field, in the axes of their bodies a and b."""
+        raise NotImplementedError("this kind of row names no numbers")
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,9 @@ class SharedPoint(Row):
     def count(self) -> int:
         return len(self.point_a)
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return axes.point(a, self.point_a), axes.point(b, self.point_b)
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        return axes.points(a, of("point_a")), axes.points(b, of("point_b"))
 
 
 @dataclass(frozen=True)
@@ -64,8 +68,9 @@ class OnPlane(Row):
     normal: np.ndarray  # fixed in a
     GROUP: ClassVar[str] = "planes"
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return axes.point(a, self.point_a), axes.point(b, self.point_b), axes.direction(a, self.normal)
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        return axes.points(a, of("point_a")), axes.points(b, of("point_b")), axes.directions(a, of("normal"))
 
 
 @dataclass(frozen=True)
@@ -77,8 +82,9 @@ class Rod(Row):
     length: float  # m
     GROUP: ClassVar[str] = "distances"
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return axes.point(a, self.point_a), axes.point(b, self.point_b), self.length
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        return axes.points(a, of("point_a")), axes.points(b, of("point_b")), of("length")
 
 
 @dataclass(frozen=True)
@@ -90,8 +96,9 @@ class Product(Row):
     GROUP: ClassVar[str] = "products"
     TURNS: ClassVar[bool] = True
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return axes.direction(a, self.along_a), axes.direction(b, self.along_b)
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        return axes.directions(a, of("along_a")), axes.directions(b, of("along_b"))
 
 
 @dataclass(frozen=True)
@@ -101,8 +108,9 @@ class SameAngle(Row):
     GROUP: ClassVar[str] = "angles"
     TURNS: ClassVar[bool] = True
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return (axes.angle(b) - axes.angle(a),)
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        return ([axes.angle(of_b) - axes.angle(of_a) for of_a, of_b in zip(a, b, strict=True)],)
 
 
 @dataclass(frozen=True)
@@ -114,8 +122,9 @@ class Turn(Row):
     GROUP: ClassVar[str] = "turns"
     TURNS: ClassVar[bool] = True
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return axes.direction(a, self.zero), axes.direction(a, self.quarter), axes.direction(b, self.zero)
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        return axes.directions(a, of("zero")), axes.directions(a, of("quarter")), axes.directions(b, of("zero"))
 
 
 @dataclass(frozen=True)
@@ -125,8 +134,9 @@ class PrescribedAngle(Row):
     GROUP: ClassVar[str] = "angle_drives"
     TURNS: ClassVar[bool] = True
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return (axes.angle(b),)
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        return (list(map(axes.angle, b)),)
 
 
 @dataclass(frozen=True)
@@ -137,8 +147,11 @@ class Prescribed(Row):
     direction: np.ndarray
     GROUP: ClassVar[str] = "drives"
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        return axes.point(b, self.point), self.direction, float(self.direction @ self.point)
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        points, directions = of("point"), of("direction")
+        starts = [float(along @ point) for along, point in zip(directions, points, strict=True)]
+        return axes.points(b, points), directions, starts
 
 
 @dataclass(frozen=True)
@@ -163,10 +176,11 @@ class RollingContact(Row):
         down = np.dot(self.normal, self.axis) * self.axis - self.normal
         return np.asarray(self.centre) + self.radius * unit(tuple(down))
 
-    def numbers(self, axes: Axes, a: str, b: str) -> tuple[Any, ...]:
-        frame = np.array([*normals(tuple(self.normal)), self.normal])
-        centre, axis = axes.point(b, self.centre), axes.direction(b, self.axis)
-        return centre, axis, self.radius, frame, float(self.normal @ self.lowest())
+    @staticmethod
+    def numbers(axes: Axes, of: Column, a: Names, b: Names) -> tuple[Any, ...]:
+        frames = [np.array([*normals(tuple(normal)), normal]) for normal in of("normal")]
+        heights = [float(normal @ lowest()) for normal, lowest in zip(of("normal"), of("lowest"), strict=True)]
+        return axes.points(b, of("centre")), axes.directions(b, of("axis")), of("radius"), frames, heights
 
 
 @dataclass(frozen=True)
