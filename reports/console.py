@@ -81,7 +81,7 @@ def amount(value: float | None, unit: str, below: float | None = None) -> str:
 def progress(title: str) -> Iterator[Report]:
     """Show a bar on stderr; where that is no terminal, a line every EVERY seconds."""
     if not sys.stderr.isatty():
-        yield _lines(title)
+        yield Lines(title)
         return
     console = Console(file=sys.stderr)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
@@ -145,18 +145,18 @@ def compiling() -> Iterator[None]:
         yield
 
 
-def _lines(title: str) -> Report:
-    """Return progress for a log: done of how many, the time so far, and what is under way."""
-    begun = shown = time.monotonic()
+class Lines:
+    """Progress for a log: done of how many, the time so far, and what is under way."""
 
-    def report(done: int, total: int, what: str = "") -> None:
-        nonlocal shown
+    def __init__(self, title: str) -> None:
+        self.title, self.begun = title, time.monotonic()
+        self.shown = self.begun
+
+    def __call__(self, done: int, total: int, what: str = "") -> None:
         now = time.monotonic()
-        if now - shown >= EVERY:
-            shown = now
-            click.echo(f"{title}: {done}/{total} after {now - begun:.0f} s {what}".rstrip(), err=True)
-
-    return report
+        if now - self.shown >= EVERY:
+            self.shown = now
+            click.echo(f"{self.title}: {done}/{total} after {now - self.begun:.0f} s {what}".rstrip(), err=True)
 
 
 def finite_record(record: Record) -> Record:
