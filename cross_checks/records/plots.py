@@ -159,8 +159,7 @@ def work_precision(records: list[Record]) -> dict[str, Any]:
     figure = new_figure("time of the integration loop, ms", "error over the scene's scales")
     chosen = styles(records)
     for engine in dict.fromkeys(engine for engine, _ in chosen):
-        own = frontier([r for r in records if r.engine == engine])
-        if own:
+        if own := frontier([r for r in records if r.engine == engine]):
             _add(figure, engine, FRONTIER, style_of(engine), own)
             figure.data[-1]["marker"] |= {"size": 9}
             figure.data[-1]["line"] |= {"width": 2.5}

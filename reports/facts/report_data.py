@@ -185,8 +185,7 @@ def entries(data: ReportData, scene: str, target: float) -> list[Entry]:
 
 
 def _entry(data: ReportData, scene: str, engine: str, target: float) -> Entry:
-    runs = reaching(data, scene, engine, target)
-    if runs:
+    if runs := reaching(data, scene, engine, target):
         return Entry(engine, "reached", runs[0], method=runs[0].method)
     results = [(cell, result) for cell in data.cells_of(scene, engine) if (result := cell.result(target)) is not None]
     if not results:
