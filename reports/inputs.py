@@ -66,8 +66,7 @@ def scene(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequenc
 def comparable(name_or_file: str, parameters: Sequence[str] = (), keep_rates: Sequence[str] = ()) -> Scene:
     """Return a scene on which engines can be compared: one whose start its own joints allow."""
     built = scene(name_or_file, parameters, keep_rates)
-    broken = broken_start(built, Settings().initial_tolerance)
-    if broken:
+    if broken := broken_start(built, Settings().initial_tolerance):
         remedy = "repair the scene, or fix some velocities and compute the others (--keep)"
         raise click.UsageError(f"{name_or_file}: {broken}, which engines would repair differently: {remedy}")
     return built

@@ -21,7 +21,8 @@ def write_poses(trajectory: Trajectory, bodies: list[str], path: Path) -> None:
     estimate, poses = trajectory.estimate, Poses.of(trajectory)
     over_time = np.zeros(0) if estimate is None else estimate.over_time  # (n_t,) m; none where it was not computed
     arrays = {"bodies": np.array(bodies), "times": trajectory.times, **poses._asdict(), "estimate": over_time}
-    _write(path, arrays, {"t": trajectory.times, **pose_columns(bodies, poses)})
+    columns = {"t": trajectory.times, **pose_columns(bodies, poses)}
+    write_atomic(path, FORMATS[path.suffix](arrays, columns))
 
 
 def write_ensemble(ensemble: Ensemble, path: Path) -> None:
@@ -39,10 +40,7 @@ def write_ensemble(ensemble: Ensemble, path: Path) -> None:
     inputs = {f"vary {name}": np.repeat(own, count) for name, own in zip(design.names, values.T, strict=True)}
     about = {"run": np.repeat(np.arange(built), count), **inputs, "status": np.repeat(status.astype(object), count)}
     rows = Poses(*(part.reshape(built * count, *part.shape[2:]) for part in ensemble.samples))
-    _write(path, arrays, about | {"t": np.tile(ensemble.times, built), **pose_columns(ensemble.scene.body_names, rows)})
-
-
-def _write(path: Path, arrays: Mapping[str, np.ndarray], columns: Columns) -> None:
+    columns = about | {"t": np.tile(ensemble.times, built), **pose_columns(ensemble.scene.body_names, rows)}
     write_atomic(path, FORMATS[path.suffix](arrays, columns))
 
 

@@ -160,17 +160,14 @@ def translate(name: str, request: Request) -> Translation:
     return Translation(request.law if name == "siconos" else law, friction, parameters, text, refused)
 
 
-def _driven(name: str, home: Path) -> ContactModel:
-    """Return the contact model of an engine that a driver runs under the Python of an environment."""
-    return ContactModel(Driven(name, home), partial(translate, name), (METHODS[name].name,))
-
-
 def model_of(engine: str) -> ContactModel | str:
     """Return the contact model of an engine, or the reason why there is none; ValueError for another name."""
     if engine not in ENGINES:
         raise ValueError(f"engine = {engine!r} has no contact model here; allowed: {', '.join(ENGINES)}")
     if engine in DRIVEN:
-        return "not installed" if (home := home_of(engine)) is None else _driven(engine, home)
+        if (home := home_of(engine)) is None:
+            return "not installed"
+        return ContactModel(Driven(engine, home), partial(translate, engine), (METHODS[engine].name,))
     found = next(engines.installed([engine]), None)
     if found is None:
         return "not installed"

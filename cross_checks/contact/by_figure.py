@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ RADIUS = 0.1  # m
 UNTURNED = 1e9  # kg m^2: a body of this inertia slides without turning
 FLIGHT = 12.37  # steps of free flight before an impact, no whole number
 HELD, RESTS = 1.0, 1.0  # s on the slope, and after sliding
+TABLE: dict[str, dict[str, list]] = package_data(__name__, "figures.toml")  # by scene and figure
 
 
 class Measured(NamedTuple):
@@ -130,12 +130,7 @@ def figures_of(scene: Scene, path: Trajectory) -> dict[str, float]:
     for name, value in contact_figures(scene, path).items():
         label = name.rpartition(": ")[2]
         figures[label] = max(value, figures.get(label, value))
-    return figures | {label: _declared(scene, path, *row) for label, row in _table().get(scene.name, {}).items()}
-
-
-@cache
-def _table() -> dict[str, dict[str, list]]:
-    return package_data(__name__, "figures.toml")
+    return figures | {label: _declared(scene, path, *row) for label, row in TABLE.get(scene.name, {}).items()}
 
 
 def _declared(scene: Scene, path: Trajectory, what: str, body: str, quantity: str, component: int | None = None):
@@ -178,7 +173,7 @@ type Reference = dict[str, tuple[float, float | None]]  # by figure: value and u
 
 def _times(scene: Scene, step: float) -> np.ndarray:
     """Return output times (s): every step, or start and end alone where each figure is one of the end."""
-    ends = all(row[0] in ("last", "slope") for row in _table().get(scene.name, {}).values())
+    ends = all(row[0] in ("last", "slope") for row in TABLE.get(scene.name, {}).values())
     counts = np.arange(round(scene.duration / step) + 1)
     return step * (counts[[0, -1]] if ends and len(scene.contacts) > MANY else counts)
 
@@ -201,7 +196,7 @@ def _scattered(start: Callable[[int], Scene], step: float) -> Reference:
     cases = [start(seed) for seed in range(STARTS)]
     found = [figures_of(case, engines.get(OURS).run(case, settings)) for case in cases]
     spread = float(scipy.stats.t.ppf(0.975, STARTS - 1)) * math.sqrt(1.0 + 1.0 / STARTS)
-    table = {label: [one[label] for one in found] for label in _table()[cases[0].name]}
+    table = {label: [one[label] for one in found] for label in TABLE[cases[0].name]}
     return {label: (float(np.mean(row)), spread * float(np.std(row, ddof=1))) for label, row in table.items()}
 
 

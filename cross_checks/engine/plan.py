@@ -126,11 +126,9 @@ def plan_run(engine: Planned, scene: Scene, settings: Settings, times: np.ndarra
     grid = step_grid(scene, settings) if times is None and settings.step else output_times(scene, settings, times)
     if grid.ndim != 1 or len(grid) < 2 or grid[0] != 0.0 or not np.all(np.diff(grid) > 0.0):
         raise ValueError("times must be at least two increasing numbers, the first 0")
-    refusal = engine.refusal(scene, method)
-    if refusal:
+    if refusal := engine.refusal(scene, method):
         return stopped(scene, Status.REFUSED, refusal)
-    broken = inconsistency(scene, settings.initial_tolerance)
-    if broken:
+    if broken := inconsistency(scene, settings.initial_tolerance):
         return stopped(scene, Status.INCONSISTENT, broken)
     if method.kind == "adaptive":
         rtol = settings.rtol or DEFAULT_RTOL

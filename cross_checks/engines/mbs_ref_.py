@@ -50,8 +50,7 @@ class MbsRef(Engine):
         return reasons
 
     def run(self, scene: Scene, settings: Settings, times: np.ndarray | None = None) -> Trajectory:
-        refusal = self.refusal(scene, self.method(settings.method))
-        if refusal:
+        if refusal := self.refusal(scene, self.method(settings.method)):
             return stopped(scene, Status.REFUSED, refusal)
         try:
             return simulate(scene, settings, times)

@@ -26,8 +26,7 @@ def truth_of(runs: Runs, scene: Scene, enough: float = ENOUGH) -> Truth | NoTrut
 
     Engines run until they know the scene to `enough` of its scales.
     """
-    broken = broken_start(scene, Settings().initial_tolerance)
-    if broken:
+    if broken := broken_start(scene, Settings().initial_tolerance):
         return NoTruth(broken)
     truth = runs.truth(scene)
     return working_truth(runs, scene, truth.reason, enough) if isinstance(truth, NoTruth) else truth

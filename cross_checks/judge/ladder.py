@@ -4,13 +4,11 @@ import math
 
 import numpy as np
 
-from cross_checks.engine import Method
+from cross_checks.engine import RTOLS, STEPS, Method
 from mbs_ref import Scene, Settings
 from mbs_ref.scene.scales import free_fall_time, scales_of
 
 SAMPLES = 41  # output times of a judged run
-STEPS = (2e-2, 1e-2, 5e-3, 2.5e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)  # s, where a method names none
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 TIGHTEST = 1e-14  # a relative tolerance below is roundoff
 LOOSEST = 1e-2
 DIGITS = 2  # of a tolerance, so that a reader can type it
@@ -47,7 +45,7 @@ def knob_of(settings: Settings) -> float:
 def rungs(method: Method, scene: Scene) -> list[Settings]:
     """Return the method's whole ladder, coarse to fine, for sweeps."""
     if method.kind == "adaptive":
-        return [settings_at(method, scene, rtol) for rtol in method.ladder or TOLERANCES]
+        return [settings_at(method, scene, rtol) for rtol in method.ladder or RTOLS]
     steps = (step * free_fall_time(scene) for step in method.ladder or STEPS)
     every = [settings_at(method, scene, step) for step in steps]
     return list({settings.step: settings for settings in every}.values())

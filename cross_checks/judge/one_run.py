@@ -52,8 +52,7 @@ def judged_run(
         return without_run(scene, engine_name, settings, MISSING, str(error)), None
     method = engine.method(settings.method)
     settings = settings.model_copy(update={"method": method.name})
-    refusal = engine.refusal(scene, method)
-    if refusal:
+    if refusal := engine.refusal(scene, method):
         return without_run(scene, engine_name, settings, CANNOT, refusal, engine), None
     requested = output_times(scene, settings, times)
     outcome = checked_run(engine, scene, settings, requested)

@@ -277,16 +277,14 @@ def _link(scene: Scene, edge: Edge, spins: dict[int, np.ndarray]) -> Link:
     origin, centre = _origin(scene, edge), lifted(body.position)
     spins[edge.body] = _spin(scene, edge, origin, spins)
 
-    def velocity(k: int) -> np.ndarray:
-        return _velocity(scene, k, origin, spins)
-
     inertia = _inertia(body)
     if not inertia.any() and kind in ("free", "planar"):
         inertia = body.mass * np.eye(3)  # it never turns, so any inertia will do
     held = frozenset(drive.coordinate for drive in held_coordinates(scene) if drive.body == body.name)
     link = Link(body.name, edge.body, edge.parent, joint and joint.name, kind, origin, axes, body.mass,
                 centre - origin, inertia, np.zeros(0), True, held)  # fmt: skip
-    sliding, turning = velocity(edge.body) - velocity(edge.parent), spins[edge.body] - spins[edge.parent]
+    moving, carried = (_velocity(scene, k, origin, spins) for k in (edge.body, edge.parent))
+    sliding, turning = moving - carried, spins[edge.body] - spins[edge.parent]
     of_kind = {"slide": lambda a: [a @ sliding], "turn": lambda a: [a @ turning], "ball": lambda _: turning,
                "free": lambda _: [*sliding, *turning]}  # fmt: skip
     rates = [rate for name, axis in link.freedoms for rate in of_kind[name](axis)]

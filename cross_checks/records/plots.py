@@ -7,7 +7,7 @@ import html
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from itertools import cycle, product
 from typing import Any
 from zlib import crc32
@@ -128,21 +128,6 @@ def styles(records: Iterable[Record]) -> dict[tuple[str, str], Style]:
     return {pair: style(pair[0]) for pair in listed}
 
 
-def compliance(records: list[Record]) -> dict[str, Any] | None:
-    """Return the figure of the largest |C(q, t)| (m, rad) over time (s)."""
-    return _history(records, "compliance_position", "largest |C(q, t)|, m or rad")
-
-
-def energy(records: list[Record]) -> dict[str, Any] | None:
-    """Return the figure of |E(t) - E(0) - work| (J) over time (s)."""
-    return _history(records, "energy_drift", "|energy − initial − work|, J")
-
-
-def error_history(records: list[Record]) -> dict[str, Any] | None:
-    """Return the figure of the error over the scene's scales over time (s)."""
-    return _history(records, "error", "error over the scene's scales")
-
-
 def _history(records: list[Record], key: str, title: str) -> dict[str, Any] | None:
     """Return the figure of `history[key]` over time (s), or None where no record holds it."""
     drawn = [r for r in best_of_engines(records) if r.history.get(key) and r.history.get("t")]
@@ -162,6 +147,10 @@ def _history(records: list[Record], key: str, title: str) -> dict[str, Any] | No
     return to_data(figure)
 
 
+compliance = partial(_history, key="compliance_position", title="largest |C(q, t)|, m or rad")
+energy = partial(_history, key="energy_drift", title="|energy − initial − work|, J")
+error_history = partial(_history, key="error", title="error over the scene's scales")
+
 FRONTIER = "frontier"  # the name of an engine's one line
 
 
@@ -170,8 +159,7 @@ def work_precision(records: list[Record]) -> dict[str, Any]:
     figure = new_figure("time of the integration loop, ms", "error over the scene's scales")
     chosen = styles(records)
     for engine in dict.fromkeys(engine for engine, _ in chosen):
-        own = frontier([r for r in records if r.engine == engine])
-        if own:
+        if own := frontier([r for r in records if r.engine == engine]):
             _add(figure, engine, FRONTIER, style_of(engine), own)
             figure.data[-1]["marker"] |= {"size": 9}
             figure.data[-1]["line"] |= {"width": 2.5}

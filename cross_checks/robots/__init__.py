@@ -104,8 +104,7 @@ def base_of(path: Path) -> str:
 
 def refuse(path: Path, reasons: Iterable[str]) -> None:
     """Raise RobotError where there is a reason."""
-    given = list(reasons)
-    if given:
+    if given := list(reasons):
         raise RobotError(f"{path}: {'; '.join(given)}")
 
 

@@ -127,8 +127,7 @@ def _text(path: Path, delimiter: str) -> Iterator[Columns]:
 def _check_header(path: Path, line: int, names: list[str]) -> None:
     if all(_number(name) is not None for name in names):
         raise FileError(f"{path.name}: line {line} holds numbers; expected: the names of the columns")
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
+    if twice := sorted({name for name in names if names.count(name) > 1}):
         raise FileError(f"{path.name}: line {line}, column {twice[0]!r} stands {names.count(twice[0])} times")
 
 

@@ -77,8 +77,7 @@ def job_of(scene: Scene, settings: Settings, engine: str) -> Job:
 
 def refuse(scene: Scene, form: str, reasons: Iterable[str]) -> None:
     """Raise NotWritable where there is a reason."""
-    named = list(reasons)
-    if named:
+    if named := list(reasons):
         raise NotWritable(f"{scene.name} cannot be written as {form}: {'; '.join(named)}")
 
 

@@ -31,8 +31,7 @@ def mjcf_of(job: Job) -> str:
     flags = off | {word: "enable" for bit, word in ENABLED.items() if model.opt.enableflags & bit}
     named = {"name": _name, "text": _text, "title": job.scene.name}
     text = xml("model.xml.j2", m=model, start=job.built.data, flags=flags, **named)
-    different = sorted(_differences(model, type(model).from_xml_string(text)))
-    if different:
+    if different := sorted(_differences(model, type(model).from_xml_string(text))):
         raise NotWritable(f"{job.scene.name} as MJCF reads back with other {', '.join(different)}")
     return text
 

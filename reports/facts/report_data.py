@@ -5,7 +5,7 @@ engine's cheapest run at a target, and the ranks, factors and performance profil
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from statistics import median
@@ -48,12 +48,12 @@ class ReportData:
     @cached_property
     def scenes(self) -> list[str]:
         """Return the labels of every scene, in the order they were run."""
-        return _unique([*(c.label for c in self.cells), *self._by_scene])
+        return list(dict.fromkeys([*(c.label for c in self.cells), *self._by_scene]))
 
     @cached_property
     def engines(self) -> list[str]:
         """Return every engine met, the reference solver first, those that are not installed last."""
-        met = _unique([*(c.engine for c in self.cells), *(r.engine for r in self.records)])
+        met = {c.engine for c in self.cells} | {r.engine for r in self.records}
         return sorted(met, key=lambda name: (name != OURS, name in self.missing, name))
 
     @cached_property
@@ -132,10 +132,6 @@ def _key(record: Record) -> tuple[Any, ...]:
     return (record.label, record.engine, record.method, setting.get("step"), setting.get("rtol"))
 
 
-def _unique(names: Iterable[str]) -> list[str]:
-    return list(dict.fromkeys(names))
-
-
 @dataclass(frozen=True)
 class Finding:
     """What went wrong: a sentence with its title, the cell with the largest error, and its tone (fair | bad)."""
@@ -189,8 +185,7 @@ def entries(data: ReportData, scene: str, target: float) -> list[Entry]:
 
 
 def _entry(data: ReportData, scene: str, engine: str, target: float) -> Entry:
-    runs = reaching(data, scene, engine, target)
-    if runs:
+    if runs := reaching(data, scene, engine, target):
         return Entry(engine, "reached", runs[0], method=runs[0].method)
     results = [(cell, result) for cell in data.cells_of(scene, engine) if (result := cell.result(target)) is not None]
     if not results:

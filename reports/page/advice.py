@@ -88,11 +88,9 @@ def _limit(data: ReportData, engine: str) -> str:
     answers = {scene: next(e.answer for e in entries(data, scene, MIDDLE) if e.engine == engine) for scene in able}
     parts = []
     for answer, sentence in MISSED.items():
-        where = ", ".join(scene for scene, own in answers.items() if own == answer)
-        if where:
+        if where := ", ".join(scene for scene, own in answers.items() if own == answer):
             parts.append(sentence.format(target=short(MIDDLE), scenes=where, steps=MOST_STEPS))
-    cannot = ", ".join(scene for scene in data.scenes if scene not in able)
-    if cannot:
+    if cannot := ", ".join(scene for scene in data.scenes if scene not in able):
         parts.append(f"it cannot model {cannot}")
     return " ".join(f"{part[:1].upper()}{part[1:]}." for part in parts)
 

@@ -32,12 +32,7 @@ BOUNDS = {"exclusiveMinimum": "> {:g}", "minimum": "≥ {:g}", "exclusiveMaximum
 
 FORMULA_TEXT = {"type": "string", "pattern": f"^{FORMULA}|{{.*}}"}
 CHOICE = {"type": "object", "properties": {CHOOSE: FORMULA_TEXT}, "required": [CHOOSE], "additionalProperties": True}
-REPEATED = {
-    "type": "object",
-    "properties": {REPEAT: {"type": "object"}},
-    "required": [REPEAT],
-    "additionalProperties": True,
-}
+REPEATED = CHOICE | {"properties": {REPEAT: {"type": "object"}}, "required": [REPEAT]}
 
 
 class _Schema(GenerateJsonSchema):

@@ -49,8 +49,7 @@ def broken(folder: Path) -> Iterator[str]:
     pages = {file.resolve(): read(file) for file in sorted(root.rglob("*.html"))}
     for file, page in pages.items():
         for link in dict.fromkeys(page.links):
-            why = _trouble(root, pages, file, link)
-            if why:
+            if why := _trouble(root, pages, file, link):
                 yield f"{file.relative_to(root)}: {link!r} {why}"
 
 

@@ -73,11 +73,6 @@ class Claim:
             "link": self.link,
         }  # fmt: skip
 
-    @property
-    def names(self) -> set[str]:
-        """Return the names of the figures that the result and the criteria use."""
-        return {*(place[1] for place in NAME.finditer(self.result)), *(name for name, _, _ in self.criteria)}
-
 
 def holds(criteria: Iterable[Criterion], figures: Mapping[str, Any]) -> bool:
     """Return whether all criteria hold. A figure that is missing, or a word compared by size, satisfies none."""

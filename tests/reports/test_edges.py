@@ -92,7 +92,7 @@ def test_compiling_reports_every_step_from_none_to_all(monkeypatch):
 
 def test_an_enclosure_stands_beside_its_body(monkeypatch):
     shown: list[Any] = []
-    monkeypatch.setattr(prove, "show", shown.append)
+    monkeypatch.setattr(console, "show", shown.append)
     scene = scenes.make("double_pendulum")
     number = SimpleNamespace(str=lambda count: f"{count} digits", rad=lambda: 0.5)
     proof: Any = SimpleNamespace(model=SimpleNamespace(scene=scene, is_exhibited=False), reached=9.0,

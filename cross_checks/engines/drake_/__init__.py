@@ -111,28 +111,6 @@ def simulated(
     return simulator, context
 
 
-def advance(simulator: Simulator, context: Any, plant: MultibodyPlant, plan: Plan) -> Loop:
-    """Land on every output time, at a fixed step in continuous time on every step: its own clock adds up roundoff."""
-    states = np.full((len(plan.times), plant.num_multibody_states()), np.nan)
-    states[0] = plant.GetPositionsAndVelocities(context)
-    for k, landings in enumerate(_landings(plan), start=1):
-        try:
-            for t in landings:
-                simulator.AdvanceTo(t)
-        except RuntimeError as error:
-            line = str(error).splitlines()[0]
-            short = "minimum" in str(error) or "step size" in str(error)
-            status = Status.STEP_TOO_SMALL if short else Status.ENGINE_ERROR
-            return Loop(states, End(k, status, f"drake stopped: {line}"), *_counts(simulator, plan, k))
-        states[k] = plant.GetPositionsAndVelocities(context)
-        if not is_discrete(plan) and simulator.get_integrator().get_num_steps_taken() > plan.max_steps:
-            end = End(
-                k + 1, Status.TOO_MANY_STEPS, f"max_steps = {plan.max_steps} were used up at t = {plan.times[k]:g} s"
-            )
-            return Loop(states, end, *_counts(simulator, plan, k))
-    return Loop(states, End(len(states)), *_counts(simulator, plan, len(states) - 1))
-
-
 def _landings(plan: Plan) -> Iterator[list[float]]:
     """Yield the times to advance to, for each output time after the first.
 
@@ -222,7 +200,24 @@ class Drake(LinkageEngine):
         model.simulator.Initialize()
 
     def advance(self, model: Built, plan: Plan) -> Loop:
-        return advance(model.simulator, model.context, model.plant, plan)
+        """Land on every output time, in continuous time on every fixed step: its own clock adds up roundoff."""
+        simulator, context, plant = model.simulator, model.context, model.plant
+        states = np.full((len(plan.times), plant.num_multibody_states()), np.nan)
+        states[0] = plant.GetPositionsAndVelocities(context)
+        for k, landings in enumerate(_landings(plan), start=1):
+            try:
+                for t in landings:
+                    simulator.AdvanceTo(t)
+            except RuntimeError as error:
+                line = str(error).splitlines()[0]
+                short = "minimum" in str(error) or "step size" in str(error)
+                status = Status.STEP_TOO_SMALL if short else Status.ENGINE_ERROR
+                return Loop(states, End(k, status, f"drake stopped: {line}"), *_counts(simulator, plan, k))
+            states[k] = plant.GetPositionsAndVelocities(context)
+            if not is_discrete(plan) and simulator.get_integrator().get_num_steps_taken() > plan.max_steps:
+                used = f"max_steps = {plan.max_steps} were used up at t = {plan.times[k]:g} s"
+                return Loop(states, End(k + 1, Status.TOO_MANY_STEPS, used), *_counts(simulator, plan, k))
+        return Loop(states, End(len(states)), *_counts(simulator, plan, len(states) - 1))
 
     def notes(self, model: Built, plan: Plan) -> tuple[str, ...]:
         shared = super().notes(model, plan)

@@ -17,7 +17,7 @@ from cross_checks.linkage.forces import BY_SHARED_CODE, PARTS, Applied, shared_r
 from cross_checks.linkage.links import FIXED, lifted, linkage_of
 from mbs_ref import Settings
 from mbs_ref.scene import CoordinateDrive, Load, PlanarBody, PointMass, Scene, SpatialBody
-from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
+from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices, rotation_vector
 from mbs_ref.scene.traits import traits
 
 ROTATION_VECTOR = "rotation_vector"
@@ -75,9 +75,8 @@ def _turn(body: SpatialBody, method: str):
     """Return the node's type, and its coordinates and rates that turn the body."""
     theta = np.array(body.orientation)
     if method in (ROTATION_VECTOR, *EXPLICIT_CONTACT):  # explicit solvers take no norm constraint
-        angle = 2.0 * np.arctan2(np.linalg.norm(theta[1:]), theta[0])
-        scale = angle / np.linalg.norm(theta[1:]) if angle else 0.0
-        return item.NodeRigidBodyRotVecLG, scale * theta[1:], rotation_matrices(theta).T @ body.angular_velocity
+        spin = rotation_matrices(theta).T @ body.angular_velocity
+        return item.NodeRigidBodyRotVecLG, rotation_vector(theta), spin
     return item.NodeRigidBodyEP, theta, 0.5 * parameter_matrix(theta).T @ body.angular_velocity
 
 

@@ -88,18 +88,6 @@ class Left:
     clock: np.ndarray  # (n_t,) s, what MuJoCo's own clock showed
 
 
-def advance(model: mujoco.MjModel, data: mujoco.MjData, plan: Plan) -> Left:
-    """Step through the output times; each interval is one call into C."""
-    nq, qpos, qvel = model.nq, data.qpos, data.qvel
-    left = Left(np.empty((len(plan.times), nq + model.nv)), np.empty(len(plan.times)))
-    places, speeds, clock = left.states[:, :nq], left.states[:, nq:], left.clock
-    places[0], speeds[0], clock[0] = qpos, qvel, data.time
-    for k, count in enumerate(plan.counts, start=1):
-        mujoco.mj_step(model, data, nstep=count)
-        places[k], speeds[k], clock[k] = qpos, qvel, data.time
-    return left
-
-
 def clock_end(data: mujoco.MjData, clock: np.ndarray, plan: Plan) -> End:
     """Return where MuJoCo restarted: a bad state sends its clock back to 0 without an exception, and is counted.
 
@@ -241,8 +229,16 @@ class MuJoCo(LinkageEngine):
             mujoco.mj_step(model.model, at_start(model.model, model.linkage))
 
     def advance(self, model: Built, plan: Plan) -> Left:
+        """Step through the output times; each interval is one call into C."""
+        nq, data, qpos, qvel = model.model.nq, model.data, model.data.qpos, model.data.qvel
+        left = Left(np.empty((len(plan.times), nq + model.model.nv)), np.empty(len(plan.times)))
+        places, speeds, clock = left.states[:, :nq], left.states[:, nq:], left.clock
+        places[0], speeds[0], clock[0] = qpos, qvel, data.time
         with passive(model.applied):
-            return advance(model.model, model.data, plan)
+            for k, count in enumerate(plan.counts, start=1):
+                mujoco.mj_step(model.model, data, nstep=count)
+                places[k], speeds[k], clock[k] = qpos, qvel, data.time
+        return left
 
     def collect(self, model: Built, plan: Plan, left: Left) -> Loop:
         end = end_of(left.states, plan.times, clock_end(model.data, left.clock, plan))

@@ -125,10 +125,8 @@ class Posed:
         for e in range(model.neq):
             if model.eq_type[e] in (CONNECT, WELD) and data.eq_active[e]:
                 pair = int(model.eq_obj1id[e]), int(model.eq_obj2id[e])
-                marks = (model.eq_data[e, :3], model.eq_data[e, 3:6])
-                marks = (
-                    marks if model.eq_type[e] == CONNECT else marks[::-1]
-                )  # MuJoCo keeps a weld's the other way round
+                marks = model.eq_data[e, :6].reshape(2, 3)
+                marks = marks[::-1] if model.eq_type[e] == WELD else marks  # MuJoCo keeps a weld's the other way round
                 at = [data.xpos[b] + data.xmat[b].reshape(3, 3) @ mark for b, mark in zip(pair, marks, strict=True)]
                 yield e, pair, (at[0], at[1])
 

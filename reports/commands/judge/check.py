@@ -96,8 +96,7 @@ def _show(cells: list[Cell]) -> None:
     show_table("", ("scene", "engine", "method", "verdict", "error", "compliance", "order", "reason"), rows)
     if refused := refusals(cells):
         show_table("\nRefused", Refused._fields, refused)
-    kinds = sorted({cell.truth for cell in cells if cell.truth})
-    if kinds:
+    if kinds := sorted({cell.truth for cell in cells if cell.truth}):
         click.echo(f"Errors are over each scene's own length and time; truths are {', '.join(kinds)}.", err=True)
     who = ("scene", "engine", "method")
     omitted, contact = [], []  # what runs that were left out would show, and figures of the run that speaks for a cell

@@ -11,7 +11,7 @@ import click
 import numpy as np
 
 from reports import inputs
-from reports.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show, table
+from reports.console import EngineAbsent, Failed, NothingSelected, echo_json, number, progress, show_table
 
 RADIUS = "Largest radius of an enclosure: m, rad, m/s, rad/s."
 LIMIT = "Limit of the prover's processor time for a scene, s."
@@ -152,10 +152,8 @@ def _show(
         click.echo(f"{name}: {number(value) if isinstance(value, float) else value}")
     if enclosures:
         heads = "body", "place, turn, velocity, spin: m, rad, m/s, rad/s"
-        listing = table(f"at t = {times[len(enclosures) - 1]:g} s", *heads)
-        for name, own in zip(scene.body_names, _digits(scene, enclosures[-1], 25), strict=True):
-            listing.add_row(name, "  ".join(own))
-        show(listing)
+        rows = zip(scene.body_names, map("  ".join, _digits(scene, enclosures[-1], 25)), strict=True)
+        show_table(f"at t = {times[len(enclosures) - 1]:g} s", heads, rows)
 
 
 def _digits(scene: Any, at: list[Any], count: int) -> list[list[str]]:

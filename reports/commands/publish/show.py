@@ -86,8 +86,7 @@ def print_report(data: ReportData) -> None:
 def _tables(data: ReportData, label: str, prices: list[list[str]]) -> None:
     title = f"{label}: cost at equal error, over the scene's own scales"
     show_table(title, PRICES, prices)
-    plot = price_plot(data)
-    if plot:
+    if plot := price_plot(data):
         click.echo(f"\n{plot}")
     views = [view(cell) for cell in data.cells if not cell.is_refused]
     show_table("\nVerdicts", VERDICTS, ([one[key] for key in VERDICTS.values()] for one in views))

@@ -90,8 +90,7 @@ def _judged(scene: Scene, record: Record, path: Trajectory, store: str | None) -
 
 
 def _show_path(scene: Scene, path: Trajectory, record: Record, plot: bool) -> None:
-    open_all_along = never_closed(path)
-    if open_all_along:
+    if open_all_along := never_closed(path):
         named = ", ".join(open_all_along[:MOST_NAMED]) + (" ..." if len(open_all_along) > MOST_NAMED else "")
         click.echo(f"Never closed in {path.times[-1]:g} s, of {len(path.contacts)} contacts: {named}")
     if plot and len(path.times) > 1:

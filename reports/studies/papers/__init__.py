@@ -18,6 +18,7 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.kernels.border.questions import derivative
 from mbs_ref.kernels.jit import jit
 from mbs_ref.observables.distance import farthest
+from mbs_ref.scene.euler_parameters import product
 from mbs_ref.scene.traits import Coordinates
 from mbs_ref.simulate import simulate
 from reports.facts.curves import Measured, Value
@@ -106,7 +107,9 @@ def euler_angles(tilt: float) -> dict[str, float | str]:
     start = [np.arctan2(axis[0], -axis[1]), np.arccos(axis[2]), 0.0]
     path = solve_ivp(rates, (0.0, 2.0), start, rtol=1e-8, atol=1e-10, events=pole)
     stopped = len(path.t_events[0]) > 0 or not path.success
-    turned = solve_ivp(lambda _, p: 0.5 * _left(spin) @ p, (0.0, 2.0), [1.0, 0.0, 0.0, 0.0], rtol=1e-8, atol=1e-10)
+    turned = solve_ivp(
+        lambda _, p: 0.5 * product(np.append(0.0, spin), p), (0.0, 2.0), [1.0, 0.0, 0.0, 0.0], rtol=1e-8, atol=1e-10
+    )
     return {
         "status": SINGULAR if stopped else "success", "until": float(path.t[-1]), "calls": float(path.nfev),
         "parameters_calls": float(turned.nfev), "parameters_norm": float(abs(np.linalg.norm(turned.y[:, -1]) - 1.0)),
@@ -117,12 +120,6 @@ def _rate_matrix(precession: float, nutation: float) -> np.ndarray:
     """Return the matrix (3, 3) from the world's angular velocity to the angles' rates; infinite at nutation = 0."""
     c, s, sn, cn = np.cos(precession), np.sin(precession), np.sin(nutation), np.cos(nutation)
     return np.array([[-s * cn / sn, c * cn / sn, 1.0], [c, s, 0.0], [s / sn, -c / sn, 0.0]])
-
-
-def _left(w: np.ndarray) -> np.ndarray:
-    """The matrix of the quaternion product (0, w) p."""
-    x, y, z = w
-    return np.array([[0, -x, -y, -z], [x, 0, -z, y], [y, z, 0, -x], [z, -y, x, 0]], dtype=float)
 
 
 FINE = 1e-11  # rtol

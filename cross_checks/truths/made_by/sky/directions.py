@@ -92,9 +92,7 @@ def _from_ecliptic(longitude: np.ndarray, latitude: np.ndarray, distance: np.nda
 
 def _about_x(angle: np.ndarray) -> np.ndarray:
     """Return the matrix that turns axes about x: R_x of Montenbruck and Gill 2000, eq A.1."""
-    c, s, one, none = np.cos(angle), np.sin(angle), np.ones_like(angle), np.zeros_like(angle)
-    rows = (one, none, none), (none, c, s), (none, -s, c)
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    return np.roll(_about_z(angle), 1, axis=(-2, -1))
 
 
 def _about_z(angle: np.ndarray) -> np.ndarray:
