@@ -1,10 +1,10 @@
 """Many adaptive runs side by side, of one scene or of scenes of one build: a lane is a run with a clock of its own.
 
-Each has its own step, error, figures, tolerances and events. A run is that which `advance_explicit` returns: stages are
-made side by side, and each run's own system, by the handles in `Runs`, starts it, watches for events inside its steps
-and changes its modes. One that comes too close to a singular pose, or whose constraints cannot be restored, ends there.
-A lane whose run has ended takes the next one that waits, so that none is idle before the last have begun. What a lane
-holds never depends on its neighbours.
+Each has its own step, error, figures, tolerances and events. A run is that which `advance_explicit` returns. Stages are
+computed side by side. The run's own system, by the handles in `Runs`, starts it, watches for events inside its steps
+and changes its modes. A run that comes too close to a singular pose, or whose constraints cannot be restored, ends
+there. A lane whose run has ended takes the next one that waits, so that none is idle before the last have begun. What a
+lane holds never depends on its neighbours.
 """
 
 from typing import NamedTuple

@@ -437,4 +437,5 @@ def test_kernels_are_compiled_by_the_first_hundredth_of_runs(monkeypatch):
     monkeypatch.setattr(compiling, "simulate_scenes", lambda *given, lanes: asked.append((*given, lanes)))
     compiling.run_in_lanes()
     assert [(built[0].name, settings.method, lanes) for built, settings, lanes in asked] == [
-        (name, "dop853", True) for name in ("double_pendulum", "spatial_chain", "n_four_bar")]  # fmt: skip
+        (name, "dop853", True) for name in (
+            "double_pendulum", "spatial_chain", "n_four_bar", "spatial_slider_crank", "bouncing_ball")]  # fmt: skip
