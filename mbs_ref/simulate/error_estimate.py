@@ -27,7 +27,9 @@ larger ones, so that d bounds them. If that fails, or ran already, another metho
 
 import math
 import time
+from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +57,7 @@ COARSEST = 1e-2  # largest rtol of a companion with steps of twice the size
 COARSE_SAFETY = 9.0  # in place of SAFETY there, by calibration: longer steps follow the order less closely
 NOISE = 1e-11  # smaller relative differences there count in full: rounding errors follow no order
 SECOND_METHOD = "lsodar"  # companion if the default method itself fails
+DOUBLE = "twice the size"  # share of a companion whose steps are that
 ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
 
 
@@ -72,6 +75,9 @@ class Companion(NamedTuple):
     gaps: np.ndarray  # (n, 4) at the outputs that both reached, over the scene's scales
     sizes: np.ndarray  # (4,) how far the two motions go
     is_coarse: bool = False  # has steps of twice the size
+
+
+Known = Mapping[str, Companion]
 
 
 class _Request(NamedTuple):
@@ -100,19 +106,35 @@ class _Comparison(NamedTuple):
         return self.status in ENDED
 
 
-def companion_plan(system: System, plan: Plan, is_coarse: bool) -> tuple[Plan, int]:
-    """Return the plan of the first companion and the `refine` of `run_legs`; see `is_coarsened`."""
-    if is_coarse:
-        return _doubled(plan), 1
-    first = _first(system, plan)
-    return replace(plan, options=first.options._replace(stop_on_compliance=False)), first.refine
+class Wanted(NamedTuple):
+    """A companion that is to be computed."""
+
+    share: str  # of the run's step or tolerance
+    plan: Plan
+    refine: int  # of `run_legs`
+
+
+def first_companion(system: System, plan: Plan, is_coarse: bool) -> Wanted:
+    """Return the first companion of a run; see `is_coarsened`."""
+    return Wanted(DOUBLE, _doubled(plan), 1) if is_coarse else _wanted(plan, _first(system, plan))
+
+
+def companion_near_singular(plan: Plan) -> Wanted:
+    """Return the second companion of an adaptive run that projected its stages close to a singular pose."""
+    return _wanted(plan, _tightest(plan))
+
+
+def _wanted(plan: Plan, request: "_Request") -> Wanted:
+    options = request.options._replace(stop_on_compliance=False)
+    return Wanted(request.share, replace(plan, options=options), request.refine)
 
 
 def all_companions(
-    system: System, poses: list[Poses], runs: list[Run], others: list[Run], is_coarse: bool
+    system: System, poses: list[Poses], runs: list[Run], others: list[Run], share: str
 ) -> list[Companion]:
-    """Return the first companions `others` of some runs with their distances; runs of one length are vectorised."""
+    """Return the companions `others` of some runs with their distances; runs of one length are vectorised."""
     result: dict[int, Companion] = {}
+    is_coarse = share == DOUBLE
     lengths = [(len(run.times), len(other.times)) for run, other in zip(runs, others, strict=True)]
     for length in set(lengths):
         places = [k for k, own in enumerate(lengths) if own == length]
@@ -125,14 +147,14 @@ def all_companions(
 
 
 def estimated(
-    system: System, plan: Plan, run: Run, poses: Poses | None = None, companion: Companion | None = None
+    system: System, plan: Plan, run: Run, poses: Poses | None = None, known: Known = MappingProxyType({})
 ) -> Estimate | None:
     """Return the estimated error of a run at its output times; None if Ctrl-C ended a companion.
 
-    `poses` of the run and the first `companion` (by `companion_plan`) are computed unless given.
+    `poses` of the run, and companions that are not `known` by their share, are computed.
     """
     began, scales, own = time.perf_counter(), system.scales, RunWithPoses(run, poses or system.poses(run.states))
-    compared = _comparisons(system, plan, own, companion)
+    compared = _comparisons(system, plan, own, known)
     if any(one.status is Status.INTERRUPTED for one in compared):
         return None
     opening, went = _opening(system, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
@@ -175,23 +197,23 @@ def _tolerance_ratio(plan: Plan) -> float:
     return DECADE**2 if plan.integrator.varies_order else DECADE * plan.integrator.slack
 
 
-def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
-    """Return the comparisons with the needed companions, no two alike: one as a rule, which may be computed already."""
-    if is_coarsened(system, plan, own.run) and (first is None or first.is_coarse):
-        if (coarse := _by_doubled_steps(system, plan, own, first)) is not None:
-            return [coarse]
-        first = None
+def _comparisons(system: System, plan: Plan, own: RunWithPoses, known: Known) -> list[_Comparison]:
+    """Return the comparisons with the needed companions, no two alike: one as a rule."""
+    may_double = is_coarsened(system, plan, own.run) and (DOUBLE in known or not known)
+    if may_double and (coarse := _by_doubled_steps(system, plan, own, known.get(DOUBLE))) is not None:
+        return [coarse]
     begun = _first(system, plan)
-    compared = [_compared(system, plan, own, begun, first)]
+    compared = [_compared(system, plan, own, begun, known.get(begun.share))]
     if plan.options.step and compared[0].has_ended:
         compared[0] = _by_observed_order(system, plan, own, compared[0])
     wanted = compared[0].is_uninformative or (own.run.near_singular and not plan.options.step)
-    tighter = [_tighter(plan, DECADE**2 * _tolerance_ratio(plan), 2.0 * _tolerance_ratio(plan))] if wanted else []
+    tighter = [_tightest(plan)] if wanted else []
     _, *further = {one.share: one for one in (begun, *tighter, _coarser(plan), _by_another_method(plan))}.values()
     if compared[0].has_ended:
         further = further[:-1] or further  # another method, which may cost far more, only for want of any other
     while further and compared[-1].status is not Status.INTERRUPTED and (wanted or not compared[-1].has_ended):
-        compared.append(_compared(system, plan, own, further.pop(0)))
+        request = further.pop(0)
+        compared.append(_compared(system, plan, own, request, known.get(request.share)))
         wanted = False
     return compared
 
@@ -313,6 +335,11 @@ def _tighter(plan: Plan, factor: float, least: float = DECADE) -> _Request:
         rtol=options.rtol / smaller, atol=options.atol / smaller, max_steps=MORE_STEPS * options.max_steps
     )
     return _Request(f"1/{smaller:g} of the tolerance", tight, 2, _richardson(smaller))
+
+
+def _tightest(plan: Plan) -> _Request:
+    """Request a tolerance tighter than that of the first companion by two decades."""
+    return _tighter(plan, DECADE**2 * _tolerance_ratio(plan), 2.0 * _tolerance_ratio(plan))
 
 
 def _coarser(plan: Plan) -> _Request:

@@ -4,6 +4,7 @@ import itertools
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from mbs_ref.scene.traits import touching
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import start_checks as checks
 from mbs_ref.simulate.diagnosis import singular_passage, unseen_forces
-from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
+from mbs_ref.simulate.error_estimate import ENDED, Known, estimated
 from mbs_ref.simulate.legs import Run, finite_part, run_legs, start_run
 from mbs_ref.simulate.linearised import unstable_passage, unstable_step
 from mbs_ref.simulate.method_choice import after_first_steps, choose_plan, without
@@ -83,12 +84,12 @@ def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: T
 
 
 def with_estimate(
-    system: System, plan: Plan, run: Run, path: Trajectory, companion: Companion | None = None
+    system: System, plan: Plan, run: Run, path: Trajectory, known: Known = MappingProxyType({})
 ) -> Trajectory:
     """Return the trajectory of a run that ended well with the estimate of its error, and a note if it is large."""
     if run.status not in ENDED or plan.settings.estimate == "off":
         return path
-    estimate = estimated(system, plan, run, Poses.of(path), companion)
+    estimate = estimated(system, plan, run, Poses.of(path), known)
     if estimate is None:
         reason = "interrupted while a second run estimated the error of this one, which is complete"
         return replace(path, status=Status.INTERRUPTED, message=reason)

@@ -27,7 +27,13 @@ from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.error_estimate import all_companions, companion_plan, is_coarsened
+from mbs_ref.simulate.error_estimate import (
+    Companion,
+    all_companions,
+    companion_near_singular,
+    first_companion,
+    is_coarsened,
+)
 from mbs_ref.simulate.legs import Counts, LegPlan, Run, planned_legs, reached, run_legs, samples, start_run
 from mbs_ref.simulate.one_run import all_samples, compiled, or_empty, simulated, trajectory, with_estimate
 from mbs_ref.simulate.plan import Plan
@@ -232,16 +238,34 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
         runs_in_lanes([bunch._replace(starts=bunch.starts[:0])])
     ready = (time.perf_counter() - began) / max(1, sum(len(case.starts) for case in cases))
     runs = _runs(bunches)
-    others: list[list[Run]] | list[None] = [None] * len(bunches)
-    is_coarse = all(is_coarsened(*one[:2], run) for one, own in zip(bunches, runs, strict=True) for run in own)
-    if bunches and bunches[0].plan.settings.estimate == "on":
-        finer = [companion_plan(bunch.system, bunch.plan, is_coarse) for bunch in bunches]
-        again = [
-            one._replace(system=one.system.beside(), plan=plan) for one, (plan, _) in zip(bunches, finer, strict=True)
-        ]
-        others = _runs(again, refine=finer[0][1])
+    others = (
+        _companions(bunches, runs) if bunches and bunches[0].plan.settings.estimate == "on" else [[]] * len(bunches)
+    )
     times = [Timing(build_s=case.build_s, first_call_s=ready, loop_s=0.0) for case in cases]
-    return [_trajectories(*one, is_coarse) for one in zip(checked, times, runs, others, strict=True)]
+    return [_trajectories(*one) for one in zip(checked, times, runs, others, strict=True)]
+
+
+class _Others(NamedTuple):
+    """Companions of some runs of a bunch."""
+
+    share: str  # of the runs' tolerance
+    places: list[int]  # of the runs in the bunch
+    runs: list[Run]
+
+
+def _companions(bunches: list[Bunch], runs: list[list[Run]]) -> list[list[_Others]]:
+    """Return the first companions of all runs, and the second ones of those that came close to a singular pose."""
+    is_coarse = all(is_coarsened(*one[:2], run) for one, own in zip(bunches, runs, strict=True) for run in own)
+    first = [first_companion(bunch.system, bunch.plan, is_coarse) for bunch in bunches]
+    second = [companion_near_singular(bunch.plan) for bunch in bunches]
+    result: list[list[_Others]] = [[] for _ in bunches]
+    for wanted, of_all in ((first, True), (second, False)):
+        places = {k: [i for i, run in enumerate(own) if of_all or run.near_singular] for k, own in enumerate(runs)}
+        asked = [k for k, needed in places.items() if needed]
+        again = [Bunch(bunches[k].system.beside(), wanted[k].plan, bunches[k].starts[places[k]]) for k in asked]
+        for k, found in zip(asked, _runs(again, wanted[0].refine), strict=True):
+            result[k].append(_Others(wanted[k].share, places[k], found))
+    return result
 
 
 def _checked(case: Bunch) -> Checked:
@@ -275,16 +299,18 @@ def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
     return [runs[k] for k in range(len(bunches))]
 
 
-def _trajectories(
-    checked: Checked, timing: Timing, runs: list[Run], others: list[Run] | None, is_coarse: bool
-) -> list[Trajectory]:
+def _trajectories(checked: Checked, timing: Timing, runs: list[Run], others: list[_Others]) -> list[Trajectory]:
     """Return the trajectories of a case, in the order of its starts."""
     (system, plan, *_), paths = checked.bunch, dict(checked.others)
     samples = all_samples(system, plan, runs)
     poses = [sample.poses for sample in samples]
-    companions = [None] * len(runs) if others is None else all_companions(system, poses, runs, others, is_coarse)
-    for (k, notes), run, companion, sample in zip(checked.notes.items(), runs, companions, samples, strict=True):
+    known: list[dict[str, Companion]] = [{} for _ in runs]
+    for share, places, again in others:
+        own = [runs[k] for k in places]
+        for k, one in zip(places, all_companions(system, [poses[k] for k in places], own, again, share), strict=True):
+            known[k][share] = one
+    for (k, notes), run, companions, sample in zip(checked.notes.items(), runs, known, samples, strict=True):
         spent = replace(timing, loop_s=run.loop_s)
         path = trajectory(system, plan, run, [*plan.notes, *notes], spent, sample)
-        paths[k] = with_estimate(system, plan, run, path, companion)
+        paths[k] = with_estimate(system, plan, run, path, companions)
     return [paths[k] for k in range(len(paths))]
