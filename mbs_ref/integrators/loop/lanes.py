@@ -114,7 +114,7 @@ def room_beside(figures: np.ndarray, beside: Beside, n_state: int, s: int, n_roo
         slopes=room(s + 1, n_state), now=room(11), pace=room(2),
         run=np.full(WIDTH, IDLE), scene=np.full(WIDTH, IDLE), rejected=np.zeros(WIDTH, np.int64),
         search=np.zeros((WIDTH, 8)), tables=Tables(*np.zeros((3, WIDTH, 4, n_roots))),
-        ends=Ends(*np.zeros((4, n_state)), np.ones(2, np.int64)), beside=beside,
+        ends=Ends(*np.zeros((4, n_state)), known=np.ones(2, np.int64)), beside=beside,
     )  # fmt: skip
 
 

@@ -238,9 +238,8 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
         runs_in_lanes([bunch._replace(starts=bunch.starts[:0])])
     ready = (time.perf_counter() - began) / max(1, sum(len(case.starts) for case in cases))
     runs = _runs(bunches)
-    others = (
-        _companions(bunches, runs) if bunches and bunches[0].plan.settings.estimate == "on" else [[]] * len(bunches)
-    )
+    is_estimated = bool(bunches) and bunches[0].plan.settings.estimate == "on"
+    others = _companions(bunches, runs) if is_estimated else [[] for _ in bunches]
     times = [Timing(build_s=case.build_s, first_call_s=ready, loop_s=0.0) for case in cases]
     return [_trajectories(*one) for one in zip(checked, times, runs, others, strict=True)]
 
@@ -281,8 +280,10 @@ def _start(case: Bunch, y: np.ndarray) -> list[str] | Trajectory:
     system, plan = case.system, case.plan
     before, notes = y.copy(), consistent_start(system.redundant, y, plan.settings)
     rank = rank_at_start(system, y)
-    missing = 0 if rank is None else system.n_constraints - rank
-    if missing == system.n_spare_rows and not (missing and ambiguous_start(system, y, rank)):
+    if rank is None or rank == system.n_constraints:
+        return notes
+    missing = system.n_constraints - rank
+    if missing == system.n_spare_rows and not ambiguous_start(system, y, rank):
         return [*notes, *redundancy(system, rank)]
     why = f"not in lanes: {missing} constraint rows are redundant"
     return simulated(system.twin(), replace(plan, notes=(why, *plan.notes[1:])), before, case.build_s)
