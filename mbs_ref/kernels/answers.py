@@ -64,7 +64,7 @@ GROUPS = {
     "defect_of gamma_of",
     REPORT: "contact_forces",
     BESIDE: "apply_further_loads",
-    LANES: "derivative project regularity accelerate fill_deflection_rates",
+    LANES: "derivative project regularity accelerate fill_deflection_rates refine",
     **dict.fromkeys((LANES_LOADS, LOADS_ALONE), "apply_loads"),
     **dict.fromkeys((LANES_ROWS, ROWS_ALONE), "fill_rows"),
 }
@@ -111,7 +111,7 @@ _ABSENT: dict[str, Callable[..., Any]] = {
     "start_switches": jit(lambda model, work, located: None),
     "find_near": jit(lambda model, work, duration: False),
     "apply_granules": jit(lambda model, work: None),
-    "refine": jit(lambda model, work, forces: None),
+    "refine": jit(lambda model, work, forces, factor: None),
     "fill_contact_rows": jit(lambda model, work: None),
     "fill_deflection_rates": jit(lambda model, work, dy: None),
     "contact_forces": jit(lambda model, work, t, y, forces: None),

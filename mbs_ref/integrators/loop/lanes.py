@@ -21,12 +21,9 @@ from mbs_ref.kernels.algebra.lanes import room_for_lanes as room
 from mbs_ref.kernels.border.handles import Model, Work
 from mbs_ref.kernels.border.questions import derivative, project, regularity, roots, tangent
 from mbs_ref.kernels.jit import bare, bare_loop, loop_jit
-from mbs_ref.kernels.rigid.dynamics import BORNE, EPS
 from mbs_ref.kernels.rigid.model import Beside
 
 IDLE = -1
-# of rtol: a run leaves where elimination, which lanes do not refine, loses more; at a relative pivot p, eps / p^(3/2)
-LOST = 1e-3
 
 
 class Runs(NamedTuple):
@@ -293,10 +290,9 @@ def _is_hopeless(options, run, side, w):
 
 @bare
 def _is_singular(options, now, w):
-    """Return whether a step ends, or had a stage, where a lane is not accurate."""
-    pivot, there = now[PIVOT, w], now[THERE, w]
-    loses = not min(pivot, there) >= (EPS / max(BORNE, LOST * options.rtol)) ** (2.0 / 3.0)
-    return loses or is_too_near(there, pivot if now[RESTORED, w] == 1.0 else 1.0, options.rtol, 0, True)
+    """Return whether a step ends, or had a stage, too close to a singular pose for a lane."""
+    pivot = now[PIVOT, w] if now[RESTORED, w] == 1.0 else 1.0
+    return is_too_near(now[THERE, w], pivot, options.rtol, 0, True)
 
 
 @bare

@@ -92,8 +92,8 @@ switch_transition = question("switch_transition(model, g)", FLAG)
 start_switches = question("start_switches(model, work, located)")
 # Fill slips (n_contacts, tangents) with the slip velocities (m/s) at y of the contacts whose friction is probed.
 slip_velocities = question("slip_velocities(model, work, y, slips)")
-# Add to a solution for the load `forces` what the residuals of both equations require.
-refine = question("refine(model, work, forces)")
+# Add to a solution for the load `forces` a factor times what the residuals of both equations require.
+refine = question("refine(model, work, forces, factor)")
 # Solve the augmented system for the load in `work` and `gamma`, into its acceleration and multipliers.
 solve = question("solve(model, work, gamma)")
 # Place a tree at its relative coordinates y, and write the redundant system's state to `full`.

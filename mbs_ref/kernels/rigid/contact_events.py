@@ -170,7 +170,7 @@ def rigid_contact_mobility(model, work, t, y, k):
     clear(rows.gamma)
     load = tree.load.copy()
     ask.solve(model, work, rows.gamma)
-    ask.refine(model, work, load)  # where n acts through a joint, all but a small share of it cancels
+    ask.refine(model, work, load, 1.0)  # where n acts through a joint, all but a small share of it cancels
     return forces.gap_response(model, work, k, touch)
 
 

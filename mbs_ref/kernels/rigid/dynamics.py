@@ -14,7 +14,7 @@ are eliminated on the way (mbs_ref.kernels.rigid.elimination).
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.lanes import either, exceeds, larger, largest_of, vanishes
+from mbs_ref.kernels.algebra.lanes import either, exceeds, lane_by_lane, larger, largest_of, vanishes
 from mbs_ref.kernels.border.questions import apply_loads, factor, fill_rows, refine, solve
 from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import elimination
@@ -77,15 +77,19 @@ CONVERGES = 1e-4  # relative: where elimination loses more, a rank is lost and n
 
 @jit
 def refinements(pivot):
-    """Return the steps of refinement after which what elimination lost at this relative pivot is borne."""
+    """Return the steps of refinement after which what elimination lost at this relative pivot is borne, a float."""
+    steps = 0.0
     if pivot >= REFINED_BELOW or pivot * CONVERGES < EPS:
-        return 0
-    steps = 0
+        return steps
     error = EPS / pivot
     while error > BORNE and steps < MOST_REFINEMENTS:
         error *= EPS / pivot
-        steps += 1
+        steps += 1.0
     return steps
+
+
+# The same, of each lane.
+_refinements = lane_by_lane("_refinements(pivot)", refinements)
 
 
 # Factor the augmented matrix at the Jacobians in `work`; the second one of a tree without closed loops.
@@ -117,40 +121,34 @@ def _stabilize(control, gamma, rate, residual):
 
 
 @jit
-def rigid_refine(model, work, forces):
+def rigid_refine(model, work, forces, factor):
     """Add to the accelerations and multipliers of a solution what the residuals of both equations require.
 
-    `forces` (n + 1, rates) is the load of that solution, whose right-hand side is rows.gamma.
+    `forces` (n + 1, rates) is the load of that solution, whose right-hand side is rows.gamma. `factor` is 1, or 0 of a
+    lane that is to stay as it is.
     """
-    rows, tree, body = work.rows, work.tree, model.slots.body
-    first, multiplier, gamma = tree.acceleration.copy(), rows.multiplier.copy(), rows.gamma.copy()
+    rows, tree, body, before = work.rows, work.tree, model.slots.body, work.before
+    copy_rows(tree.acceleration, before.acceleration)
+    copy_rows(rows.multiplier, before.multiplier)
+    copy_rows(rows.gamma, before.gamma)
     copy_rows(forces, tree.load)
-    core.subtract_inertia(model, work, first, tree.load)
-    take_reactions(tree.load, body, rows.jacobian, multiplier)
-    take_accelerations(gamma, body, rows.jacobian, first)
-    solve(model, work, gamma)
-    add_to(tree.acceleration, first)
-    add_to(rows.multiplier, multiplier)
+    core.subtract_inertia(model, work, before.acceleration, tree.load)
+    take_reactions(tree.load, body, rows.jacobian, before.multiplier)
+    take_accelerations(before.gamma, body, rows.jacobian, before.acceleration)
+    scale(factor, tree.load, tree.load)
+    scale(factor, before.gamma, before.gamma)
+    solve(model, work, before.gamma)
+    add_to(tree.acceleration, before.acceleration)
+    add_to(rows.multiplier, before.multiplier)
 
 
 @jit
-def _refine_solution(model, work):
-    for _ in range(refinements(work.closures.regularity[0])):
-        refine(model, work, work.kinematics.force)
-
-
-@jit
-def _refine_rates(model, work):
-    for _ in range(refinements(work.closures.regularity[0])):
-        refine(model, work, np.zeros_like(work.tree.load))
-
-
-# Of lanes none is refined: a run whose loops come close to a singular pose leaves its lane.
-_as_it_is = jit(lambda model, work: None)
-# Refine the accelerations and multipliers in `work` as often as the loops' pose asks for.
-refine_solution = either("refine_solution(model, work)", _refine_solution, _as_it_is)
-# The same of the rates that remove a defect.
-refine_rates = either("refine_rates(model, work)", _refine_rates, _as_it_is)
+def _refine(model, work, forces):
+    """Refine a solution for these forces as often as the loops' pose asks for."""
+    steps = _refinements(work.closures.regularity[0])
+    while largest_of(steps) > 0.0:
+        refine(model, work, forces, exceeds(steps, 0.0))
+        steps = steps - 1.0
 
 
 @jit
@@ -164,7 +162,7 @@ def rigid_accelerate(model, work, t, y):
     factor(model, work)
     copy_rows(work.kinematics.force, work.tree.load)
     solve(model, work, rows.gamma)
-    refine_solution(model, work)
+    _refine(model, work, work.kinematics.force)
 
 
 @bare
@@ -261,6 +259,6 @@ def rigid_project(model, work, t, y, tolerance, most):
         moves = moves * exceeds(left, tolerance) * (1.0 - exceeds(left, 0.5 * previous))
     factor(model, work)
     respond(model, work, rows.rate)
-    refine_rates(model, work)
+    _refine(model, work, work.before.nothing)
     correct_rates(model, work, 1.0, y)
     return larger(left, core.largest_norm_defect(model, work))

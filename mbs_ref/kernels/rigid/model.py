@@ -237,6 +237,15 @@ class Tree(NamedTuple):
     acceleration: Annotated[Floats, "n + 1", "rates"]  # the solution of the pass, ground row zero
 
 
+class Before(NamedTuple):
+    """A solution that is refined, and no forces."""
+
+    acceleration: Annotated[Floats, "n + 1", "rates"]
+    multiplier: Annotated[Floats, "n_slots", "rates"]
+    gamma: Annotated[Floats, "n_slots", "rates"]
+    nothing: Annotated[Floats, "n + 1", "rates"]
+
+
 class Beside(NamedTuple):
     """The systems of the runs in lanes, which evaluate loads that depend on modes of their own."""
 
@@ -258,7 +267,9 @@ GROUPS: dict[str, type] = {  # of every scene of bodies and joints
     "contact_pairs": ContactPairs, "contact_laws": ContactLaws, "contact_modes": ContactModes,
     "near_pairs": NearPairs, "granules": Granules, "watches": Watches, "signals": SignalArrays, "world": World,
 }  # fmt: skip
-SCRATCH: dict[str, type] = {"rows": Rows, "tree": Tree, "closures": Closures, "solved": Solved, "beside": Beside}
+SCRATCH: dict[str, type] = {
+    "rows": Rows, "tree": Tree, "closures": Closures, "solved": Solved, "before": Before, "beside": Beside,
+}  # fmt: skip
 
 
 def rigid_scratch(scratch: type, n: int, n_slots: int, n_state: int, loops: Loops, **lengths: int) -> Any:
