@@ -208,6 +208,8 @@ def is_too_near(pivot, stage_pivot, rtol, avoided, adaptive):
     return (noisy and avoided < PATIENT_AVOIDED) or (adaptive and pivot < SINGULAR_PIVOT / needed)
 
 
+# Return the step (s) in place of one that is not to end at this pivot, or had a stage too close to a singular pose.
+shortened = jit(lambda h, pivot, rtol: h * (AVOID if is_noisy(pivot, NOISY_PIVOT, rtol) else AVOID_STAGE))
 # Return the step (s) that accuracy allows, where no singular pose is near: `natural`, if one was stored.
 resumed = jit(lambda h, natural: natural if natural > 0.0 else h)
 
@@ -292,8 +294,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             code = leg.DONE if run.next_output == outputs.times.shape[0] else leg.RUNNING
         else:
             natural = max(natural, run.h)
-            shorter = attempt.h * (AVOID if is_noisy(there, NOISY_PIVOT, rtol) else AVOID_STAGE)
-            run.h = natural if avoided == MOST_AVOIDED else shorter
+            run.h = natural if avoided == MOST_AVOIDED else shortened(attempt.h, there, rtol)
     return code
 
 

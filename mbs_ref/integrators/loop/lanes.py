@@ -15,7 +15,14 @@ from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
 from mbs_ref.integrators.loop.events import ACTIVE, EVENT, KEEP, RETRY, Tables, event_tables, has_events, watch_at
 from mbs_ref.integrators.loop.exclusion import Ends
-from mbs_ref.integrators.loop.explicit import NEAR_SINGULAR, STAGE_ITERATIONS, is_too_near
+from mbs_ref.integrators.loop.explicit import (
+    MOST_AVOIDED,
+    NEAR_SINGULAR,
+    STAGE_ITERATIONS,
+    is_too_near,
+    resumed,
+    shortened,
+)
 from mbs_ref.kernels.algebra.lanes import WIDTH, chosen_in_lanes, in_every_lane, in_lanes, larger, smaller
 from mbs_ref.kernels.algebra.lanes import room_for_lanes as room
 from mbs_ref.kernels.border.handles import Model, Work
@@ -53,7 +60,7 @@ class Side(NamedTuple):
     spare: np.ndarray  # (n_state, WIDTH)
     slopes: np.ndarray  # (s + 1, n_state, WIDTH)
     now: np.ndarray  # (11, WIDTH): TIME, STEP, TAKEN, MAIN, LOW, PIVOT, LAST, THERE, LEFT, RESTORED, TOLERANCE
-    pace: np.ndarray  # (2, WIDTH): MARK, SLOW
+    pace: np.ndarray  # (4, WIDTH): MARK, SLOW, NATURAL, AVOIDED
     run: np.ndarray  # (WIDTH,) int, place among the runs or IDLE
     scene: np.ndarray  # (WIDTH,) int, whose figures and tolerances the lane has, or IDLE
     rejected: np.ndarray  # (WIDTH,) int: 1 after a step whose error was too large
@@ -67,7 +74,9 @@ class Side(NamedTuple):
 # closure pivots of its stages, that at its last one and that at its end, |C| there, 1 where stages are projected,
 # tolerance of projection
 TIME, STEP, TAKEN, MAIN, LOW, PIVOT, LAST, THERE, LEFT, RESTORED, TOLERANCE = range(11)
-MARK, SLOW = range(2)  # where a run was a stretch of steps ago (s), and how many stretches in a row were slow
+# where a run was a stretch of steps ago (s), how many stretches in a row were slow, the step (s) that accuracy allows
+# while one is shortened to avoid a singular pose, else 0, and how many attempts in a row were
+MARK, SLOW, NATURAL, AVOIDED = range(4)
 
 
 def runs_from(
@@ -108,7 +117,7 @@ def room_beside(figures: np.ndarray, beside: Beside, n_state: int, s: int, n_roo
     """
     return Side(
         figures=figures, atol=room(n_state), y=room(n_state), new=room(n_state), spare=room(n_state),
-        slopes=room(s + 1, n_state), now=room(11), pace=room(2),
+        slopes=room(s + 1, n_state), now=room(11), pace=room(4),
         run=np.full(WIDTH, IDLE), scene=np.full(WIDTH, IDLE), rejected=np.zeros(WIDTH, np.int64),
         search=np.zeros((WIDTH, 8)), tables=Tables(*np.zeros((3, WIDTH, 4, n_roots))),
         ends=Ends(*np.zeros((4, n_state)), known=np.ones(2, np.int64)), beside=beside,
@@ -207,6 +216,7 @@ def _take_up(runs, side, i, w):
     side.run[w], side.rejected[w], side.search[w, ACTIVE] = i, 0, 0.0
     side.now[PIVOT, w] = side.now[THERE, w] = runs.pivot[i]
     side.pace[MARK, w], side.pace[SLOW, w] = runs.now[i].t, 0.0
+    side.pace[NATURAL, w], side.pace[AVOIDED, w] = 0.0, 0.0
     side.beside.model[w], side.beside.work[w] = runs.handles[scene, 2], runs.handles[scene, 3]
     table = _table(side, w)
     if has_events(table):
@@ -232,7 +242,7 @@ def _fill(runs, side, waiting, last):
 def _attempt(runs, side, times, i, w):
     """Return the step that lane w is to try."""
     run = runs.now[i]
-    return stepping.next_attempt(0.0, run, times[run.next_output], True, side.search[w])
+    return stepping.next_attempt(0.0, run, times[run.next_output], side.pace[NATURAL, w] == 0.0, side.search[w])
 
 
 @bare
@@ -289,10 +299,26 @@ def _is_hopeless(options, run, side, w):
 
 
 @bare
-def _is_singular(options, now, w):
-    """Return whether a step ends, or had a stage, too close to a singular pose for a lane."""
-    pivot = now[PIVOT, w] if now[RESTORED, w] == 1.0 else 1.0
-    return is_too_near(now[THERE, w], pivot, options.rtol, 0, True)
+def _is_avoided(options, side, w):
+    """Return whether a step is not to end so close to a singular pose."""
+    pivot = side.now[PIVOT, w] if side.now[RESTORED, w] == 1.0 else 1.0
+    return is_too_near(side.now[THERE, w], pivot, options.rtol, side.pace[AVOIDED, w], True)
+
+
+@bare
+def _avoid(options, run, side, attempt, outputs, w):
+    """Store an output next to a singular pose, or shorten the step that would end there; return how the run stands."""
+    pace = side.pace
+    pace[AVOIDED, w] += 1.0
+    if pace[AVOIDED, w] > MOST_AVOIDED:
+        return leg.SINGULAR
+    if attempt.lands:
+        stepping.record(run, side.ends.y_new, outputs)
+        return leg.DONE if run.next_output == outputs.times.shape[0] else leg.RUNNING
+    pace[NATURAL, w] = max(pace[NATURAL, w], run.h)
+    is_last = pace[AVOIDED, w] == MOST_AVOIDED
+    run.h = pace[NATURAL, w] if is_last else shortened(attempt.h, side.now[THERE, w], options.rtol)
+    return leg.RUNNING
 
 
 @bare
@@ -327,9 +353,10 @@ def _judge(tableau, options, runs, side, times, i, w):
         if verdict == RETRY:
             run.h = attempt.proposed
             return leg.RUNNING, False
-    if verdict != EVENT and _is_singular(options, now, w):
-        return leg.SINGULAR, False
     outputs = leg.Outputs(times, runs.states[i], runs.compliance[i])
+    if verdict != EVENT and _is_avoided(options, side, w):
+        return _avoid(options, run, side, attempt, outputs, w), False
+    run.h, side.pace[NATURAL, w], side.pace[AVOIDED, w] = resumed(run.h, side.pace[NATURAL, w]), 0.0, 0.0
     code = stepping.accept(model, work, options, run, attempt, verdict, ends.y, ends.y_new, table, outputs)
     if verdict == EVENT and code == leg.RUNNING:
         _take_event(model, work, attempt.t_new, side, w, last)

@@ -12,6 +12,7 @@ from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, TorsionSpring
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
+from mbs_ref.simulate.many import lanes as many_lanes
 from mbs_ref.simulate.many.lanes import NOTE, why_not_in_lanes
 from mbs_ref.trajectory import Status
 from tests.mbs_ref.cores.test_relative import planar_tree, spatial_tree
@@ -196,6 +197,28 @@ def test_events_and_rows_in_lanes_are_those_of_runs_alone(what):
             np.testing.assert_allclose(path.event_times, alone.event_times, rtol=0.0, atol=1e-9)
             count += len(alone.event_times)
     assert count > 0 or not (scene.contacts or scene.loads)
+
+
+def test_runs_pass_a_singular_pose_in_their_lanes(monkeypatch):
+    """A parallelogram whose bars fall in line goes on as one, at the energy that it began with."""
+    scene, rtol = scenes.make("n_four_bar", loops=2), 1e-9
+    starts = poses(simulate(scene, Settings(t_end=0.5, samples=WIDTH + 2, rtol=1e-11, estimate="off")))
+    settings = Settings(t_end=1.0, samples=21, rtol=rtol, estimate="off", reactions=False)
+    alone = [simulate(scene, settings, start=some(starts, slice(k, k + 1))) for k in range(WIDTH + 2)]
+    monkeypatch.setattr(many_lanes, "run_legs", lambda *_: pytest.fail("a run left its lane"))
+    paths = simulate_starts(scene, starts, settings, threads=1, lanes=True)
+    assert sum("singular pose" in " ".join(path.notes) for path in paths) > 2
+    for path, other in zip(paths, alone, strict=True):
+        assert np.max(np.abs(path.position - other.position)) < rtol
+        energy = energies(scene, path)
+        assert np.max(np.abs(energy - energy[0])) < 100.0 * rtol * np.max(np.abs(energy))
+
+
+def energies(scene, path):
+    """Return kinetic and potential energy (J) of planar bodies at every output (n_t,)."""
+    mass, inertia = (np.array([getattr(body, name) for body in scene.bodies]) for name in ("mass", "inertia"))
+    kinetic = 0.5 * (mass * np.sum(path.velocity**2, axis=2) + inertia * path.angular_velocity**2)
+    return np.sum(kinetic - mass * (path.position @ scene.gravity), axis=1)
 
 
 def test_balls_bounce_when_mechanics_lets_them():
