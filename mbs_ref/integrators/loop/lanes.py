@@ -86,19 +86,10 @@ def runs_from(
     """Return the runs that are to begin at `starts` (n_runs, n_state)."""
     n, size = starts.shape
     return Runs(
-        handles,
-        figures,
-        atol,
-        tolerance,
-        scene,
-        starts[:, None],
-        np.zeros((n, 1)),
-        np.empty((n, size)),
-        np.empty((n, size)),
-        np.ones(n),
-        np.zeros(n, leg.PROGRESS),
-        np.full(n, leg.DONE),
-    )
+        handles, figures, atol, tolerance, scene, states=starts[:, None], compliance=np.zeros((n, 1)),
+        begun=np.empty((n, size)), slopes=np.empty((n, size)), pivot=np.ones(n), now=np.zeros(n, leg.PROGRESS),
+        code=np.full(n, leg.DONE),
+    )  # fmt: skip
 
 
 def next_leg(runs: Runs, n_times: int) -> Runs:
@@ -110,14 +101,11 @@ def next_leg(runs: Runs, n_times: int) -> Runs:
     return runs._replace(states=states, compliance=np.zeros((n, n_times)), begun=begun, code=code)
 
 
-def room_beside(figures: np.ndarray, beside: Beside, n_state: int, s: int, n_roots: int) -> Side:
-    """Return room for WIDTH runs of s stages a step.
-
-    Their figures are to be in `figures` (n_figures, WIDTH), and their handles in `beside`.
-    """
+def room_beside(figures: np.ndarray, beside: Beside, n_state: int, n_stages: int, n_roots: int) -> Side:
+    """Return room for WIDTH runs, whose figures are to be in `figures` (n_figures, WIDTH), and handles in `beside`."""
     return Side(
         figures=figures, atol=room(n_state), y=room(n_state), new=room(n_state), spare=room(n_state),
-        slopes=room(s + 1, n_state), now=room(11), pace=room(4),
+        slopes=room(n_stages + 1, n_state), now=room(11), pace=room(4),
         run=np.full(WIDTH, IDLE), scene=np.full(WIDTH, IDLE), rejected=np.zeros(WIDTH, np.int64),
         search=np.zeros((WIDTH, 8)), tables=Tables(*np.zeros((3, WIDTH, 4, n_roots))),
         ends=Ends(*np.zeros((4, n_state)), known=np.ones(2, np.int64)), beside=beside,
