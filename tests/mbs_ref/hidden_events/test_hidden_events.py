@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from mbs_ref.simulate import simulate_scenes
+from mbs_ref.simulate.many.lanes import NOTE
 from tests.mbs_ref.hidden_events.__main__ import METHODS, Way, compare_one
-from tests.mbs_ref.hidden_events.cases import Comparison, case
+from tests.mbs_ref.hidden_events.cases import Comparison, case, compare
 from tests.mbs_ref.hidden_events.families import FAMILIES
 
 CELLS = [(family, method) for family in FAMILIES for method in METHODS]
@@ -30,6 +32,14 @@ def test_no_event_of_a_few_scenes_is_missed_or_invented(family, method):
 @pytest.mark.parametrize(("family", "seed"), HARD)
 def test_events_that_are_hard_to_locate_are_good(family, seed):
     assert _failures(family, "dop853", range(seed, seed + 1), (2,)) == {}
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_no_event_is_missed_or_invented_in_lanes(family):
+    hidden = case(family, 41000)
+    paths = simulate_scenes([hidden.scene] * 2, hidden.settings("dop853", 2), threads=1, lanes=True)
+    assert all(path.notes[0].startswith(NOTE) for path in paths)
+    assert {compare(hidden, path, "dop853").verdict for path in paths} == {"good"}
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from cross_checks.truths.oracle.random_scenes import DURATION, random_scene
 from mbs_ref import scenes
 from mbs_ref.cores.relative import no_tree
 from mbs_ref.cores.system import Poses
@@ -219,6 +220,20 @@ def energies(scene, path):
     mass, inertia = (np.array([getattr(body, name) for body in scene.bodies]) for name in ("mass", "inertia"))
     kinetic = 0.5 * (mass * np.sum(path.velocity**2, axis=2) + inertia * path.angular_velocity**2)
     return np.sum(kinetic - mass * (path.position @ scene.gravity), axis=1)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_mechanisms_move_in_lanes_as_alone(seed):
+    scene, rtol = random_scene(seed), 1e-9
+    settings = Settings(t_end=DURATION, samples=3, rtol=rtol, estimate="off")
+    settings = settings.model_copy(update={"coordinates": "cartesian" if any(no_tree(scene)) else "relative"})
+    path, again = simulate_scenes([scene, scene], settings, threads=1, lanes=True)
+    alone = simulate(scene, settings)
+    assert is_beside(path) or "redundant" in path.notes[0]
+    assert (path.status, len(path.times)) == (alone.status, len(alone.times))
+    for part, twin, other in zip(poses(path), poses(again), poses(alone), strict=True):
+        assert np.array_equal(part, twin)
+        assert np.max(np.abs(part - other)) < 10.0 * rtol * max(1.0, float(np.max(np.abs(other))))
 
 
 def test_balls_bounce_when_mechanics_lets_them():
