@@ -264,10 +264,15 @@ def test_a_run_with_contacts_does_not_depend_on_those_beside_it():
 
 
 def test_each_scene_is_projected_to_the_tolerance_of_its_own_size():
-    sizes = (0.1, 1.0, 30.0)
+    sizes, loose = (1e4, 1.0, 0.01), Settings(t_end=0.2, samples=4, rtol=1e-5, estimate="off")
     many = [scenes.make("slider_crank", crank_length=0.5 * size, rod_length=1.2 * size) for size in sizes]
-    for scene, path in zip(many, simulate_scenes(many, SHORT, lanes=True), strict=True):
-        assert_close(path, simulate(scene, SHORT.model_copy(update={"coordinates": "cartesian"})))
+    for size, scene, path in zip(sizes, many, simulate_scenes(many, loose, lanes=True), strict=True):
+        alone = simulate(scene, loose)
+        assert is_beside(path)
+        assert path.step_compliance is not None
+        assert alone.step_compliance is not None
+        left, other = (np.max(one.step_compliance[:, 1]) for one in (path, alone))
+        assert left < max(2.0 * other, 1e-15 * size)
 
 
 def test_a_run_that_ends_early_says_so_and_leaves_the_others_alone():
