@@ -21,7 +21,7 @@ from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
 
-UNTURNED = (1.0, 0.0, 0.0, 0.0)  # Euler parameters
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)  # Euler parameters
 
 
 class Place(NamedTuple):
@@ -136,7 +136,7 @@ class Builder(ABC):
 def _axes(scene: Scene, angles: list[float]) -> np.ndarray:
     """Return the axes (n_bodies + 1, dimension, dimension) of bodies and ground as columns, world, at t = 0."""
     if scene.dimension == 3:
-        return rotation_matrices([*(vars(body).get("orientation", UNTURNED) for body in scene.bodies), UNTURNED])
+        return rotation_matrices([*(vars(body).get("orientation", UPRIGHT) for body in scene.bodies), UPRIGHT])
     return np.array([((c, -s), (s, c)) for c, s in zip(map(math.cos, angles), map(math.sin, angles), strict=True)])
 
 

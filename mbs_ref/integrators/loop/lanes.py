@@ -310,25 +310,35 @@ def _avoid(options, run, side, attempt, outputs, w):
 
 
 @bare
+def _resize(tableau, run, side, attempt, w):
+    """Propose the next step of lane w by this one's error; return whether that is borne, and how the run stands."""
+    error = _error(side.now[MAIN, w], side.now[LOW, w], side.y.shape[0])
+    was_rejected = side.rejected[w] == 1
+    is_borne, run.h = stepping.resized(
+        error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, was_rejected
+    )
+    side.rejected[w] = 0 if is_borne else 1
+    if is_borne:
+        return True, leg.RUNNING
+    run.rejected += 1
+    side.now[THERE, w] = side.now[LAST, w]
+    if attempt.t + run.h == attempt.t or run.h < stepping.SHORTEST * run.span:
+        return False, leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE
+    return False, leg.RUNNING
+
+
+@bare
 def _judge(tableau, options, runs, side, times, i, w):
-    """Propose the next step of lane w by this one's error; return how run i stands and whether the step is taken."""
+    """Judge the step of lane w by its error and the events inside; return how run i stands and whether it is taken."""
     run, now, last, (model, work) = runs.now[i], side.now, tableau.b.shape[0], _system(runs, i)
     table, ends, attempt = _table(side, w), side.ends, _attempt(runs, side, times, i, w)
     if stepping.stands_still(attempt):
         return leg.STEP_TOO_SMALL, False
     run.rhs_calls += last
     if not attempt.searching:
-        error = _error(now[MAIN, w], now[LOW, w], side.y.shape[0])
-        accepted, run.h = stepping.resized(
-            error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, side.rejected[w] == 1
-        )
-        side.rejected[w] = 0 if accepted else 1
-        if not accepted:
-            run.rejected += 1
-            now[THERE, w] = now[LAST, w]
-            if attempt.t + run.h == attempt.t or run.h < stepping.SHORTEST * run.span:
-                return leg.STEP_TOO_SMALL if np.isfinite(error) else leg.NON_FINITE, False
-            return leg.RUNNING, False
+        is_borne, code = _resize(tableau, run, side, attempt, w)
+        if not is_borne:
+            return code, False
     if not now[LEFT, w] <= stepping.PROJECTION_FAILURE * now[TOLERANCE, w]:
         return leg.PROJECTION, False
     run.compliance = max(run.compliance, now[LEFT, w])

@@ -195,11 +195,11 @@ def starts_in_lanes(
     states, of_thread = first.system.redundant.states_of(starts), threading.local()
 
     def piece(part: slice) -> list[Trajectory]:
-        if not hasattr(of_thread, "system"):
-            of_thread.system = first.system.twin()
         if first.system.event_sources:  # every run has modes of its own
             each = [first._replace(system=first.system.twin(), starts=y[None].copy()) for y in states[part]]
             return [path for paths in _side_by_side(each) for path in paths]
+        if not hasattr(of_thread, "system"):
+            of_thread.system = first.system.twin()
         return _side_by_side([first._replace(system=of_thread.system, starts=states[part].copy())])[0]
 
     work = pieces(len(states), threads, len(first.plan.times) * states.shape[1])
