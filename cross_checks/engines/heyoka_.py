@@ -4,6 +4,7 @@
 # pyright: reportAttributeAccessIssue=false, reportCallIssue=false
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any, ClassVar
 
 import heyoka  # an optional extra
@@ -16,7 +17,6 @@ from mbs_ref.scene.celestial import Oblateness
 from mbs_ref.scene.scales import attraction, is_celestial
 
 TOLERANCES = (1e-6, 1e-9, 1e-12, 1e-15, 1e-18)  # of the Taylor series' remainder; 1e-18 is below roundoff
-UNROLLED = 3  # bodies; beyond, unrolled code takes minutes to compile
 METHODS = (
     Method("taylor", "adaptive", None, "Taylor's method, order and step by the tolerance", TOLERANCES),
     Method("taylor_compensated", "adaptive", None, "the same with compensated sums", TOLERANCES),
@@ -27,8 +27,9 @@ METHODS = (
 class Built:
     """The equations of motion, and the integrator once it is compiled."""
 
-    equations: list[tuple[Any, Any]]
-    start: np.ndarray
+    equations: list[tuple[Any, Any]]  # of each variable and its rate
+    start: np.ndarray  # (n, 6) m, m/s
+    moves: list[int]  # the bodies that equations are written for; all others rest
     integrator: Any = None
 
 
@@ -39,6 +40,7 @@ class Heyoka(Engine):
     package: ClassVar[str] = "heyoka"
     method_table: ClassVar[tuple[Method, ...]] = METHODS
     part_types: ClassVar[frozenset[str]] = frozenset({"point_mass", "newton", "epoch", "oblateness"})
+    unrolled: ClassVar[int] = 3  # bodies; beyond, unrolled code takes long to compile
 
     def topology_refusals(self, scene: Scene) -> list[Refusal]:
         if not is_celestial(scene):
@@ -46,75 +48,95 @@ class Heyoka(Engine):
         return [Refusal(reason, False) for reason in unsupported(scene, "heyoka")]
 
     def build(self, scene: Scene, plan: Plan) -> Built:
-        start = [[*body.position, *body.velocity] for body in scene.bodies]  # m, m/s
         gm = attraction(scene)
-        equations = heyoka.model.nbody(len(scene.bodies), masses=list(gm), Gconst=1.0)  # (variable, its rate)
-        extra: dict[int, Any] = {}
-        for load in scene.loads:
-            if isinstance(load, Oblateness):
-                _add_zonals(extra, load, scene.body_index(load.body), gm, [variable for variable, _ in equations])
-        equations = [(variable, rate + extra.get(k, 0.0)) for k, (variable, rate) in enumerate(equations)]
-        return Built(equations, np.array(start, dtype=float).ravel())
+        moves = [i for i, body in enumerate(scene.bodies) if any(body.velocity) or sum(gm) > gm[i]] or [0]
+        x = [_variables(body, i in moves) for i, body in enumerate(scene.bodies)]
+        pull: list[Any] = [[0.0, 0.0, 0.0] for _ in gm]  # m/s^2
+        for i, j in combinations(range(len(gm)), 2):
+            if gm[i] or gm[j]:
+                field = _field([x[j][c] - x[i][c] for c in range(3)], _zonals(scene, i), _zonals(scene, j))
+                for c in range(3):
+                    pull[j][c] += gm[i] * field[c]
+                    pull[i][c] -= gm[j] * field[c]
+        equations = [pair for i in moves for pair in zip(x[i], [*x[i][3:], *pull[i]], strict=True)]
+        start = np.array([[*body.position, *body.velocity] for body in scene.bodies], dtype=float)  # m, m/s
+        return Built(equations, start, moves)
 
     def first_call(self, model: Built, plan: Plan) -> None:
         """Compile machine code, which the construction of the integrator does."""
+        large = len(model.moves) > self.unrolled
         model.integrator = heyoka.taylor_adaptive(
-            model.equations, model.start.tolist(), tol=plan.rtol, compact_mode=len(model.start) > 6 * UNROLLED,
-            high_accuracy=plan.method.name == "taylor_compensated",
+            model.equations, model.start[model.moves].ravel().tolist(), tol=plan.rtol, compact_mode=large,
+            fast_math=not large, high_accuracy=plan.method.name == "taylor_compensated",
         )  # fmt: skip
 
     def advance(self, model: Built, plan: Plan) -> Loop:
         """Stop at every output time by a step that ends there: no dense output."""
         integrator, steps = model.integrator, 0
-        states = np.full((len(plan.times), len(model.start)), np.nan)
-        states[0] = integrator.state
+        states = np.full((len(plan.times), *model.start.shape), np.nan)
+        states[0] = model.start
         for k, t in enumerate(plan.times[1:].tolist(), start=1):
             outcome, _, _, made, _, _ = integrator.propagate_until(t)
             steps += made
             if outcome != heyoka.taylor_outcome.time_limit:
                 end = End(k, Status.NON_FINITE, f"heyoka stopped before t = {t:g} s with {outcome}")
                 return Loop(states, end, steps)
-            states[k] = integrator.state
+            states[k] = model.start
+            states[k, model.moves] = integrator.state.reshape(-1, 6)
         return Loop(states, End(len(plan.times)), steps)
 
     def poses(self, model: Built, plan: Plan, states: np.ndarray) -> Poses:
-        both = states.reshape(len(states), -1, 6)
-        return of_particles(both[:, :, :3], both[:, :, 3:])
+        return of_particles(states[:, :, :3], states[:, :, 3:])
+
+
+class Unrolled(Heyoka):
+    """heyoka with code unrolled for every scene: that of the solar system takes 20 s to compile."""
+
+    unrolled: ClassVar[int] = 100
 
 
 ENGINE = Heyoka
 
 
-def _add_zonals(extra: dict[int, Any], load: Oblateness, i: int, gm: tuple[float, ...], x: list[Any]) -> None:
-    """Add sum J_n (R/r)^n / r^2 [P'_(n+1)(s) d/r - P'_n(s) p] on every other body, and the reaction on it."""
-    for j in range(len(gm)):
-        if j == i or gm[i] == gm[j] == 0.0:
-            continue
-        pull = _zonal_pull([x[6 * j + c] - x[6 * i + c] for c in range(3)], load)
-        for c in range(3):
-            extra[6 * j + 3 + c] = extra.get(6 * j + 3 + c, 0.0) + gm[i] * pull[c]
-            if gm[j] > 0.0:
-                extra[6 * i + 3 + c] = extra.get(6 * i + 3 + c, 0.0) - gm[j] * pull[c]
+def _variables(body: Any, moves: bool) -> list[Any]:
+    """Return place and velocity: variables of a body that moves, else numbers."""
+    names = [f"{name}_{body.name}" for name in ("x", "y", "z", "vx", "vy", "vz")]
+    return [heyoka.expression(name) for name in names] if moves else [*body.position, *body.velocity]
 
 
-def _zonal_pull(d: list[Any], load: Oblateness) -> list[Any]:
-    """Return the field of a unit gm at d from the body (1/m^2), with Legendre's polynomials written out."""
+def _zonals(scene: Scene, i: int) -> list[Oblateness]:
+    return [load for load in scene.loads if isinstance(load, Oblateness) and scene.body_index(load.body) == i]
+
+
+def _field(d: list[Any], own: list[Oblateness], other: list[Oblateness]) -> list[Any]:
+    """Return the field of a unit gm at d from it (1/m^2), with the zonal harmonics of both bodies of a pair.
+
+    sum J_n R^n [P'_(n+1)(s) d/r - P'_n(s) p] / r^(n+2), s = h/r, as powers of r^2 times products of h = d.p: each is
+    one recurrence, and none divides by h, which is 0 on the equator.
+    """
     square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-    inverse = square**-0.5
-    axis = np.array(load.axis) / np.linalg.norm(load.axis)
-    s = (d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]) * inverse
-    along, toward = 0.0, 0.0
-    for n, harmonic in enumerate(load.zonal, start=2):
-        share = harmonic * load.radius**n * square ** (-0.5 * (n + 2))
-        along = along + share * _legendre_slope(n + 1, s) * inverse
-        toward = toward + share * _legendre_slope(n, s)
-    return [along * d[c] - toward * axis[c] for c in range(3)]
+    along, rest = -(square**-1.5), [0.0, 0.0, 0.0]
+    for load, sign in (*((load, 1.0) for load in own), *((load, -1.0) for load in other)):
+        axis = np.array(load.axis) / np.linalg.norm(load.axis)
+        h = d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]
+        for n, harmonic in enumerate(load.zonal, start=2):
+            share = harmonic * load.radius**n * sign**n  # seen from the other body, d and h are reversed
+            along += share * _over_powers(_slope(n + 1), h, square, n + 3)
+            toward = share * _over_powers(_slope(n), h, square, n + 2)
+            rest = [rest[c] - toward * axis[c] for c in range(3)]
+    return [along * d[c] + rest[c] for c in range(3)]
 
 
-def _legendre_slope(n: int, s: Any) -> Any:
-    """Return P'_n(s) by Horner's scheme: the series of a power s^k is NaN where s = 0, on the equator."""
-    powers = np.polynomial.legendre.Legendre.basis(n).deriv().convert(kind=np.polynomial.Polynomial).coef
-    total: Any = float(powers[-1])
-    for coefficient in powers[-2::-1]:
-        total = total * s + float(coefficient)
+def _slope(n: int) -> np.ndarray:
+    """Return the coefficients of P'_n."""
+    return np.polynomial.legendre.Legendre.basis(n).deriv().convert(kind=np.polynomial.Polynomial).coef
+
+
+def _over_powers(coefficients: np.ndarray, h: Any, square: Any, power: int) -> Any:
+    """Return sum c_k s^k / r^power with s = h / r."""
+    total, product = 0.0, 1.0
+    for k, coefficient in enumerate(coefficients.tolist()):
+        if coefficient:
+            total = total + coefficient * product * square ** (-0.5 * (power + k))
+        product = product * h
     return total

@@ -6,7 +6,7 @@ from typing import Any, get_args
 import numpy as np
 
 from mbs_ref.cores.system import Poses, System
-from mbs_ref.kernels.border.groups import declared, floats, ints
+from mbs_ref.kernels.border.groups import absent, declared, floats, ints
 from mbs_ref.kernels.particles import model as arrays
 from mbs_ref.kernels.particles.model import particle_scratch
 from mbs_ref.scene import Scene, celestial
@@ -31,6 +31,8 @@ def build_particles(scene: Scene) -> arrays.ParticleGroups:
 
     def columns(group: type, parts: list[Any], **own: list[Any]) -> Any:
         """Return a group: an array of each field of the parts, where a body's index replaces its name, and `own`."""
+        if not parts:
+            return absent(group)
         values = {name: own[name] if name in own else [getattr(x, name) for x in parts] for name in declared(group)}
         numbers = {name: [place(x) if isinstance(x, str) else x for x in column] for name, column in values.items()}
         return group(**{
@@ -137,3 +139,14 @@ class ParticleSystem(System):
     def states_of(self, poses: Poses) -> np.ndarray:
         count = len(poses.position)
         return np.concatenate((poses.position.reshape(count, -1), poses.velocity.reshape(count, -1)), axis=1)
+
+
+def nearest(scene: Scene, y: np.ndarray) -> str:
+    """Return a sentence on the two bodies nearest to each other."""
+    q = y[: len(y) // 2].reshape(-1, 3)
+    if len(q) < 2:
+        return "one body alone"
+    gap = np.linalg.norm(q[:, None] - q[None], axis=2) + np.diag(np.full(len(q), np.inf))
+    i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
+    names = scene.body_names
+    return f"{names[min(i, j)]!r} and {names[max(i, j)]!r} are {gap[i, j]:.6g} m apart"

@@ -1,10 +1,10 @@
 """method = "auto": the method of a run, chosen from the scene's parts, with the reason.
 
-A method that runs on one core alone exploits its structure and is chosen there. Small planar trees without loads are
-expanded in series: the steps are longer, and outputs do not shorten them. All other runs start with the default, and
-their first steps decide whether a stiff method is cheaper (`after_first_steps`). Loops, trees and many outputs have no
-other effect on the choice: for no scene of the library do they make another method the cheapest at equal error
-(`python -m benchmarks.method_table`).
+Small planar trees without loads and few particles are expanded in series: the steps are longer, and outputs do not
+shorten them. A method that runs on one core alone exploits its structure and is chosen there. All other runs start with
+the default, and their first steps decide whether a stiff method is cheaper (`after_first_steps`). Loops, trees and many
+outputs have no other effect on the choice: for no scene of the library do they make another method the cheapest at
+equal error (`python -m benchmarks.method_table`).
 
 A motion is stiff if stability limits the steps of an explicit method more than accuracy does. Power iteration gives the
 largest |lambda| of the linearised motion (B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88
@@ -20,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from mbs_ref.cores.choice import core_name
+from mbs_ref.cores.series import small_system
 from mbs_ref.cores.system import System
 from mbs_ref.integrators import DEFAULT, SERIES, STIFF, integrators
 from mbs_ref.integrators.loop.leg import Integrator, progress
@@ -30,7 +31,6 @@ from mbs_ref.simulate.plan import DEFAULT_TOLERANCE, Plan, make_plan
 from mbs_ref.trajectory import Status
 
 AUTO = "auto"
-MOST_ANGLES = 32  # of a tree: beyond, the cube of their number in a step of a series outweighs a recursion's stages
 POWERS = 12  # power iterations
 TINY = 1e-6  # of 1 / span: a smaller |lambda| counts as this
 NUDGE = 1e-6  # of the state's units: difference step of the linearisation
@@ -49,12 +49,11 @@ def choose_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> P
     if settings.method != AUTO:
         return make_plan(scene, settings, times)
     plain = _default(scene, settings, times, "the default")
-    core = core_name(scene, settings.coordinates)
+    core, small = core_name(scene, settings.coordinates), small_system(scene)
     special = [entry for entry in integrators().values() if entry.cores == (core,)]
     reason = f"specific to {core}"
-    if not special and len(scene.joints) <= MOST_ANGLES and not scene.loads:
-        special = [entry for entry in (integrators()[SERIES],) if not any(entry.refusals(scene))]
-        reason = "series of a small planar tree"
+    if small:
+        special, reason = [integrators()[SERIES]], f"series of {small}"
     if plain.options.step:
         return replace(plain, reason="the default, because a step is given")
     if not special:

@@ -201,6 +201,7 @@ def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0) -
     refusal = unstable_step(system, plan, y)
     if refusal:
         return empty(scene, Status.REFUSED, refusal)
+    plan.integrator.prepare(system)
     begun = system.CORE, system.answered, plan.integrator.name
     if begun not in _begun:
         _first_call(system, plan, y)

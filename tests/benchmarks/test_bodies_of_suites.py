@@ -316,7 +316,7 @@ def test_a_peer_runs_a_scene_that_no_engine_has_seen(monkeypatch):
 
     def run(given: Any, settings: Settings, times: np.ndarray) -> Any:
         seen.append(given)
-        assert (given, settings, times.tolist()) == (scene, chosen, [0.0, 1.0])
+        assert (given, settings, times.tolist()) == (scene, chosen, [0.0, scene.duration])
         clock.spend("run")
         path = np.array([0.0 * END, END])
         return SimpleNamespace(status=next(status), position=path, timing=SimpleNamespace(loop_s=0.25))
@@ -330,12 +330,14 @@ def test_a_peer_runs_a_scene_that_no_engine_has_seen(monkeypatch):
     assert all(one is not scene for one in seen)
 
 
-def test_pinocchio_in_cpp_runs_every_algorithm(monkeypatch):
+def test_peers_run_at_their_best(monkeypatch):
     monkeypatch.setattr(bench_peers, "engines", SimpleNamespace(get=lambda name: f"engine {name}"))
     assert bench_peers.solver_of("mujoco") == "engine mujoco"
-    optional = SimpleNamespace(EveryAlgorithm=lambda: "every algorithm")
-    monkeypatch.setitem(sys.modules, "cross_checks.engines.pinocchio_cpp_", optional)
-    assert bench_peers.solver_of("pinocchio_cpp") == "every algorithm"
+    for engine, name in (("pinocchio_cpp", "EveryAlgorithm"), ("heyoka", "Unrolled")):
+        monkeypatch.setitem(
+            sys.modules, f"cross_checks.engines.{engine}_", SimpleNamespace(**{name: lambda: "at best"})
+        )
+        assert bench_peers.solver_of(engine) == "at best"
 
 
 @pytest.mark.parametrize(("spans", "chosen"), [
@@ -368,7 +370,7 @@ def test_the_cheapest_setting_reaches_the_error_before_runs_are_too_long(monkeyp
 class Entrant:
     """An engine that refuses scenes or one of its methods."""
 
-    def __init__(self, refuses: bool = False, without: str = "") -> None:
+    def __init__(self, refuses: bool = False, without: tuple[str, ...] = ()) -> None:
         self.refuses, self.without = refuses, without
 
     def method(self, name: str) -> Method:
@@ -378,7 +380,7 @@ class Entrant:
         return ["no"] if self.refuses else []
 
     def method_refusals(self, scene: Any, method: Method) -> list[str]:
-        return ["no"] if method.name == self.without else []
+        return ["no"] if method.name in self.without else []
 
 
 @pytest.mark.parametrize(("name", "coordinates"), [
@@ -386,7 +388,12 @@ class Entrant:
 ])  # fmt: skip
 def test_who_runs_the_scene_and_reaches_the_error_takes_part(monkeypatch, name, coordinates):
     """Ours runs trees in either coordinates; absent engines, refusals and misses are left out."""
-    known = {"mbs_ref": Entrant(without="taylor"), "a": Entrant(), "b": Entrant(refuses=True), "c": Entrant()}
+    known = {
+        "mbs_ref": Entrant(without=("taylor", "gauss")),
+        "a": Entrant(),
+        "b": Entrant(refuses=True),
+        "c": Entrant(),
+    }
     peers = [("a", "x"), ("a", "y"), ("absent", "x"), ("b", "x"), ("c", "x")]
     asked: list[Any] = []
 
@@ -404,7 +411,7 @@ def test_who_runs_the_scene_and_reaches_the_error_takes_part(monkeypatch, name, 
     assert [" ".join(one[:2]) for one in asked] == [*["mbs_ref dop853"] * len(ours), "a x", "a y", "c x"]
     for _, method, choices, rest in asked:
         assert rest == (name, "truth", 1e-6)
-        steps = [choice.step for choice in bench_peers.settings(Entrant().method(method))]
+        steps = [choice.step for choice in bench_peers.settings(Entrant().method(method), scenes.make(name).duration)]
         assert [choice.step for choice in choices] == steps
         assert {(one.estimate, one.reactions, one.samples) for one in choices} == {("off", False, 2)}
 

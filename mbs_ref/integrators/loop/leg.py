@@ -162,6 +162,7 @@ class Integrator:
     needs_positions: bool = False  # imposes every C = 0 on positions: no rows on velocities alone
     interpolates: bool = False  # has dense output of its own order
     refusals: "Callable[[Scene], Iterable[str]]" = lambda _: ()  # what keeps it from running a scene
+    prepare: "Callable[[System], object]" = lambda _: None  # builds what the method alone needs of a system
     cores: tuple[str, ...] = ()  # the only cores it runs on (mbs_ref.cores.choice.core_name); empty for all
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from mbs_ref.cores.particles import nearest
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop.step import SLIVER
 from mbs_ref.integrators.stages.gauss_coefficients import STAGES, Gauss, gauss
@@ -23,7 +24,7 @@ from mbs_ref.kernels.border.handles import handle_class, make_handle
 from mbs_ref.kernels.jit import bare, jit, loop_jit
 from mbs_ref.kernels.particles.dynamics import accelerate
 from mbs_ref.kernels.particles.model import LANES
-from mbs_ref.kernels.particles.pair import combine, settle
+from mbs_ref.kernels.particles.pair import combine, settle, square_between, touching
 from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
@@ -62,15 +63,6 @@ def _two_product(a, b):
 
 
 @jit
-def _square(y, i, j):
-    """Return the square of the distance (m^2) between two bodies."""
-    r2 = 0.0
-    for c in range(3):
-        r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
-    return r2
-
-
-@jit
 def free_fall(gm, y, n):
     """Return the least sqrt(r^3 / gm) over pairs (s), infinite without attraction."""
     least = np.inf
@@ -78,20 +70,9 @@ def free_fall(gm, y, n):
         for j in range(i + 1, n):
             m = gm[i] + gm[j]
             if m > 0.0:
-                r2 = _square(y, i, j)
+                r2 = square_between(y, i, j)
                 least = min(least, np.sqrt(r2 * np.sqrt(r2) / m))
     return least
-
-
-@jit
-def touching(radius, y, n):
-    """Return whether two bodies are closer than the sum of their radii."""
-    for i in range(n):
-        for j in range(i + 1, n):
-            reach = radius[i] + radius[j]
-            if reach > 0.0 and _square(y, i, j) < reach * reach:
-                return True
-    return False
 
 
 @bare
@@ -367,17 +348,6 @@ def advance_gauss(model, work, method, options, run, y, low, outputs):
     return leg.DONE
 
 
-def _closest(system: "System", y: np.ndarray) -> str:
-    """Return a sentence on the two bodies nearest to each other."""
-    q = y[: len(y) // 2].reshape(-1, 3)
-    if len(q) < 2:
-        return "one body alone"
-    gap = np.linalg.norm(q[:, None] - q[None], axis=2) + np.diag(np.full(len(q), np.inf))
-    i, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
-    names = system.scene.body_names
-    return f"{names[min(i, j)]!r} and {names[max(i, j)]!r} are {gap[i, j]:.6g} m apart"
-
-
 def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
     """Advance a system of particles over one leg."""
     run.h_before = 0.0
@@ -385,7 +355,7 @@ def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.nda
     chunk = partial(advance_gauss, *system.own_handles, method, options, run, y, np.zeros_like(y))
     ended = leg.run_chunks(chunk, options, run, y, times)
     if ended.status in (Status.COLLISION, Status.STEP_TOO_SMALL):
-        ended.message += f": {_closest(system, y)}"
+        ended.message += f": {nearest(system.scene, y)}"
     return ended
 
 

@@ -1,4 +1,4 @@
-"""Taylor series of variable order for small planar trees, whose derivatives follow by recurrences.
+"""Taylor series of variable order for small planar trees and few particles, whose derivatives follow by recurrences.
 
 The step makes the last terms as large as the tolerance: A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99,
 sec. 3. Their order counts the p^2 products of a step alone; what a step and an order cost besides makes a higher order
@@ -11,17 +11,38 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mbs_ref.cores.series import MAX_ORDER, expansion_of, no_series
+from mbs_ref.cores.particles import nearest
+from mbs_ref.cores.series import expansion_of, no_series
 from mbs_ref.integrators.loop import leg
 from mbs_ref.integrators.loop import step as stepping
 from mbs_ref.integrators.loop.events import KEEP, RETRY, event_tables, has_events, watch_at
 from mbs_ref.integrators.loop.exclusion import step_ends
 from mbs_ref.kernels.algebra.dense import all_finite
-from mbs_ref.kernels.jit import loop_jit
-from mbs_ref.kernels.relative.series import evaluate, expand, longest_step, start_at
+from mbs_ref.kernels.jit import loop_jit, placed
+from mbs_ref.kernels.series import MAX_ORDER, collided, evaluate, expand, largest_term, start_at, take_tolerances
+from mbs_ref.trajectory import Status
 
 if TYPE_CHECKING:
     from mbs_ref.cores.system import System
+
+
+LOOKED_AT = 6  # terms that determine a step
+
+
+@placed
+def _longest_step(series, rtol, order):
+    """Return the step (s) at which the last terms of no coordinate and no rate exceed the tolerances.
+
+    From a start at rest every second term vanishes, and with weights alone three of four. Each of the last LOOKED_AT
+    terms therefore counts, as if those behind it fell by rtol^(1/order) each, as they do in a step of this size.
+    """
+    step, fall, behind = np.inf, np.log(rtol) / order, 0.0  # logarithms
+    for k in range(order, max(order - LOOKED_AT, 0), -1):
+        size = largest_term(series, k)
+        if size > 0.0:
+            step = min(step, -(np.log(size) + behind) / k)
+        behind += fall
+    return np.exp(step)
 
 
 @loop_jit
@@ -32,14 +53,15 @@ def advance_taylor(model, work, expanded, options, order, run, y, outputs):
     search, table = event_tables(model)
     ends, is_new = step_ends(y, dy, y_new, dy_new), True
     ends.known[:] = 1
+    take_tolerances(series, options.atol)
     budget, last = run.steps + options.chunk, outputs.times.shape[0] - 1
     code = stepping.begin(model, work, options, run, y, dy, table)
     while code == leg.RUNNING and run.steps < budget:
         if is_new:
-            start_at(series, y)
+            start_at(series, y, options.rtol)
             expand(series, order)
             run.rhs_calls += 1
-            run.h, is_new = longest_step(series, options.rtol, options.atol, order), False
+            run.h, is_new = _longest_step(series, options.rtol, order), False
         attempt = stepping.next_attempt(0.0, run, outputs.times[last], False, search)
         if stepping.stands_still(attempt):
             return leg.STEP_TOO_SMALL
@@ -54,8 +76,11 @@ def advance_taylor(model, work, expanded, options, order, run, y, outputs):
         while run.next_output < last and outputs.times[run.next_output] <= attempt.t_new:
             evaluate(series, order, outputs.times[run.next_output] - attempt.t, outputs.states[run.next_output], dy)
             run.next_output += 1
-        dy[:] = dy_new
+        for k in range(dy.shape[0]):
+            dy[k] = dy_new[k]
         code, is_new = stepping.accept(model, work, options, run, attempt, verdict, y, y_new, table, outputs), True
+        if collided(series, y) and (code == leg.RUNNING or code == leg.DONE):
+            return leg.COLLISION
     return code
 
 
@@ -70,16 +95,18 @@ def order_of(rtol: float) -> int:
 
 
 def advance(system: "System", options: leg.Options, run: leg.Progress, y: np.ndarray, times: np.ndarray) -> leg.Leg:
-    """Advance a planar tree over one leg."""
-    own, order = expansion_of(system), order_of(options.rtol)
-    tree, is_full = own.tree, own.tree is not system
-    state = tree.reduced(y) if is_full else y
-    chunk = partial(advance_taylor, tree.model, tree.work, own.handle, options, order, run, state)
+    """Advance a planar tree or particles over one leg."""
+    series, order = expansion_of(system), order_of(options.rtol)
+    own, is_full = series.system, series.system is not system
+    state = own.reduced(y) if is_full else y
+    chunk = partial(advance_taylor, own.model, own.work, series.handle, options, order, run, state)
     ended = leg.run_chunks(chunk, options, run, state, times)
+    if ended.status is Status.COLLISION:
+        ended.message += f": {nearest(own.scene, y)}"
     if is_full:
         states = np.empty((len(times), len(y)))
-        states[: ended.reached] = tree.all_full(ended.states[: ended.reached])
-        ended.states, y[:] = states, tree.full(state)
+        states[: ended.reached] = own.all_full(ended.states[: ended.reached])
+        ended.states, y[:] = states, own.full(state)
     return ended
 
 
@@ -88,11 +115,12 @@ METHOD = leg.Integrator(
     kind="adaptive",
     order=MAX_ORDER,
     varies_order=True,
-    description="Taylor series of the order that suits the tolerance, adaptive, for small planar trees",
+    description="Taylor series of the order that suits the tolerance, adaptive, for small trees and few particles",
     advance=advance,
     stabilization="none",
     stabilizations=("none",),
     interpolates=True,
+    prepare=expansion_of,
     refusals=no_series,
     ladder=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13),
     source="Jorba, Zou, Experimental Mathematics 14 (2005) 99",

@@ -10,6 +10,7 @@ k_sin.c and k_cos.c (Sun Microsystems, 1993), whose error is below 2^-58. Up to 
 truth; beyond, what is lost grows with the angle.
 """
 
+import itertools
 import math
 import operator
 from collections.abc import Callable
@@ -164,7 +165,7 @@ def in_floats(context, array):
 
 def room_for_lanes(*shape: int) -> np.ndarray:
     """Return zeros (..., WIDTH) where packed instructions may load and store."""
-    count = int(np.prod(shape)) * BYTES
+    count = math.prod(shape) * BYTES
     memory = np.zeros(count + BYTES, np.uint8)
     first = -memory.ctypes.data % BYTES
     return memory[first : first + count].view(np.float64).reshape(*shape, WIDTH)
@@ -175,6 +176,18 @@ def aligned(values: np.ndarray) -> np.ndarray:
     room = room_for_lanes(*values.shape[:-1])
     room[:] = values
     return room
+
+
+def in_one_room(group: Any) -> Any:
+    """Return a group with its arrays of floats (..., WIDTH) copied where packed instructions may load and store."""
+    sizes = [part.size if part.shape[-1] == WIDTH and part.dtype == np.float64 else 0 for part in group]
+    room = room_for_lanes(sum(sizes) // WIDTH).ravel()
+    places = zip(group, sizes, itertools.accumulate(sizes), strict=True)
+    parts = [room[end - size : end].reshape(part.shape) if size else part for part, size, end in places]
+    for own, part in zip(parts, group, strict=True):
+        if own is not part:
+            own[...] = part
+    return type(group)(*parts)
 
 
 @_intrinsic

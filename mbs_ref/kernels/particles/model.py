@@ -2,7 +2,7 @@
 
 from typing import Annotated, NamedTuple
 
-from mbs_ref.kernels.algebra.lanes import WIDTH, aligned
+from mbs_ref.kernels.algebra.lanes import WIDTH, in_one_room
 from mbs_ref.kernels.border.groups import Floats, Ints, empty
 from mbs_ref.kernels.border.handles import handle_class
 
@@ -113,8 +113,7 @@ class ParticleScratch(NamedTuple):
 
 def particle_scratch(n: int) -> ParticleScratch:
     """Allocate the scratch of one run; what has lanes lies where packed instructions may load and store."""
-    every = empty(Lanes, n=n, LANES=LANES)
-    return ParticleScratch(Lanes(*(aligned(part) if part.shape[-1] == LANES else part for part in every)))
+    return ParticleScratch(in_one_room(empty(Lanes, n=n, LANES=LANES)))
 
 
 ParticleModel = handle_class(__name__, "ParticleModel", ParticleGroups)

@@ -7,7 +7,7 @@ itself, because it cannot know that the arrays do not overlap.
 import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import in_every_lane, larger, largest_of_lanes
-from mbs_ref.kernels.jit import bare
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.particles.model import LANES
 from mbs_ref.kernels.spatial.marks import add, dot, minus, plus, times
 
@@ -168,3 +168,23 @@ def einstein_infeld_hoffmann(gm, inverse_c2, base, delta, velocity, newton, pote
             slip = -m * cube * dot(d, minus(times(4.0, vi), times(3.0, vj)))
             pull = plus(plus(times(m * cube * bracket, d), times(slip, minus(vi, vj))), times(3.5 * m * inverse, aj))
             add(out[i], 0, pull)
+
+
+@jit
+def square_between(y, i, j):
+    """Return the square of the distance (m^2) between two bodies."""
+    r2 = 0.0
+    for c in range(3):
+        r2 += (y[3 * i + c] - y[3 * j + c]) ** 2
+    return r2
+
+
+@jit
+def touching(radius, y, n):
+    """Return whether two bodies are closer than the sum of their radii."""
+    for i in range(n):
+        for j in range(i + 1, n):
+            reach = radius[i] + radius[j]
+            if reach > 0.0 and square_between(y, i, j) < reach * reach:
+                return True
+    return False

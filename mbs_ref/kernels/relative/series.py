@@ -11,16 +11,17 @@ Recurrences: A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99, sec. 2.
 Coefficients are rows of lanes (mbs_ref.kernels.algebra.lanes): WIDTH angles side by side, padded with zeros.
 """
 
+import sys
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels import series as interface
 from mbs_ref.kernels.algebra.lanes import WIDTH, in_every_lane, in_lanes, lanes_cos_sin, larger, largest_of_lanes
 from mbs_ref.kernels.border.groups import Floats, Ints
 from mbs_ref.kernels.border.handles import handle_class
+from mbs_ref.kernels.border.supplies import supply
 from mbs_ref.kernels.jit import bare, placed
-
-LOOKED_AT = 6  # terms that determine a step
 
 
 class Series(NamedTuple):
@@ -45,6 +46,8 @@ class Series(NamedTuple):
     inverse: Annotated[Floats, "m", "w", "WIDTH"]  # of the mass matrix
     start: Annotated[Floats, 2, "w", "WIDTH"]  # angles and rates
     end: Annotated[Floats, 3, "w", "WIDTH"]  # angles, rates and accelerations later in the step
+    atol: Annotated[Floats, 2, "w", "WIDTH"]  # of angles and rates; infinite behind the last
+    scale: Annotated[Floats, 2, "w", "WIDTH"]  # 1 over the tolerances of a step
 
 
 class SeriesGroups(NamedTuple):
@@ -54,17 +57,20 @@ class SeriesGroups(NamedTuple):
 Expanded = handle_class(__name__, "Expanded", SeriesGroups, WIDTH=WIDTH)
 
 
-@bare
-def start_at(s, y):
+@placed
+def start_at(s, y, rtol):
     """Let a step start at the state y of relative angles and their rates."""
-    m = s.parent.shape[0]
+    start, atol, scale, m = in_lanes(s.start), in_lanes(s.atol), in_lanes(s.scale), s.parent.shape[0]
     for a in range(m):
         p = s.parent[a]
         for c in range(2):
             s.start[c, a >> 3, a & 7] = y[c * m + a] + (s.start[c, p >> 3, p & 7] if p < m else 0.0)
+    for w in range(start.shape[1]):
+        for c in range(2):
+            scale[c, w] = 1.0 / (atol[c, w] + rtol * abs(start[c, w]))
 
 
-@bare
+@placed
 def evaluate(s, order, h, y, dy):
     """Write the state and its rate at h (s) from the start."""
     x, start, end, m = in_lanes(s.x), in_lanes(s.start), in_lanes(s.end), s.parent.shape[0]
@@ -86,31 +92,26 @@ def evaluate(s, order, h, y, dy):
         dy[a] = y[m + a]
 
 
-@bare
-def longest_step(s, rtol, atol, order):
-    """Return the step (s) at which the last terms of no angle and no rate exceed the tolerances.
-
-    From a start at rest every second term vanishes, and with weights alone three of four. Each of the last LOOKED_AT
-    terms therefore counts, as if those behind it fell by rtol^(1/order) each, as they do in a step of this size.
-    """
-    x, weight, step, ratio = in_lanes(s.x), in_lanes(s.end), np.inf, rtol ** (1.0 / order)
+@placed
+def take_tolerances(s, atol):
+    """Keep the absolute tolerances of the state."""
+    s.atol[:] = np.inf
     for a in range(s.parent.shape[0]):
         for c in range(2):
-            s.end[c, a >> 3, a & 7] = 1.0 / (atol[s.tolerance[c, a]] + rtol * abs(s.start[c, a >> 3, a & 7]))
-    behind = 1.0
-    for k in range(order, max(order - LOOKED_AT, 0), -1):
-        largest = in_every_lane(0.0)
-        for w in range(x.shape[1]):
-            largest = larger(abs(x[k, w]) * weight[0, w], largest)
-            largest = larger(abs((k + 1.0) * x[k + 1, w]) * weight[1, w], largest)
-        size = largest_of_lanes(largest) * behind
-        if size > 0.0:
-            step = min(step, size ** (-1.0 / k))
-        behind *= ratio
-    return step
+            s.atol[c, a >> 3, a & 7] = atol[s.tolerance[c, a]]
 
 
-@bare
+@placed
+def largest_term(s, k):
+    """Return the largest coefficient k of an angle, or of its rate, over its tolerance."""
+    x, scale, largest = in_lanes(s.x), in_lanes(s.scale), in_every_lane(0.0)
+    for w in range(x.shape[1]):
+        largest = larger(abs(x[k, w]) * scale[0, w], largest)
+        largest = larger(abs((k + 1.0) * x[k + 1, w]) * scale[1, w], largest)
+    return largest_of_lanes(largest)
+
+
+@placed
 def expand(s, order):
     """Fill the series of the angles up to `order` + 1 from angles and rates at the start."""
     x, start, rate, arm = in_lanes(s.x), in_lanes(s.start), in_lanes(s.rate), in_lanes(s.arm)
@@ -203,3 +204,7 @@ def _advance(s, k):
             re += column[b, 0, w] * a
             im += column[b, 1, w] * a
         push[k, 0, w], push[k, 1, w] = re, im
+
+
+collided = bare(lambda s, y: False)  # joints allow it
+supply((Series,), interface, (sys.modules[__name__],))

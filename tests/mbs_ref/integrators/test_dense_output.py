@@ -98,6 +98,6 @@ def test_who_has_no_interpolant_says_so():
     with pytest.raises(ValueError, match=r"'rk4' has no interpolant of its order; allowed: dop853"):
         simulate(scenes.make("pendulum"), Settings(method="rk4", step=1e-2, outputs="dense"))
     assert "dense" in why_not_in_lanes(scenes.make("pendulum"), DENSE)
-    path = dense(scenes.make("kepler"), method="auto", t_end=10.0)
+    path = dense(scenes.make("pleiades"), method="auto", t_end=0.1)
     assert path.method == "dop853"
     assert "no interpolant" in path.reason

@@ -56,7 +56,7 @@ def test_a_series_obeys_the_equations_of_the_recursion(scene):
 
     def defect(order: int, h: float) -> float:
         there, slope = np.empty((2, len(y)))
-        start_at(series, y)
+        start_at(series, y, 1e-9)
         expand(series, order)
         evaluate(series, order, h, there, slope)
         return np.abs(slope - system.derivative(0.0, there)).max()
@@ -122,7 +122,7 @@ def test_outputs_do_not_shorten_steps():
 
 
 def test_other_scenes_are_refused_with_their_reason():
-    with pytest.raises(ValueError, match="'taylor' cannot run 'kepler': bodies move in space"):
-        simulate(scenes.make("kepler"), SERIES)
+    with pytest.raises(ValueError, match="'taylor' cannot run 'heavy_top': bodies move in space"):
+        simulate(scenes.make("heavy_top"), SERIES)
     with pytest.raises(ValueError, match=r"'taylor' cannot run 'n_four_bar': .* closes a loop"):
         simulate(scenes.make("n_four_bar"), SERIES)

@@ -6,19 +6,17 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.cores.relative import RelativePlanarSystem, no_tree
-from mbs_ref.cores.system import System
-from mbs_ref.kernels.algebra.lanes import WIDTH, aligned
+from mbs_ref.kernels.algebra.lanes import WIDTH, in_one_room
 from mbs_ref.kernels.border.groups import empty
 from mbs_ref.kernels.border.handles import make_handle
 from mbs_ref.kernels.relative.model import REVOLUTE, WELD
 from mbs_ref.kernels.relative.series import Expanded, Series, SeriesGroups
+from mbs_ref.kernels.series import MAX_ORDER
 from mbs_ref.scene import PointMass, Revolute, Scene, TorsionSpring, Weld
 from mbs_ref.scene.traits import joined
 
-MAX_ORDER = 28
 
-
-def no_series(scene: Scene) -> Iterator[str]:
+def no_tree_series(scene: Scene) -> Iterator[str]:
     """Yield why Taylor series of a scene's motion are not available."""
     if scene.dimension == 3:
         yield "bodies move in space"
@@ -34,13 +32,13 @@ def no_series(scene: Scene) -> Iterator[str]:
             yield f"{part.name!r} is a {getattr(part, 'type', 'contact')}"
 
 
-class Expansion:
+class TreeSeries:
     """The tree of a system in relative coordinates, and the arrays of its series."""
 
     def __init__(self, system: Any) -> None:
         scene = system.scene
-        self.tree: Any = system if isinstance(system, RelativePlanarSystem) else RelativePlanarSystem(scene, system)
-        plan = self.tree.layout
+        self.system: Any = system if isinstance(system, RelativePlanarSystem) else RelativePlanarSystem(scene, system)
+        plan = self.system.layout
         bodies, turned = plan.bodies, np.flatnonzero(np.array(plan.kind) == REVOLUTE)
         n, m = len(bodies), len(turned)
         place, inertia = np.array([*(complex(*body.position) for body in bodies), 0.0]), np.zeros(m + 1)
@@ -61,14 +59,13 @@ class Expansion:
         lengths = {"m": m, "w": -(-m // WIDTH), "WIDTH": WIDTH, "orders": MAX_ORDER + 2}
         given = empty(Series, **lengths)._replace(
             parent=turn[np.array(plan.parent, dtype=int)[turned]],
-            tolerance=np.arange(2 * m).reshape(2, m) if self.tree is system else np.array([own, own + 3 * n]),
+            tolerance=np.arange(2 * m).reshape(2, m) if self.system is system else np.array([own, own + 3 * n]),
             coupling=_rows(np.stack((np.real(coupling.T), np.imag(coupling.T)), axis=1)),
             inertia=_rows(inertia[:m]),
             weight=_rows(np.array([np.real(weight), np.imag(weight)])),
-            **_springs(self.tree.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
+            **_springs(self.system.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
         )
-        # at places where packed instructions may load and store
-        self.series = Series(*(part if part.dtype == np.int64 else aligned(part) for part in given))
+        self.series = in_one_room(given)
         self._groups = SeriesGroups(self.series)
         self._handle = make_handle(self._groups)
         self.handle = Expanded(self._handle.ctypes.data)
@@ -92,9 +89,3 @@ def _springs(system: Any, turn: np.ndarray, angles: list[float]) -> dict[str, np
     stiffness, damping = (_rows(matrix if len(strain) else matrix[:0]) for matrix in linear)
     torque = _rows(-(springs.stiffness * strain) @ along[:, :m])
     return {"stiffness": stiffness, "damping": damping, "torque": torque}
-
-
-def expansion_of(system: System) -> Expansion:
-    """Return the expansion of a system, built at first use."""
-    system.expansion = system.expansion or Expansion(system)
-    return system.expansion
