@@ -48,20 +48,19 @@ def choose_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> P
     """Return the plan of a run whose method may be "auto"."""
     if settings.method != AUTO:
         return make_plan(scene, settings, times)
-    plain = _default(scene, settings, times, "the default")
-    core, small = core_name(scene, settings.coordinates), small_system(scene)
+    core, small, why = core_name(scene, settings.coordinates), small_system(scene), "the default"
     special = [entry for entry in integrators().values() if entry.cores == (core,)]
     reason = f"specific to {core}"
     if small:
         special, reason = [integrators()[SERIES]], f"series of {small}"
-    if plain.options.step:
-        return replace(plain, reason="the default, because a step is given")
-    if not special:
-        return plain
-    try:
-        return plan_by(scene, settings, times, special[0], reason)
-    except ValueError as error:  # the settings request a feature that it lacks
-        return replace(plain, reason=f"the default, because {error}")
+    if settings.step:
+        why = "the default, because a step is given"
+    elif special:
+        try:
+            return plan_by(scene, settings, times, special[0], reason)
+        except ValueError as error:  # the settings request a feature that it lacks
+            why = f"the default, because {error}"
+    return _default(scene, settings, times, why)
 
 
 def plan_by(scene: Scene, settings: Settings, times: np.ndarray | None, integrator: Integrator, reason: str) -> Plan:

@@ -19,11 +19,11 @@ def no_series(scene: Scene) -> Iterable[str]:
 
 def small_system(scene: Scene) -> str:
     """Return what a scene is, of which series cost less than the steps of other methods; empty if it is no such."""
-    if any(no_series(scene)):
-        return ""
     if is_celestial(scene):
-        return "few particles" if len(attracting_pairs(attraction(scene))) <= MOST_PAIRS else ""
-    return "a small planar tree" if len(scene.joints) <= MOST_ANGLES and not scene.loads else ""
+        kind, few = "few particles", len(attracting_pairs(attraction(scene))) <= MOST_PAIRS
+    else:
+        kind, few = "a small planar tree", len(scene.joints) <= MOST_ANGLES and not scene.loads
+    return kind if few and not any(no_series(scene)) else ""
 
 
 def expansion_of(system: System) -> TreeSeries | OrbitSeries:

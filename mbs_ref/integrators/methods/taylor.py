@@ -74,7 +74,13 @@ def advance_taylor(model, work, expanded, options, order, run, y, outputs):
             if verdict == RETRY:
                 continue
         while run.next_output < last and outputs.times[run.next_output] <= attempt.t_new:
-            evaluate(series, order, outputs.times[run.next_output] - attempt.t, outputs.states[run.next_output], dy)
+            now, place = outputs.times[run.next_output], outputs.states[run.next_output]
+            evaluate(series, order, now - attempt.t, place, dy)
+            if collided(series, place):
+                run.t = now
+                for k in range(y.shape[0]):
+                    y[k] = place[k]
+                return leg.COLLISION
             run.next_output += 1
         for k in range(dy.shape[0]):
             dy[k] = dy_new[k]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -85,17 +86,37 @@ def test_outputs_and_bodies_at_rest_cost_no_steps():
     assert np.abs(many.position[:, 0]).max() == 0.0
 
 
+@pytest.mark.parametrize(("samples", "late"), [(1000, 0.0015), (2, 1.0)])
 @pytest.mark.parametrize("method", ["taylor", "gauss"])
-def test_bodies_that_meet_end_the_run(method):
-    """From rest at distance 2 two masses meet at r after 2 (pi/4 + 1/2) s with gm = 1 each and r = 1 (free fall)."""
-    fall = math.acos(math.sqrt(0.5)) + 0.5
+def test_bodies_that_meet_end_the_run(method, samples, late):
+    """From rest at distance 2 masses with gm = 1 each are 1 apart after sqrt(2) (pi/4 + 1/2) s (free fall)."""
+    fall = math.sqrt(2.0) * (math.pi / 4.0 + 0.5)
     still = bodies(((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
     newton = Newton(name="n", gm=(1.0, 1.0), radius=(0.5, 0.5))
-    scene = Scene(name="fall", gravity=(0.0, 0.0, 0.0), bodies=still, loads=(newton,), duration=fall * 1.5)
-    run = simulate(scene, Settings(method=method, samples=100, estimate="off"))
+    scene = Scene(name="fall", gravity=(0.0, 0.0, 0.0), bodies=still, loads=(newton,), duration=2.2)
+    run = simulate(scene, Settings(method=method, samples=samples, estimate="off"))
     assert run.status is Status.COLLISION
-    assert "'a' and 'b' are" in run.message
-    assert run.times[-1] <= fall * math.sqrt(2.0)
+    end, gap = (float(re.search(pattern, run.message)[1]) for pattern in (r"t = (\S+) s", r"are (\S+) m apart"))
+    assert fall * (1.0 - 1e-9) <= end <= fall + late
+    assert gap <= 1.0
+    assert run.times[-1] <= fall
+
+
+def test_a_fall_into_a_point_stops_where_time_does_not_resolve_it():
+    still = bodies(((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    newton = Newton(name="n", gm=(1.0, 1.0))
+    scene = Scene(name="fall", gravity=(0.0, 0.0, 0.0), bodies=still, loads=(newton,), duration=4.0)
+    run = simulate(scene, FINE)
+    assert run.status is Status.STEP_TOO_SMALL
+    assert run.steps < 1000
+
+
+def test_a_body_alone_falls_on_a_parabola():
+    alone = bodies(((1.0, 2.0, 3.0), (0.5, -0.25, 0.125)))
+    scene = Scene(name="throw", gravity=(0.1, -0.2, -9.81), bodies=alone, duration=2.0)
+    run = simulate(scene, FINE)
+    exact = np.array([1.0, 2.0, 3.0]) + 2.0 * np.array([0.5, -0.25, 0.125]) + 2.0 * np.array([0.1, -0.2, -9.81])
+    assert run.position[-1, 0] == pytest.approx(exact, rel=1e-14)
 
 
 @pytest.mark.parametrize(("name", "parameters", "why"), [
