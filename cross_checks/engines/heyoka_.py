@@ -49,7 +49,7 @@ class Heyoka(Engine):
 
     def build(self, scene: Scene, plan: Plan) -> Built:
         gm = attraction(scene)
-        moves = [i for i, body in enumerate(scene.bodies) if any(body.velocity) or sum(gm) > gm[i]] or [0]
+        moves = [i for i, body in enumerate(scene.bodies) if any(body.velocity) or any((*gm[:i], *gm[i + 1 :]))] or [0]
         x = [_variables(body, i in moves) for i, body in enumerate(scene.bodies)]
         pull: list[Any] = [[0.0, 0.0, 0.0] for _ in gm]  # m/s^2
         for i, j in combinations(range(len(gm)), 2):

@@ -51,7 +51,7 @@ class OrbitSeries:
         given = empty(Orbits, **lengths)._replace(
             gm=gm, radius=particles.radius, first=first, second=second,
             bulge=bulge[first] + bulge[second], fixed=_fixed(axis, particles.gravity),
-            falls=(gm.sum() > gm).astype(np.int64), atol=np.full((n, 2, WIDTH), np.inf),
+            falls=(np.count_nonzero(gm) > (gm > 0.0)).astype(np.int64), atol=np.full((n, 2, WIDTH), np.inf),
         )  # fmt: skip
         self.series = in_one_room(given)
         self._groups = OrbitGroups(self.series)

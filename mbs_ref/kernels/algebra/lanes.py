@@ -123,44 +123,36 @@ def nearest_in_lanes(context, x):
     return LANES(LANES), llvm_function("rint")
 
 
-@_intrinsic
-def in_lanes(context, array):
-    """View an array of floats (..., WIDTH), allocated by `room_for_lanes`, as an array of lanes (...)."""
-    seen = types.Array(LANES, array.ndim - 1, "C")
+def _view(array: Any, number: Any, size: int, axes: int) -> tuple[Any, Any]:
+    """Return how an array's memory is seen as numbers of another size (bytes), along one axis more or less."""
+    seen = types.Array(number, axes, "C")
 
     def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         given = context.make_array(sig.args[0])(context, builder, args[0])
         view = context.make_array(seen)(context, builder)
-        shape, strides = (cgutils.unpack_tuple(builder, part)[: seen.ndim] for part in (given.shape, given.strides))
+        ends = (given.shape, WIDTH), (given.strides, size)
+        shape, strides = ([*cgutils.unpack_tuple(builder, part), context.get_constant(types.intp, last)][:axes]
+                          for part, last in ends)  # fmt: skip
         context.populate_array(
             view, data=builder.bitcast(given.data, view.data.type), meminfo=given.meminfo, parent=given.parent,
             shape=cgutils.pack_array(builder, shape), strides=cgutils.pack_array(builder, strides),
-            itemsize=context.get_constant(types.intp, BYTES),
+            itemsize=context.get_constant(types.intp, size),
         )  # fmt: skip
         return impl_ret_borrowed(context, builder, seen, view._getvalue())
 
     return seen(array), lowered
+
+
+@_intrinsic
+def in_lanes(context, array):
+    """View an array of floats (..., WIDTH), allocated by `room_for_lanes`, as an array of lanes (...)."""
+    return _view(array, LANES, BYTES, array.ndim - 1)
 
 
 @_intrinsic
 def in_floats(context, array):
     """View an array of lanes (...) as an array of floats (..., WIDTH)."""
-    seen = types.Array(types.float64, array.ndim + 1, "C")
-
-    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        given = context.make_array(sig.args[0])(context, builder, args[0])
-        view = context.make_array(seen)(context, builder)
-        ends = (given.shape, WIDTH), (given.strides, BYTES // WIDTH)
-        shape, strides = ([*cgutils.unpack_tuple(builder, part), context.get_constant(types.intp, last)]
-                          for part, last in ends)  # fmt: skip
-        context.populate_array(
-            view, data=builder.bitcast(given.data, view.data.type), meminfo=given.meminfo, parent=given.parent,
-            shape=cgutils.pack_array(builder, shape), strides=cgutils.pack_array(builder, strides),
-            itemsize=context.get_constant(types.intp, BYTES // WIDTH),
-        )  # fmt: skip
-        return impl_ret_borrowed(context, builder, seen, view._getvalue())
-
-    return seen(array), lowered
+    return _view(array, types.float64, BYTES // WIDTH, array.ndim + 1)
 
 
 def room_for_lanes(*shape: int) -> np.ndarray:

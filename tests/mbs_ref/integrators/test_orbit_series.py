@@ -86,19 +86,19 @@ def test_outputs_and_bodies_at_rest_cost_no_steps():
     assert np.abs(many.position[:, 0]).max() == 0.0
 
 
-@pytest.mark.parametrize(("samples", "late"), [(1000, 0.0015), (2, 1.0)])
+@pytest.mark.parametrize(("samples", "late"), [(1000, 0.0023), (2, 1.4)])
 @pytest.mark.parametrize("method", ["taylor", "gauss"])
 def test_bodies_that_meet_end_the_run(method, samples, late):
-    """From rest at distance 2 masses with gm = 1 each are 1 apart after sqrt(2) (pi/4 + 1/2) s (free fall)."""
-    fall = math.sqrt(2.0) * (math.pi / 4.0 + 0.5)
+    """From rest at 2 m two with gm = 1 are 2 x apart after sqrt(2) (acos(sqrt(x)) + sqrt(x (1 - x))) s (free fall)."""
+    fall = math.sqrt(2.0) * (math.acos(math.sqrt(0.9)) + 0.3)
     still = bodies(((-1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
-    newton = Newton(name="n", gm=(1.0, 1.0), radius=(0.5, 0.5))
+    newton = Newton(name="n", gm=(1.0, 1.0), radius=(0.8, 1.0))
     scene = Scene(name="fall", gravity=(0.0, 0.0, 0.0), bodies=still, loads=(newton,), duration=2.2)
     run = simulate(scene, Settings(method=method, samples=samples, estimate="off"))
     assert run.status is Status.COLLISION
     end, gap = (float(re.search(pattern, run.message)[1]) for pattern in (r"t = (\S+) s", r"are (\S+) m apart"))
     assert fall * (1.0 - 1e-9) <= end <= fall + late
-    assert gap <= 1.0
+    assert gap <= 1.8
     assert run.times[-1] <= fall
 
 
