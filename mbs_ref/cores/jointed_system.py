@@ -27,9 +27,9 @@ _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
 
 def _copied(group: Any) -> Any:
-    """Return a group with arrays of its own; a log is empty before a run, and so large that zeros are not written."""
+    """Return a group with arrays of its own; a log is empty before a run, and so large that nothing is written to it."""
     return group._replace(**{
-        name: np.zeros(a.shape) if name == "log" else a.copy() for name, a in group._asdict().items() if a.size
+        name: np.empty(a.shape) if name == "log" else a.copy() for name, a in group._asdict().items() if a.size
     })  # fmt: skip
 
 
