@@ -27,7 +27,7 @@ _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
 
 def _copied(group: Any) -> Any:
-    """Return a group with arrays of its own; a log is empty before a run, and so large that nothing is written to it."""
+    """Return a group with arrays of its own; nothing is written to a log, which is large and empty before a run."""
     return group._replace(**{
         name: np.empty(a.shape) if name == "log" else a.copy() for name, a in group._asdict().items() if a.size
     })  # fmt: skip
