@@ -51,7 +51,7 @@ class Heyoka(Engine):
         gm = attraction(scene)
         moves = [i for i, body in enumerate(scene.bodies) if any(body.velocity) or any((*gm[:i], *gm[i + 1 :]))] or [0]
         x = [_variables(body, i in moves) for i, body in enumerate(scene.bodies)]
-        pull: list[Any] = [[0.0, 0.0, 0.0] for _ in gm]  # m/s^2
+        pull: list[Any] = [[heyoka.expression(0.0)] * 3 for _ in gm]  # m/s^2
         for i, j in combinations(range(len(gm)), 2):
             if gm[i] or gm[j]:
                 field = _field([x[j][c] - x[i][c] for c in range(3)], _zonals(scene, i), _zonals(scene, j))
