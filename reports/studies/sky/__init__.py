@@ -1,24 +1,19 @@
-"""The sky, measured: digits against physics, races against IAS15 and heyoka, what Euler parameters cost."""
+"""The sky, measured: digits against physics, what Euler parameters cost."""
 
-import statistics
 from collections.abc import Mapping, Sequence
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from cross_checks import engines, ephemerides
 from cross_checks.judge.one_run import evaluate
-from cross_checks.prices.timing import interleaved, interval
-from cross_checks.records.numbers import metres
 from cross_checks.records.record import Record
 from cross_checks.truths.truth import NoTruth
-from mbs_ref import Scene, Settings, Trajectory, scenes
+from mbs_ref import Scene, Settings, scenes
 from mbs_ref.observables import energy_balance
-from mbs_ref.observables.distance import distances
 from mbs_ref.scene.celestial import AU_M
 from mbs_ref.scenes.solar_system import julian_date
-from reports.facts.curves import Curves, Measured, Row, Value, plain
+from reports.facts.curves import Curves, Measured, Row, plain
 from reports.studies.sky.frames import by_sgp4, comparisons
 
 LEVELS = {
@@ -32,13 +27,6 @@ COARSE_SPLITTING = Settings(method="whfast", step=86_400.0, samples=2)  # a day:
 RIGID = Settings(method="dop853", rtol=1e-12, samples=2, estimate="off")
 DAYS = (200.0, 360.0)  # the paper's
 START = "1998-01-01"
-DECADE = 3652.5  # days
-DATES = ("1998-01-01", "2000-01-01", "2010-01-01", "2020-01-01")  # all in the committed excerpt
-IAS15 = Settings(method="ias15", rtol=1e-9, samples=2, estimate="off")  # its default, machine precision
-TAYLOR = Settings(method="taylor", rtol=1e-15, samples=2)
-ORBITS = ("leo", "gps", "molniya")
-ORBIT_DAYS = 3.0
-PAIRS = 5  # interleaved runs of each on each scene, of which the fastest counts
 OBSERVED = NoTruth("compared with where the bodies really were")
 GAIN = 0.3  # significant figures, a factor of two in distance: a smaller gain is not stated
 OBLIQUITY = np.radians(84_381.406 / 3600.0)  # of the ecliptic of J2000, IAU 2006
@@ -55,8 +43,6 @@ def measure() -> Measured:
         {"name": EPHEMERIDES[name]} | figures for name, figures in spread().items()
     )
     measured.tables["frames"], measured.tables["sgp4"] = comparisons(), by_sgp4()
-    for race in races():
-        add_race(measured, *race)
     add_splitting(measured)
     scene = scenes.make("solar_system", model="newton")
     year = engines.get("mbs_ref").run(scene, FINE.model_copy(update={"samples": 361}))
@@ -141,41 +127,6 @@ def spread() -> dict[str, dict[str, float]]:
     """Return the figures that other ephemerides share with DE440, after 360 days."""
     jd = julian_date(START) + DAYS[-1]
     return {version: ephemerides.figures(version, jd) for version in EPHEMERIDES}
-
-
-def races() -> list[tuple[str, str, list[Row]]]:
-    """Return the races against the rivals that are installed: rival, ours, and a row for each scene."""
-    decades = [scenes.make("solar_system", model="newton", days=DECADE, start=date) for date in DATES]
-    satellites = [scenes.make("satellite", orbit=orbit, days=ORBIT_DAYS) for orbit in ORBITS]
-    result = []
-    for name, settings, built in (("rebound", IAS15, decades), ("heyoka", TAYLOR, satellites)):
-        if any(engines.installed([name])):
-            laps = [_lap(name, settings, scene) for scene in built]
-            result.append((f"{name} {settings.method}", f"mbs_ref {FINE.method}", laps))
-    return result
-
-
-def add_race(measured: Measured, rival: str, ours: str, laps: Sequence[Row]) -> None:
-    """Add a race: the median ratio of the loop times with its 95 % bootstrap interval, and its laps."""
-    ratios = np.array([lap["ratio"] for lap in laps], dtype=float)
-    low, high = interval(ratios, np.random.default_rng(0))
-    row: dict[str, Value] = {"rival": rival, "ours": ours, "ratio": statistics.median(ratios), "low": low, "high": high}
-    measured.tables["races"] = (*measured.tables.get("races", ()), row)
-    measured.tables[f"race: {rival}"] = tuple(laps)
-
-
-def _lap(rival: str, theirs: Settings, scene: Scene) -> Row:
-    """Run both in randomly interleaved turns on one scene; the ratio is the rival's loop time over ours."""
-    runs = [partial(engines.get(name).run, scene, how) for name, how in (("mbs_ref", FINE), (rival, theirs))]
-    paths = [run() for run in runs]  # compiles
-    ours, other = (min(path.timing.loop_s for path in built) for built in interleaved(runs, PAIRS))
-    shown = scene.parameters.get("orbit", scene.parameters.get("start"))
-    return {"scene": f"{scene.name} {shown}", "ratio": other / ours, "apart": _apart(scene, *paths)}
-
-
-def _apart(scene: Scene, one: Trajectory, other: Trajectory) -> str:
-    """Return the largest distance (m) between the two at the end."""
-    return metres(float(distances(scene, one, other)[-1, :, 0].max())) if one.ok and other.ok else "one did not finish"
 
 
 def add_orbits(measured: Measured, year: Mapping[str, np.ndarray]) -> None:

@@ -593,12 +593,3 @@ def test_what_a_study_depends_on(monkeypatch):
     assert {name for name in listed if study._fuller(name, True) == [True]} == full
     assert {name for name in listed if study._fuller(name, False) == [False]} == full
     assert list(listed.values()) == sorted(listed.values(), key=lambda one: (one.page, one.place))
-
-
-@pytest.mark.parametrize("lost", [None, 0, 1])
-def test_two_runs_are_apart_by_the_farthest_body_at_the_end(monkeypatch, lost):
-    apart = np.zeros((3, 2, 4))
-    apart[1], apart[-1, :, 0], apart[-1, :, 1:] = 9.0, (0.25, 0.125), 7.0
-    monkeypatch.setattr(sky, "distances", lambda scene, one, other: apart)
-    runs: Any = [SimpleNamespace(ok=k != lost) for k in range(2)]
-    assert sky._apart(scenes.make("pendulum"), *runs) == ("0.25 m" if lost is None else "one did not finish")

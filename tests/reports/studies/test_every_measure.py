@@ -245,11 +245,10 @@ def test_the_study_of_the_sky(monkeypatch):
     seen: dict[str, Any] = {}
     noted = lambda name: lambda measured, *given: seen.setdefault(name, []).append(given)  # noqa: E731
     monkeypatch.setattr(sky, "observed", lambda scene, engine, settings: (dict(scene.parameters), engine, settings))
-    for name in ("add_levels", "add_formulations", "add_race", "add_splitting", "add_orbits"):
+    for name in ("add_levels", "add_formulations", "add_splitting", "add_orbits"):
         monkeypatch.setattr(sky, name, noted(name))
     monkeypatch.setattr(sky, "comparisons", lambda: "frames")
     monkeypatch.setattr(sky, "by_sgp4", lambda: "sgp4")
-    monkeypatch.setattr(sky, "races", lambda: [("a", "b", ["c"]), ("d", "e", ["f"])])
     monkeypatch.setattr(sky.ephemerides, "figures", lambda version, jd: {"version": version, "jd": jd})
     scene = scenes.make("solar_system", model="newton")
     year = SimpleNamespace(position=np.random.default_rng(1).normal(size=(3, len(scene.bodies), 3)))
@@ -266,7 +265,6 @@ def test_the_study_of_the_sky(monkeypatch):
         (days, kind, spin) for days in (200.0, 360.0) for kind, spin in kinds
     ]
     assert {settings.method for _, _, settings in rows} == {"dop853"}
-    assert seen["add_race"] == [("a", "b", ["c"]), ("d", "e", ["f"])]
     assert len(seen["add_splitting"]) == 1
     jd = julian_date("1998-01-01") + 360.0
     assert found.tables == {
@@ -278,21 +276,6 @@ def test_the_study_of_the_sky(monkeypatch):
     ((paths,),) = seen["add_orbits"]
     assert list(paths) == scene.body_names
     assert all(np.array_equal(path, year.position[:, k]) for k, path in enumerate(paths.values()))
-
-
-@pytest.mark.parametrize("there", [(), ("rebound",), ("rebound", "heyoka")])
-def test_races_are_run_against_the_rivals_that_are_installed(monkeypatch, there):
-    """Four decades against IAS15, three satellites against heyoka, each at its own setting."""
-    monkeypatch.setattr(sky.engines, "installed", lambda names: [name for name in names if name in there])
-    monkeypatch.setattr(sky, "_lap", lambda name, settings, scene: (name, settings.method, dict(scene.parameters)))
-    found = sky.races()
-    words = {"rebound": "rebound ias15", "heyoka": "heyoka taylor"}
-    assert [(rival, ours) for rival, ours, _ in found] == [(words[name], "mbs_ref gauss") for name in there]
-    for name, (_, _, laps) in zip(there, found, strict=True):
-        assert {lap[0] for lap in laps} == {name}
-        key, values = {"rebound": ("start", sky.DATES), "heyoka": ("orbit", sky.ORBITS)}[name]
-        assert [lap[2][key] for lap in laps] == list(values)
-        assert {lap[2]["days"] for lap in laps} == {3652.5 if name == "rebound" else 3.0}
 
 
 def test_a_satellite_by_sgp4_after_an_hour_a_day_and_a_week(monkeypatch):
@@ -585,25 +568,6 @@ def test_a_pair_has_a_row_for_each_target_and_one_for_who_cannot_run_the_scene(m
         (1e-3, "x", "reached", 0.5), (1e-3, OURS, "reached", 1.0), (1e-6, "x", "reached", None),
         (1e-6, OURS, "not-reached", None), (None, "z", "cannot", None)]  # fmt: skip
     assert (rows[-1].entry.reason, {row.constrained for row in rows[:-1]}) == ("no ropes", {True})
-
-
-@pytest.mark.parametrize(("scene", "words"), [
-    (scenes.make("solar_system", model="newton", start="1998-01-01", days=10.0), "solar_system 1998-01-01"),
-    (scenes.make("satellite", orbit="leo" if "leo" in sky.ORBITS else sky.ORBITS[0], days=1.0), None),
-], ids=["decade", "satellite"])  # fmt: skip
-def test_a_lap_is_named_by_its_date_or_its_orbit_and_is_the_rivals_time_over_ours(monkeypatch, scene, words):
-    """The least time of all turns counts."""
-    asked: list[Any] = []
-    path = lambda loop_s: SimpleNamespace(timing=SimpleNamespace(loop_s=loop_s))  # noqa: E731
-    solvers = {name: SimpleNamespace(run=lambda *given, name=name: asked.append((name, *given)) or name)
-               for name in ("mbs_ref", "heyoka")}  # fmt: skip
-    monkeypatch.setattr(sky.engines, "get", solvers.__getitem__)
-    monkeypatch.setattr(sky, "interleaved", lambda runs, count: [[path(2.0), path(0.5)], [path(1.5), path(3.0)]])
-    monkeypatch.setattr(sky, "_apart", lambda *given: given)
-    row = sky._lap("heyoka", sky.TAYLOR, scene)
-    assert row == {"scene": words or f"satellite {scene.parameters['orbit']}", "ratio": 3.0,
-                   "apart": (scene, "mbs_ref", "heyoka")}  # fmt: skip
-    assert asked == [("mbs_ref", scene, sky.FINE), ("heyoka", scene, sky.TAYLOR)]
 
 
 def test_each_setting_that_may_be_the_cheapest_is_timed_once_and_keeps_its_other_times(monkeypatch):

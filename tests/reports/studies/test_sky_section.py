@@ -34,9 +34,6 @@ def facts() -> Measured:
     sky.add_levels(measured, levels)
     rigid = record("newton", 5.4, 4.3, formulation="euler_parameters", spin=True)
     sky.add_formulations(measured, (levels[1], rigid))
-    laps = [{"scene": "solar_system 1998-01-01", "ratio": 7.0, "apart": "0.1 m"},
-            {"scene": "solar_system 2000-01-01", "ratio": 9.0, "apart": "one did not finish"}]  # fmt: skip
-    sky.add_race(measured, "rebound ias15", "mbs_ref gauss", laps)
     sky.add_orbits(measured, {name: np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]) for name in BODIES})
     return measured
 
@@ -58,7 +55,6 @@ def test_the_page_shows_every_figure(facts):
     formulations = [row for row in rows if row and row[0] == "360"]
     assert [row[1] for row in formulations] == ["point masses", "rigid bodies, Euler parameters, turning"]
     assert [(row[4], row[5]) for row in formulations] == [("no constraint", "30"), ("7.0e-16", "65")]
-    assert "rebound ias15 takes 8 times as long" in shown
     for title in ("Figures against physics", "A year of the inner planets", "The same year of the outer planets"):
         assert title in shown
 
