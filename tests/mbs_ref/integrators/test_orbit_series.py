@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,14 +12,14 @@ import pytest
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
 from mbs_ref.cores.choice import compile_scene
-from mbs_ref.cores.series import expansion_of
-from mbs_ref.kernels.particles.series import evaluate, expand, start_at
+from mbs_ref.kernels.particles import series as particles
 from mbs_ref.observables.distance import distances
 from mbs_ref.scene import PointMass, Scene
 from mbs_ref.scene.celestial import Newton, Oblateness
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
 from mbs_ref.trajectory import Status
+from tests.mbs_ref.integrators.series_defect import defect
 
 AXIS = (0.6, 0.0, 0.8)
 FINE = Settings(method="taylor", rtol=1e-13, estimate="off")
@@ -47,17 +48,9 @@ def cluster(**more) -> Scene:
 def test_series_obey_the_equations_of_motion():
     """Where terms of order 25 are roundoff, and with an error of the order where they are not."""
     system = compile_scene(cluster())
-    series, y = expansion_of(system).series, system.initial_state()
-
-    def defect(order: int, h: float) -> float:
-        there, slope = np.empty((2, len(y)))
-        start_at(series, y, 1e-9)
-        expand(series, order)
-        evaluate(series, order, h, there, slope)
-        return np.abs(slope - system.derivative(0.0, there)).max()
-
-    assert max(defect(24, h) for h in (0.0, 0.1, 0.2)) < 1e-13
-    assert math.log2(defect(9, 0.2) / defect(9, 0.1)) == pytest.approx(9.0, abs=1.0)
+    off = partial(defect, particles, system, system.initial_state())
+    assert max(off(24, h) for h in (0.0, 0.1, 0.2)) < 1e-13
+    assert math.log2(off(9, 0.2) / off(9, 0.1)) == pytest.approx(9.0, abs=1.0)
 
 
 @pytest.mark.parametrize(("name", "parameters", "error"), [
