@@ -1,16 +1,15 @@
 """method = "auto" against the best fixed choice, over the scenes of the library: `python -m benchmarks.method_table`.
 
 At each tolerance the chosen run has an error, from comparison with a run far tighter. The best fixed choice is the
-cheapest of all methods and tolerances that errs no more. Both calls of `simulate` are timed whole, in CPU time and in
-turns, without estimates and reactions; the least of some turns counts. Where even the tight run is another motion, as
-in chaos, nothing is compared.
+cheapest of all methods and tolerances that errs no more: one call of each shows the few cheapest, whose calls are then
+timed in turns with the chosen one. Calls of `simulate` are timed whole, in CPU time, without estimates and reactions;
+the least of some turns counts. Where even the tight run is another motion, as in chaos, nothing is compared.
 """
 
 import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -28,7 +27,8 @@ TIGHT = 1e-13
 ROUNDOFF = 1e-12  # of the scene: below no error tells one run from another
 LOST = 1e-2  # of the scene: where the default at 1e-11 is so far from the tight run, no truth is known
 SLOW = 2.0  # s, a call that is not repeated
-TURNS = 3
+TURNS = 5
+FEW = 4  # fixed choices, the cheapest, that are timed in turns
 METHODS = ("dop853", "radau", "lsodar", "gauss", "taylor")  # adaptive ones
 
 
@@ -51,39 +51,45 @@ def rows(name: str) -> Iterator[Row]:
     tight = _run(scene, DEFAULT if core_name(scene) != "particles" else "gauss", TIGHT)
     if not tight.ok or _error(scene, _run(scene, DEFAULT, 1e-11), tight) > LOST:
         return
-    fixed = sorted(
-        (_in_turns(scene, (method, rtol))[0], method, rtol, _error(scene, path, tight))
-        for method in METHODS if core_name(scene) in (integrators()[method].cores or (core_name(scene),))
-        and not any(integrators()[method].refusals(scene))
-        for rtol in TRIED if (path := _run(scene, method, rtol)).ok
-    )  # fmt: skip
+    fixed = sorted(_fixed(scene, tight))
     for wanted in ASKED:
         path = _run(scene, AUTO, wanted)
         error = _error(scene, path, tight)
-        fitting = [one for one in fixed if one[3] <= max(error, ROUNDOFF)]
+        fitting = [choice for _, choice, one in fixed if one <= max(error, ROUNDOFF)][:FEW]
         if not fitting:
             continue
-        _, method, rtol, _ = fitting[0]
-        own, best = _in_turns(scene, (AUTO, wanted), (method, rtol))
+        own, *others = _in_turns(scene, (AUTO, wanted), *fitting)
+        best, (method, rtol) = min(zip(others, fitting, strict=True))
         yield Row(name, wanted, path.method, error, f"{method} {rtol:g}", own, own / best)
+
+
+def _fixed(scene: Scene, tight: Trajectory) -> Iterator[tuple[float, tuple[str, float], float]]:
+    """Yield the CPU time (s) of a call, method and rtol, and the error of each fixed choice."""
+    core = core_name(scene)
+    for name, one in integrators().items():
+        if name in METHODS and core in (one.cores or (core,)) and not any(one.refusals(scene)):
+            for rtol in TRIED:
+                cost, path = _called(scene, name, rtol)
+                if path.ok:
+                    yield cost, (name, rtol), _error(scene, path, tight)
 
 
 def _run(scene: Scene, method: str, rtol: float) -> Trajectory:
     return simulate(scene, Settings(method=method, rtol=rtol, estimate="off", reactions=False))
 
 
-def _cost(scene: Scene, method: str, rtol: float) -> float:
-    """Return the CPU time (s) of a call."""
+def _called(scene: Scene, method: str, rtol: float) -> tuple[float, Trajectory]:
+    """Return the CPU time (s) of a call, and the run."""
     began = time.process_time()
-    _run(scene, method, rtol)
-    return time.process_time() - began
+    path = _run(scene, method, rtol)
+    return time.process_time() - began, path
 
 
 def _in_turns(scene: Scene, *choices: tuple[str, float]) -> list[float]:
-    """Return the least CPU time (s) of each choice's calls, in interleaved turns; a slow one takes few."""
-    calls = [partial(_cost, scene, *choice) for choice in choices]
+    """Return the least CPU time (s) of each choice's calls, in interleaved turns; slow ones take one."""
+    calls = [lambda choice=choice: _called(scene, *choice)[0] for choice in choices]
     first = [min(times) for times in interleaved(calls, 1)]
-    return [min(times) for times in interleaved(calls, TURNS if sum(first) < SLOW else 1)]
+    return first if sum(first) > SLOW else [min(times) for times in interleaved(calls, TURNS)]
 
 
 def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:
