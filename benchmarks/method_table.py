@@ -2,7 +2,8 @@
 
 At each tolerance the chosen run has an error, from comparison with a run far tighter. The best fixed choice is the
 cheapest of all methods and tolerances that errs no more: one call of each shows the few cheapest, whose calls are then
-timed in turns with the chosen one. Calls of `simulate` are timed whole, in CPU time, without estimates and reactions;
+timed in turns with the chosen one. A method ends at the tolerance where a call costs far more than all chosen ones.
+Calls of `simulate` are timed whole, in CPU time, without estimates and reactions;
 the least of some turns counts. Where even the tight run is another motion, as in chaos, nothing is compared.
 """
 
@@ -29,6 +30,7 @@ LOST = 1e-2  # of the scene: where the default at 1e-11 is so far from the tight
 SLOW = 2.0  # s, a call that is not repeated
 TURNS = 5
 FEW = 4  # fixed choices, the cheapest, that are timed in turns
+FAR = 4.0  # times the largest cost of a chosen run: a method that costs more is not tried with smaller tolerances
 METHODS = ("dop853", "radau", "lsodar", "gauss", "taylor")  # adaptive ones
 
 
@@ -51,9 +53,9 @@ def rows(name: str) -> Iterator[Row]:
     tight = _run(scene, DEFAULT if core_name(scene) != "particles" else "gauss", TIGHT)
     if not tight.ok or _error(scene, _run(scene, DEFAULT, 1e-11), tight) > LOST:
         return
-    fixed = sorted(_fixed(scene, tight))
-    for wanted in ASKED:
-        path = _run(scene, AUTO, wanted)
+    asked = {wanted: _called(scene, AUTO, wanted) for wanted in ASKED}
+    fixed = sorted(_fixed(scene, tight, FAR * max(cost for cost, _ in asked.values())))
+    for wanted, (_, path) in asked.items():
         error = _error(scene, path, tight)
         fitting = [choice for _, choice, one in fixed if one <= max(error, ROUNDOFF)][:FEW]
         if not fitting:
@@ -63,8 +65,8 @@ def rows(name: str) -> Iterator[Row]:
         yield Row(name, wanted, path.method, error, f"{method} {rtol:g}", own, own / best)
 
 
-def _fixed(scene: Scene, tight: Trajectory) -> Iterator[tuple[float, tuple[str, float], float]]:
-    """Yield the CPU time (s) of a call, method and rtol, and the error of each fixed choice."""
+def _fixed(scene: Scene, tight: Trajectory, most: float) -> Iterator[tuple[float, tuple[str, float], float]]:
+    """Yield the CPU time (s) of a call, method and rtol, and the error of each fixed choice, up to `most` s."""
     core = core_name(scene)
     for name, one in integrators().items():
         if name in METHODS and core in (one.cores or (core,)) and not any(one.refusals(scene)):
@@ -72,6 +74,8 @@ def _fixed(scene: Scene, tight: Trajectory) -> Iterator[tuple[float, tuple[str, 
                 cost, path = _called(scene, name, rtol)
                 if path.ok:
                     yield cost, (name, rtol), _error(scene, path, tight)
+                if cost > most:
+                    break
 
 
 def _run(scene: Scene, method: str, rtol: float) -> Trajectory:

@@ -180,8 +180,11 @@ class JointedSystem(ContactSystem):
         """
         slots, modes = self.groups.contact_laws.slot, self.groups.contact_modes.mode
         held = [slot for slot, mode in zip(slots, modes, strict=False) if slot >= 0 and (every or mode == MODE_CLOSED)]
-        joints = [(k, at.slot, at.row + r) for k, at in sorted(self.place.items()) for r in range(at.n_rows)]
-        return joints + [(-1, int(slot), 0) for slot in held]
+        return self._joint_rows + [(-1, int(slot), 0) for slot in held]
+
+    @cached_property
+    def _joint_rows(self) -> list[tuple[int, int, int]]:
+        return [(k, at.slot, at.row + r) for k, at in sorted(self.place.items()) for r in range(at.n_rows)]
 
     def row_joints(self) -> list[str]:
         """Return the joint of each row, or its contact."""
@@ -200,14 +203,13 @@ class JointedSystem(ContactSystem):
     def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return C_q (n_rows, n_bodies times the rates of one) in scene order, rows in the order of `rows`."""
         self.compliance(t, y)
-        rows = self.rows()
-        result = np.zeros((len(rows), self.n_bodies + 1, self.RATES))
-        scene_index = np.append(self.groups.bodies.scene_index, self.n_bodies)
-        for r, (_, slot, row) in enumerate(rows):
-            for side in range(2):
-                body = scene_index[self.groups.slots.body[slot, side]]
-                result[r, body] += self.scratch.rows.jacobian[slot, side, row]
-        return result[:, :-1].reshape(len(rows), self.RATES * self.n_bodies)
+        slot, row = np.array(self.rows(), np.int64).reshape(-1, 3).T[1:]
+        count, scene_index = len(slot), np.append(self.groups.bodies.scene_index, self.n_bodies)
+        result = np.zeros((count, self.n_bodies + 1, self.RATES))
+        for side in range(2):
+            bodies = scene_index[self.groups.slots.body[slot, side]]
+            result[np.arange(count), bodies] += self.scratch.rows.jacobian[slot, side, row]
+        return result[:, :-1].reshape(count, self.RATES * self.n_bodies)
 
     def right_side(self) -> np.ndarray:
         """Return gamma (n_rows,) of the rows last evaluated, in the order of `rows`."""

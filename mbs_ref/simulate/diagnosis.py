@@ -6,7 +6,7 @@ The output samples are examined after the run. A passage between two samples is 
 import numpy as np
 
 from mbs_ref.cores.jointed_system import JointedSystem
-from mbs_ref.cores.system import System
+from mbs_ref.cores.system import Poses, System
 from mbs_ref.observables.attachment import Motion, bushing_strain, twist_of
 from mbs_ref.scene import Bushing, TorsionSpring, UserForce
 from mbs_ref.trajectory import Status, Trajectory
@@ -106,29 +106,37 @@ def singular_passage(system: System, times: np.ndarray, states: np.ndarray) -> t
     examined = np.unique(np.linspace(0, len(times) - 1, MAX_SAMPLES).round().astype(int))
     pivots = system.pivots(times[examined], states[examined])
     close = [examined[k] for k in np.argsort(pivots)[:MAX_CLOSE] if pivots[k] < SUSPECT]
-    if not close:
+    independent = independent_rows(system) if close else 0
+    if not independent:
         return ()
-    (smallest, joints), t = min((weakest_joints(system, t, states[k]), t) for k in close for t in [float(times[k])])
-    start, _ = weakest_joints(system, 0.0, states[0])
-    if smallest > NEAR * start:
+    start, *sizes = (
+        np.linalg.svd(system.scaled_jacobian(float(times[k]), states[k]), compute_uv=False)[independent - 1]
+        for k in (0, *close)
+    )
+    if min(sizes) > NEAR * start:
         return ()
+    k = close[int(np.argmin(sizes))]
+    smallest, joints = weakest_joints(system, t := float(times[k]), states[k])
     return (
         f"the run passes close to a singular pose at t = {t:.6g} s: the smallest singular value of C_q is "
         f"{smallest:.2g} there and {start:.2g} at the start, from joint {_listed(joints)}; branches may meet there",
     )
 
 
-def unseen_forces(system: System, path: Trajectory) -> tuple[str, ...]:
-    """Return a note for each user's force with a pulse at one of many random times that no step resolves."""
+def unseen_forces(system: System, sampled: np.ndarray, poses: Poses) -> tuple[str, ...]:
+    """Return a note for each user's force with a pulse at one of many random times that no step resolves.
+
+    `poses` are those at the times `sampled` (n_t,), s.
+    """
     own, loads = system.redundant, [load for load in system.scene.loads if isinstance(load, UserForce)]
     if not loads or not isinstance(own, JointedSystem):
         return ()
-    shape = (*path.position.shape[:2], -1)
-    q = np.concatenate((path.position, path.orientation.reshape(shape)), axis=2)
-    v = np.concatenate((path.velocity, path.angular_velocity.reshape(shape)), axis=2)
-    ends, steps = np.linspace(0.0, path.times[-1], LOOKS + 1), np.unique(own.user_times)
+    shape = (*poses.position.shape[:2], -1)
+    q = np.concatenate((poses.position, poses.orientation.reshape(shape)), axis=2)
+    v = np.concatenate((poses.velocity, poses.angular_velocity.reshape(shape)), axis=2)
+    ends, steps = np.linspace(0.0, sampled[-1], LOOKS + 1), np.unique(own.user_times)
     times = np.random.default_rng(0).uniform(ends[:-1], ends[1:])
-    nearest = np.searchsorted(path.times, times, side="right") - 1
+    nearest = np.searchsorted(sampled, times, side="right") - 1
 
     def force(load: UserForce, t: float, k: int) -> np.ndarray:
         return np.array(load.function(float(t), q[k].copy(), v[k].copy()), dtype=float)

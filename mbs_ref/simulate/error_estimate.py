@@ -19,10 +19,10 @@ Where outputs end nearly all steps of an explicit method, a companion with steps
 run: only every second output ends a step, and tolerances are 2^p times as large. Then e = d / (2^p - 1). If tolerances
 limit its steps, or it takes more than half as many, the tighter companion follows.
 
-If the companion takes no more steps, the difference is negligible, or stages were projected close to a singular pose,
-the tolerance does not control the steps with the largest errors; a third run is then two decades tighter. If a
-companion does not reach the end, or roundoff forbids a tighter one, a coarser one replaces it, whose errors are the
-larger ones, so that d bounds them. If that fails, or ran already, another method is used.
+If the companion takes no more steps, or the difference is negligible, the tolerance does not control the steps with the
+largest errors; a third run is then two decades tighter. So is the second one of a run that projected its stages close
+to a singular pose. If a companion does not reach the end, or roundoff forbids a tighter one, a coarser one replaces it,
+whose errors are the larger ones, so that d bounds them. If that fails, or ran already, another method is used.
 """
 
 import math
@@ -57,7 +57,7 @@ COARSEST = 1e-2  # largest rtol of a companion with steps of twice the size
 COARSE_SAFETY = 9.0  # in place of SAFETY there, by calibration: longer steps follow the order less closely
 NOISE = 1e-11  # smaller relative differences there count in full: rounding errors follow no order
 SECOND_METHOD = "lsodar"  # companion if the default method itself fails
-DOUBLE = "twice the size"  # share of a companion whose steps are that
+DOUBLE = "steps of twice the size"  # share of a companion
 ENDED = frozenset({Status.SUCCESS, Status.STOP_EVENT})
 
 
@@ -68,26 +68,31 @@ class RunWithPoses(NamedTuple):
     poses: Poses
 
 
-class Companion(NamedTuple):
-    """A companion run and its distance from the run."""
-
-    run: Run
-    gaps: np.ndarray  # (n, 4) at the outputs that both reached, over the scene's scales
-    sizes: np.ndarray  # (4,) how far the two motions go
-    is_coarse: bool = False  # has steps of twice the size
-
-
-Known = Mapping[str, Companion]
-
-
-class _Request(NamedTuple):
+class Request(NamedTuple):
     """How a companion is computed."""
 
     share: str  # of the run's step or tolerance
-    options: Options
-    refine: int  # divides each step
+    plan: Plan
+    refine: int  # of `run_legs`
     factor: float  # estimate over the difference of the two runs
-    method: str | None = None  # if not the run's
+
+    @property
+    def is_coarse(self) -> bool:
+        """Whether steps have twice the size, and every second output is one."""
+        return self.share == DOUBLE
+
+
+class Companion(NamedTuple):
+    """A companion run, its distance from the run, and the estimate that it gives."""
+
+    request: Request
+    run: Run
+    gaps: np.ndarray  # (n, 4) at the companion's outputs that both reached, over the scene's scales
+    sizes: np.ndarray  # (4,) how far the two motions go
+    bounds: np.ndarray  # (n, 4), the estimate at the run's outputs that both reached
+
+
+Known = Mapping[str, Companion]
 
 
 class _Comparison(NamedTuple):
@@ -95,10 +100,10 @@ class _Comparison(NamedTuple):
 
     bounds: np.ndarray  # (n, 4), the estimate at the outputs that both reached
     other: Companion
-    is_alike: bool  # took no more steps despite a tighter tolerance
-    is_uninformative: bool  # took no more steps, or hardly differs, despite a tighter tolerance
     status: Status
     how: str
+    is_alike: bool = False  # took no more steps despite a tighter tolerance
+    is_uninformative: bool = False  # took no more steps, or hardly differs, despite a tighter tolerance
     is_confirmed: bool = False  # further runs show the order
 
     @property
@@ -106,44 +111,56 @@ class _Comparison(NamedTuple):
         return self.status in ENDED
 
 
-class Wanted(NamedTuple):
-    """A companion that is to be computed."""
-
-    share: str  # of the run's step or tolerance
-    plan: Plan
-    refine: int  # of `run_legs`
+def first_companion(system: System, plan: Plan, run: Run) -> Request:
+    """Return the first companion of a run."""
+    return _doubled(plan) if is_coarsened(system, plan, run) else _first_two(system, plan, run)[0]
 
 
-def first_companion(system: System, plan: Plan, is_coarse: bool) -> Wanted:
-    """Return the first companion of a run; see `is_coarsened`."""
-    return Wanted(DOUBLE, _doubled(plan), 1) if is_coarse else _wanted(plan, _first(system, plan))
-
-
-def companion_near_singular(plan: Plan) -> Wanted:
-    """Return the second companion of an adaptive run that projected its stages close to a singular pose."""
-    return _wanted(plan, _tightest(plan))
-
-
-def _wanted(plan: Plan, request: "_Request") -> Wanted:
-    options = request.options._replace(stop_on_compliance=False)
-    return Wanted(request.share, replace(plan, options=options), request.refine)
-
-
-def all_companions(
-    system: System, poses: list[Poses], runs: list[Run], others: list[Run], share: str
+def companions(
+    system: System, request: Request, runs: list[Run], poses: list[Poses], others: list[Run]
 ) -> list[Companion]:
-    """Return the companions `others` of some runs with their distances; runs of one length are vectorised."""
+    """Return the companions `others` of runs with what they show; runs of one length are vectorised."""
     result: dict[int, Companion] = {}
-    is_coarse = share == DOUBLE
     lengths = [(len(run.times), len(other.times)) for run, other in zip(runs, others, strict=True)]
     for length in set(lengths):
         places = [k for k, own in enumerate(lengths) if own == length]
-        times = runs[places[0]].times
-        shown = _every_second(times) if is_coarse else np.arange(len(times))
+        own, again = [runs[k] for k in places], [others[k] for k in places]
+        shown = _outputs(request, own[0].times)
         parts = [np.stack(parts)[:, shown] for parts in zip(*(poses[k] for k in places), strict=True)]
-        gaps, sizes = _distance(system, times[shown], Poses(*parts), np.stack([others[k].states for k in places]))
-        result |= {k: Companion(others[k], gaps[i], sizes[i], is_coarse) for i, k in enumerate(places)}
+        gaps, sizes = _distance(system, own[0].times[shown], Poses(*parts), np.stack([run.states for run in again]))
+        bounds = _bounds(system, request, gaps, sizes, own, again)
+        every = [request] * len(places)
+        result |= zip(places, map(Companion, every, again, gaps, sizes, bounds), strict=True)
     return [result[k] for k in range(len(runs))]
+
+
+def _outputs(request: Request, times: np.ndarray) -> np.ndarray:
+    """Return which of the run's outputs are the companion's."""
+    return _every_second(times) if request.is_coarse else np.arange(len(times))
+
+
+def _bounds(
+    system: System, request: Request, gaps: np.ndarray, sizes: np.ndarray, runs: list[Run], others: list[Run]
+) -> np.ndarray:
+    """Return the estimates (n_runs, n, 4) from distances (n_runs, n_common, 4) and sizes (n_runs, 4)."""
+    every = runs[0].times
+    times = every[_outputs(request, every)[: gaps.shape[1]]]
+    noise = np.array([[[_roundoff(run)]] for run in (runs if request.is_coarse else others)])
+    # rounding of rates moves bodies by the same share of their path
+    path = np.fmax(1.0, np.max(sizes[:, None, 2:], axis=-1, keepdims=True) * times[:, None] / system.scales.time)
+    most = 2.0 * sizes[:, None]  # two points within a distance of the start are at most twice that distance apart
+    if not request.is_coarse:
+        return np.fmax(gaps, np.minimum(request.factor * (gaps + noise * path), most))
+    least = SAFETY * (np.minimum(gaps, NOISE * path) + noise * path)
+    after = np.searchsorted(times, every[every <= times[-1]])
+    return np.minimum(np.fmax(request.factor * gaps, least), most)[:, after]
+
+
+def _companion(system: System, own: RunWithPoses, request: Request) -> Companion:
+    """Compute a companion of a run."""
+    times = own.run.times[_outputs(request, own.run.times)]
+    other = _rerun(system, request.plan, own.run.states[0], times, request.refine)
+    return companions(system, request, [own.run], [own.poses], [other])[0]
 
 
 def estimated(
@@ -202,13 +219,13 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, known: Known) ->
     may_double = is_coarsened(system, plan, own.run) and (DOUBLE in known or not known)
     if may_double and (coarse := _by_doubled_steps(system, plan, own, known.get(DOUBLE))) is not None:
         return [coarse]
-    begun = _first(system, plan)
+    begun, second, needs_second = _first_two(system, plan, own.run)
     compared = [_compared(system, plan, own, begun, known.get(begun.share))]
     if plan.options.step and compared[0].has_ended:
         compared[0] = _by_observed_order(system, plan, own, compared[0])
-    wanted = compared[0].is_uninformative or (own.run.near_singular and not plan.options.step)
-    tighter = [_tightest(plan)] if wanted else []
-    _, *further = {one.share: one for one in (begun, *tighter, _coarser(plan), _by_another_method(plan))}.values()
+    wanted = compared[0].is_uninformative or needs_second
+    middle = [second] if wanted or own.run.near_singular else []
+    _, *further = {one.share: one for one in (begun, *middle, _coarser(plan), _by_another_method(plan))}.values()
     if compared[0].has_ended:
         further = further[:-1] or further  # another method, which may cost far more, only for want of any other
     while further and compared[-1].status is not Status.INTERRUPTED and (wanted or not compared[-1].has_ended):
@@ -230,11 +247,12 @@ def _is_cut(run: Run) -> bool:
     return run.counts.cut_steps >= CUT * run.counts.steps
 
 
-def _doubled(plan: Plan) -> Plan:
-    """Return the plan of steps of twice the size."""
-    options, larger = plan.options, 2.0**plan.integrator.order
-    return replace(plan, times=plan.times[_every_second(plan.times)], options=options._replace(
-        rtol=larger * options.rtol, atol=larger * options.atol, stop_on_compliance=False))  # fmt: skip
+def _doubled(plan: Plan) -> Request:
+    """Request steps of twice the size."""
+    larger = 2.0**plan.integrator.order
+    options = plan.options._replace(rtol=larger * plan.options.rtol, atol=larger * plan.options.atol)
+    coarse = replace(plan, times=plan.times[_every_second(plan.times)])
+    return _request(DOUBLE, coarse, options, 1, COARSE_SAFETY / (larger - 1.0))
 
 
 def _every_second(times: np.ndarray) -> np.ndarray:
@@ -244,31 +262,19 @@ def _every_second(times: np.ndarray) -> np.ndarray:
 
 def _by_doubled_steps(system: System, plan: Plan, own: RunWithPoses, other: Companion | None) -> _Comparison | None:
     """Return the comparison with steps of twice the size; None where it does not show how errors depend on them."""
-    run, doubled = own.run, _doubled(plan)
-    if other is None:
-        second = _rerun(system, doubled, run.states[0], doubled.times)
-        places = _every_second(run.times)
-        poses = Poses(*(part[places] for part in own.poses))
-        other = Companion(second, *_distance(system, doubled.times, poses, second.states), is_coarse=True)
-    second, gaps, sizes, _ = other
+    other = _companion(system, own, _doubled(plan)) if other is None else other
+    request, second, gaps, sizes, bounds = other
     is_visible = np.max(gaps[:, :2]) > VISIBLE * np.max(sizes[:2])
-    is_doubled = _is_cut(second) and second.counts.steps <= DOUBLED * run.counts.steps + 0.5
+    is_doubled = _is_cut(second) and second.counts.steps <= DOUBLED * own.run.counts.steps + 0.5
     if second.status is not Status.INTERRUPTED and (second.status not in ENDED or not is_doubled or is_visible):
         return None
-    factor = COARSE_SAFETY / (2.0**plan.integrator.order - 1.0)
-    path = np.fmax(1.0, np.max(sizes[2:]) * doubled.times[: len(gaps), None] / system.scales.time)
-    noise = SAFETY * (np.minimum(gaps, NOISE * path) + _roundoff(run) * path)
-    bounds = np.minimum(np.fmax(factor * gaps, noise), 2.0 * sizes)
-    after = np.searchsorted(doubled.times[: len(gaps)], run.times[run.times <= doubled.times[len(gaps) - 1]])
-    return _Comparison(
-        bounds=bounds[after], other=other, is_alike=False, is_uninformative=False, status=second.status,
-        how=f"{factor:.3g} times the difference from a run with steps of twice the size",
-    )  # fmt: skip
+    how = f"{request.factor:.3g} times the difference from a run with {DOUBLE}"
+    return _Comparison(bounds, other, second.status, how)
 
 
 def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Comparison) -> _Comparison:
     """Return the comparison with the run with half of the step, its factor by the order that further runs show."""
-    run, (finer, gaps, sizes, _) = own.run, half.other
+    run, (request, finer, gaps, sizes, _) = own.run, half.other
     nominal, floor = _error_ratio(system, plan), NOISY * _roundoff(finer)
     double = _compared(system, plan, own, _coarser(plan))
     if double.status is Status.INTERRUPTED:
@@ -277,7 +283,7 @@ def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Com
     is_coarser = double.has_ended and double.other.run.counts.steps < MIN_COARSENING * run.counts.steps
     fastest = np.max(shown[double.other.gaps[: len(shown)] > floor], initial=0.0)
     if not is_coarser or np.min(shown) < math.sqrt(nominal) or fastest > 4.0**plan.integrator.order:
-        quarter = _rerun(system, plan, run.states[0], run.times, 4)
+        quarter = _rerun(system, request.plan, run.states[0], run.times, 4)
         if quarter.status is Status.INTERRUPTED:
             return half._replace(status=quarter.status)
         later, _ = _distance(system, finer.times, system.poses(finer.states), quarter.states)
@@ -295,13 +301,14 @@ def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Com
 
 def _is_confirmed(system: System, plan: Plan, own: RunWithPoses, first: _Comparison) -> bool:
     """Return whether further runs show that errors decrease: for a tolerance, one that is tighter by as much again."""
-    if plan.options.step or first.other.is_coarse or not first.has_ended:
+    if plan.options.step or first.other.request.is_coarse or not first.has_ended:
         return first.is_confirmed
-    ratio, finer, gaps = _tolerance_ratio(plan), first.other.run, first.other.gaps
+    begun, finer, gaps, *_ = first.other
+    ratio = plan.options.rtol / begun.plan.options.rtol
     request = _tighter(plan, ratio**2)
-    if ratio * request.options.rtol > 0.5 * plan.options.rtol:
+    if ratio <= 1.0 or ratio * request.plan.options.rtol > 0.5 * plan.options.rtol:
         return False
-    third = _rerun(system, replace(plan, options=request.options), own.run.states[0], own.run.times, request.refine)
+    third = _rerun(system, request.plan, own.run.states[0], own.run.times, request.refine)
     later, _ = _distance(system, finer.times, system.poses(finer.states), third.states)
     return bool(np.min(_shrinkage(gaps, later, NOISY * _roundoff(finer))) > math.sqrt(ratio))
 
@@ -313,11 +320,27 @@ def _shrinkage(before: np.ndarray, after: np.ndarray, floor: float) -> np.ndarra
     return np.divide(first, second, out=np.full_like(first, np.inf), where=second > floor)
 
 
-def _first(system: System, plan: Plan) -> _Request:
+def _request(share: str, plan: Plan, options: Options, refine: int, factor: float) -> Request:
+    return Request(share, replace(plan, options=options._replace(stop_on_compliance=False)), refine, factor)
+
+
+def _first_two(system: System, plan: Plan, run: Run) -> tuple[Request, Request, bool]:
+    """Return the first companion of a run, the second, and whether both are needed in any case.
+
+    The tighter one is the first if an adaptive run projected its stages close to a singular pose.
+    """
+    first, second = _first(system, plan), _tighter(plan, DECADE**2 * _tolerance_ratio(plan), 2 * _tolerance_ratio(plan))
+    is_near_singular = run.near_singular and not plan.options.step
+    if is_near_singular and second.plan.options.rtol < first.plan.options.rtol:
+        return second, first, False
+    return first, second, is_near_singular
+
+
+def _first(system: System, plan: Plan) -> Request:
     if not plan.options.step:
         return _tighter(plan, _tolerance_ratio(plan))
     options = plan.options._replace(max_steps=2 * plan.options.max_steps)
-    return _Request("half of the step", options, 2, float(_richardson(_error_ratio(system, plan))))
+    return _request("half of the step", plan, options, 2, float(_richardson(_error_ratio(system, plan))))
 
 
 def _error_ratio(system: System, plan: Plan) -> float:
@@ -325,7 +348,7 @@ def _error_ratio(system: System, plan: Plan) -> float:
     return 2.0 ** (1 if touching(system.scene) or system.scene.events else plan.integrator.order)
 
 
-def _tighter(plan: Plan, factor: float, least: float = DECADE) -> _Request:
+def _tighter(plan: Plan, factor: float, least: float = DECADE) -> Request:
     """Request a tolerance tighter by a factor, or the coarser one if roundoff forbids one tighter by the `least`."""
     options = plan.options
     if options.rtol / least < TIGHTEST:
@@ -334,26 +357,22 @@ def _tighter(plan: Plan, factor: float, least: float = DECADE) -> _Request:
     tight = options._replace(
         rtol=options.rtol / smaller, atol=options.atol / smaller, max_steps=MORE_STEPS * options.max_steps
     )
-    return _Request(f"1/{smaller:g} of the tolerance", tight, 2, _richardson(smaller))
+    return _request(f"1/{smaller:g} of the tolerance", plan, tight, 2, _richardson(smaller))
 
 
-def _tightest(plan: Plan) -> _Request:
-    """Request a tolerance tighter than that of the first companion by two decades."""
-    return _tighter(plan, DECADE**2 * _tolerance_ratio(plan), 2.0 * _tolerance_ratio(plan))
-
-
-def _coarser(plan: Plan) -> _Request:
+def _coarser(plan: Plan) -> Request:
     options = plan.options
     if options.step:
-        return _Request("twice the step", options._replace(step=2.0 * options.step), 1, SAFETY)
+        return _request("twice the step", plan, options._replace(step=2.0 * options.step), 1, SAFETY)
     loose = options._replace(rtol=DECADE * options.rtol, atol=DECADE * options.atol)
-    return _Request(f"{DECADE:g} times the tolerance", loose, 1, SAFETY)
+    return _request(f"{DECADE:g} times the tolerance", plan, loose, 1, SAFETY)
 
 
-def _by_another_method(plan: Plan) -> _Request:
+def _by_another_method(plan: Plan) -> Request:
     """Request a method that fails elsewhere; SAFETY covers errors of the same size."""
     method = DEFAULT if plan.integrator.name != DEFAULT else SECOND_METHOD
-    return _Request(f"{method} instead of {plan.integrator.name}", _adaptive(plan), 1, SAFETY, method)
+    other = replace(plan, integrator=integrators()[method])
+    return _request(f"{method} instead of {plan.integrator.name}", other, _adaptive(plan), 1, SAFETY)
 
 
 def _adaptive(plan: Plan) -> Options:
@@ -369,30 +388,18 @@ def _richardson[T: (float, np.ndarray)](smaller: T) -> T:
 
 
 def _compared(
-    system: System, plan: Plan, own: RunWithPoses, request: _Request, other: Companion | None = None
+    system: System, plan: Plan, own: RunWithPoses, request: Request, other: Companion | None = None
 ) -> _Comparison:
     """Compare the run with a companion, which is computed unless given."""
-    run, scales = own.run, system.scales
-    if other is None:
-        name = request.method or plan.integrator.name
-        again = replace(plan, options=request.options, integrator=integrators()[name])
-        second = _rerun(system, again, run.states[0], run.times, request.refine)
-        other = Companion(second, *_distance(system, run.times, own.poses, second.states))
-    gaps, sizes = other.gaps, other.sizes
-    # rounding of rates moves bodies by the same share of their path
-    path = np.fmax(1.0, np.max(sizes[2:]) * run.times[: len(gaps), None] / scales.time)
-    difference = request.factor * (gaps + _roundoff(other.run) * path)
-    ended = other.run.status in ENDED
-    tighter = request.options.rtol < plan.options.rtol
-    is_alike = ended and tighter and bool(other.run.counts.steps <= run.counts.steps)
-    negligible = ended and tighter and bool(np.max(gaps) < MIN_TOLERANCE_RATIO * plan.options.rtol)
-    return _Comparison(
-        # two points within a distance of the start are at most twice that distance apart
-        bounds=np.fmax(gaps, np.minimum(difference, 2.0 * sizes)), other=other,
-        is_alike=is_alike, is_uninformative=is_alike or negligible, status=other.run.status,
-        how=f"{request.factor:.3g} times the difference from a run with {request.share}"
-            + ("" if ended else f", which did not end: {other.run.message}"),
-    )  # fmt: skip
+    other = _companion(system, own, request) if other is None else other
+    _, second, gaps, _, bounds = other
+    ended = second.status in ENDED
+    tighter = ended and request.plan.options.rtol < plan.options.rtol
+    is_alike = tighter and bool(second.counts.steps <= own.run.counts.steps)
+    negligible = tighter and bool(np.max(gaps) < MIN_TOLERANCE_RATIO * plan.options.rtol)
+    how = f"{request.factor:.3g} times the difference from a run with {request.share}"
+    how += "" if ended else f", which did not end: {second.message}"
+    return _Comparison(bounds, other, second.status, how, is_alike, is_alike or negligible)
 
 
 def _distance(system: System, times: np.ndarray, path: Poses, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -436,9 +443,10 @@ def _opening(system: System, plan: Plan, run: Run) -> tuple[np.ndarray, np.ndarr
     """
     grid = plan.options.step * np.arange(1, FEWEST + 1)
     times = np.union1d(run.times, grid[grid <= run.times[-1]])[: FEWEST + 1]  # outputs end steps, too
-    options = _adaptive(plan)._replace(max_steps=int(run.counts.rhs_calls))
+    again = replace(plan, options=plan.options._replace(stop_on_compliance=False))
+    options = _adaptive(again)._replace(max_steps=int(run.counts.rhs_calls))
     fine = replace(plan, integrator=integrators()[DEFAULT], options=options, baumgarte_gain=0.0)
-    first, second = (_rerun(system, one, run.states[0], times) for one in (plan, fine))
+    first, second = (_rerun(system, one, run.states[0], times) for one in (again, fine))
     gaps, sizes = _distance(system, times, system.poses(first.states), second.states)
     return np.max(gaps, axis=0), sizes
 
@@ -447,5 +455,4 @@ def _rerun(system: System, plan: Plan, start: np.ndarray, times: np.ndarray, ref
     """Run a plan over other output times, on a system of its own."""
     other, y = system.beside(), start.copy()
     start_run(other, plan, y)
-    again = replace(plan, times=times, options=plan.options._replace(stop_on_compliance=False))
-    return run_legs(other, again, y, refine=refine)
+    return run_legs(other, replace(plan, times=times), y, refine)

@@ -224,27 +224,28 @@ def _advanced(system: System, plan: Plan, planned: list[LegPlan], run: Progress,
 
 
 def samples(planned: list[LegPlan], legs: list[Leg]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the states at the output times that were reached, and the compliance (m) of the steps up to each."""
-    states, compliance, carried = [legs[0].states[:1]], [np.zeros(1)], 0.0
+    """Return the states (..., n_t, n_state) at the outputs reached, and the compliance (m) of the steps up to each."""
+    first = legs[0].states[..., :1, :]
+    states, compliance, carried = [first], [np.zeros(first.shape[:-1])], np.zeros(first.shape[:-2])
     for plan, leg in zip(planned, legs, strict=False):
         reached = plan.outputs[plan.outputs < leg.reached]
-        largest, carried = _largest_between(leg.compliance[: leg.reached], reached, carried)
-        states.append(leg.states[reached])
+        largest, carried = _largest_between(leg.compliance[..., : leg.reached], reached, carried)
+        states.append(leg.states[..., reached, :])
         compliance.append(largest)
-    return np.concatenate(states), np.concatenate(compliance)
+    return np.concatenate(states, axis=-2), np.concatenate(compliance, axis=-1)
 
 
-def _largest_between(compliance: np.ndarray, outputs: np.ndarray, carried: float) -> tuple[np.ndarray, float]:
-    """Return the largest compliance (m) since the previous output, for each output, and that after the last one.
+def _largest_between(compliance: np.ndarray, outputs: np.ndarray, carried: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the largest compliance (..., n; m) since the previous output, for each, and that after the last one.
 
     `carried` (m) is the largest one after the last output of the previous leg.
     """
     last = outputs[-1] if len(outputs) else 0
-    after = np.fmax.reduce(compliance[last + 1 :], initial=0.0)
+    after = np.fmax.reduce(compliance[..., last + 1 :], axis=-1, initial=0.0)
     if not len(outputs):
-        return np.zeros(0), max(carried, after)
-    largest = np.fmax.reduceat(compliance[: last + 1], np.append(1, outputs[:-1] + 1))
-    largest[0] = np.fmax(largest[0], carried)
+        return compliance[..., :0], np.fmax(carried, after)
+    largest = np.fmax.reduceat(compliance[..., : last + 1], np.append(1, outputs[:-1] + 1), axis=-1)
+    largest[..., 0] = np.fmax(largest[..., 0], carried)
     return largest, after
 
 

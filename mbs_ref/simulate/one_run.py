@@ -3,7 +3,6 @@
 import itertools
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -23,7 +22,7 @@ from mbs_ref.simulate.legs import Run, finite_part, run_legs, start_run
 from mbs_ref.simulate.linearised import unstable_passage, unstable_step
 from mbs_ref.simulate.method_choice import after_first_steps, choose_plan, without
 from mbs_ref.simulate.plan import Plan
-from mbs_ref.trajectory import Status, Timing, Trajectory
+from mbs_ref.trajectory import Estimate, Status, Timing, Trajectory
 
 BROKEN_DOWN = frozenset({Status.NOT_CONVERGED, Status.NON_FINITE, Status.STEP_TOO_SMALL})  # the method failed
 
@@ -64,40 +63,45 @@ def sampled(system: System, plan: Plan, times: np.ndarray, full: np.ndarray, pos
     return Samples(poses, own.reactions_over(times, full), contacts)
 
 
-def trajectory(system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples) -> Trajectory:
-    """Return the trajectory of a run, without an estimate of its error."""
-    times, states = run.times, run.states
-    passages = singular_passage(system, times, states)
-    if run.status in ENDED:
-        passages += unstable_passage(system, plan, times, states)
+def trajectory(
+    system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples,
+    known: Known = MappingProxyType({}),
+) -> Trajectory:  # fmt: skip
+    """Return the trajectory of a run, of one that ended well with the estimate of its error and notes on both.
+
+    Companions that are not `known` are computed.
+    """
+    times, states, poses = run.times, run.states, samples.poses
+    status, message, estimate, remarks = run.status, run.message, None, singular_passage(system, times, states)
+    if status in ENDED:
+        remarks += unstable_passage(system, plan, times, states)
+        if plan.settings.estimate == "on":
+            estimate = estimated(system, plan, run, poses, known)
+            remarks += unseen_forces(system, times, poses)
+            status, message, remark = _judged(run, estimate)
+            remarks += (remark,) if remark else ()
     chosen = (f"method auto is {plan.integrator.name}: {plan.reason}",) if plan.reason else ()
     return Trajectory(
-        times=times, **samples.poses._asdict(), reactions=samples.reactions, contacts=samples.contacts,
-        status=run.status, message=run.message,
+        times=times, **poses._asdict(), reactions=samples.reactions, contacts=samples.contacts,
+        status=status, message=message,
         **{name: count for name, count in run.counts._asdict().items() if name != "switches"},
         method_switches=run.counts.switches if plan.integrator.switches else None, timing=timing,
         step_compliance=np.column_stack((times, run.compliance)),
-        notes=(*chosen, *notes, *_other_methods(plan, run), *passages), method=plan.integrator.name,
-        reason=plan.reason, used=_used(plan, run),
+        notes=(*chosen, *notes, *_other_methods(plan, run), *remarks), method=plan.integrator.name,
+        reason=plan.reason, used=_used(plan, run), estimate=estimate,
         event_times=system.contact_events() if system.event_sources else None, event_names=system.event_sources,
     )  # fmt: skip
 
 
-def with_estimate(
-    system: System, plan: Plan, run: Run, path: Trajectory, known: Known = MappingProxyType({})
-) -> Trajectory:
-    """Return the trajectory of a run that ended well with the estimate of its error, and a note if it is large."""
-    if run.status not in ENDED or plan.settings.estimate == "off":
-        return path
-    estimate = estimated(system, plan, run, Poses.of(path), known)
+def _judged(run: Run, estimate: Estimate | None) -> tuple[Status, str, str]:
+    """Return the status and the message of a run with this estimate, and a note if it is large."""
     if estimate is None:
         reason = "interrupted while a second run estimated the error of this one, which is complete"
-        return replace(path, status=Status.INTERRUPTED, message=reason)
+        return Status.INTERRUPTED, reason, ""
     remark = estimate.remark()
-    path = replace(path, notes=(*path.notes, *unseen_forces(system, path)))
     if estimate.is_void:
-        return replace(path, estimate=estimate, status=Status.UNRESOLVED, message=f"no output has a digit: {remark}")
-    return replace(path, estimate=estimate, notes=(*path.notes, remark) if remark else path.notes)
+        return Status.UNRESOLVED, f"no output has a digit: {remark}", ""
+    return run.status, run.message, remark
 
 
 def _other_methods(plan: Plan, run: Run) -> tuple[str, ...]:
@@ -212,8 +216,7 @@ def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0) -
         plan, system = without(scene, plan, run.message), system.twin()
         run, full, poses = _run(system, plan, y)
     timing = Timing(build_s=build_s, first_call_s=ready - began, loop_s=run.loop_s)
-    path = trajectory(system, plan, run, notes, timing, sampled(system, plan, run.times, full, poses))
-    return with_estimate(system, plan, run, path)
+    return trajectory(system, plan, run, notes, timing, sampled(system, plan, run.times, full, poses))
 
 
 def _run(system: System, plan: Plan, y: np.ndarray) -> tuple[Run, np.ndarray, Poses]:

@@ -27,15 +27,9 @@ from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.error_estimate import (
-    Companion,
-    all_companions,
-    companion_near_singular,
-    first_companion,
-    is_coarsened,
-)
+from mbs_ref.simulate.error_estimate import Companion, Request, companions, first_companion, is_coarsened
 from mbs_ref.simulate.legs import Counts, LegPlan, Run, planned_legs, reached, run_legs, samples, start_run
-from mbs_ref.simulate.one_run import all_samples, compiled, or_empty, simulated, trajectory, with_estimate
+from mbs_ref.simulate.one_run import all_samples, compiled, or_empty, simulated, trajectory
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start_checks import ambiguous_start, consistent_start, rank_at_start, redundancy
 from mbs_ref.trajectory import Status, Timing, Trajectory
@@ -121,12 +115,13 @@ def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
     loop_s = (time.perf_counter() - began) / max(1, len(legs[-1].code))
     finite = [np.isfinite(one.states).all(axis=(1, 2)) for one in legs]
     succeeded = np.all([legs[-1].code == leg.DONE, *finite], axis=0)
+    whole = [leg.Leg(one.states, one.compliance, one.states.shape[1], Status.SUCCESS) for one in legs]
+    states, compliance = samples(planned, whole)
 
     def run(k: int) -> Run:
         bunch = bunches[legs[0].scene[k]]
         if succeeded[k]:
-            own = [leg.Leg(one.states[k], one.compliance[k], len(one.states[k]), Status.SUCCESS) for one in legs]
-            return _complete(bunch.plan, legs[-1].now[k], *samples(planned, own), loop_s)
+            return _complete(bunch.plan, legs[-1].now[k], states[k], compliance[k], loop_s)
         y = legs[0].states[k, 0].copy()
         start_run(bunch.system, bunch.plan, y)
         return run_legs(bunch.system, bunch.plan, y, refine)
@@ -247,23 +242,27 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
 class _Others(NamedTuple):
     """Companions of some runs of a bunch."""
 
-    share: str  # of the runs' tolerance
+    request: Request
     places: list[int]  # of the runs in the bunch
     runs: list[Run]
 
 
 def _companions(bunches: list[Bunch], runs: list[list[Run]]) -> list[list[_Others]]:
-    """Return the first companions of all runs, and the second ones of those that came close to a singular pose."""
-    is_coarse = all(is_coarsened(*one[:2], run) for one, own in zip(bunches, runs, strict=True) for run in own)
-    first = [first_companion(bunch.system, bunch.plan, is_coarse) for bunch in bunches]
-    second = [companion_near_singular(bunch.plan) for bunch in bunches]
+    """Return the first companion of each run; those with the same share of the tolerance are side by side."""
+    shares: dict[str, list[tuple[int, Request, list[int]]]] = {}
+    for k, (bunch, own) in enumerate(zip(bunches, runs, strict=True)):
+        places: dict[tuple[bool, bool], list[int]] = {}
+        for i, run in enumerate(own):
+            kind = is_coarsened(bunch.system, bunch.plan, run), run.near_singular
+            places.setdefault(kind, []).append(i)
+        for these in places.values():
+            request = first_companion(bunch.system, bunch.plan, own[these[0]])
+            shares.setdefault(request.share, []).append((k, request, these))
     result: list[list[_Others]] = [[] for _ in bunches]
-    for wanted, of_all in ((first, True), (second, False)):
-        places = {k: [i for i, run in enumerate(own) if of_all or run.near_singular] for k, own in enumerate(runs)}
-        asked = [k for k, needed in places.items() if needed]
-        again = [Bunch(bunches[k].system.beside(), wanted[k].plan, bunches[k].starts[places[k]]) for k in asked]
-        for k, found in zip(asked, _runs(again, wanted[0].refine), strict=True):
-            result[k].append(_Others(wanted[k].share, places[k], found))
+    for asked in shares.values():
+        again = [Bunch(bunches[k].system.beside(), one.plan, bunches[k].starts[at]) for k, one, at in asked]
+        for (k, one, at), found in zip(asked, _runs(again, asked[0][1].refine), strict=True):
+            result[k].append(_Others(one, at, found))
     return result
 
 
@@ -306,12 +305,11 @@ def _trajectories(checked: Checked, timing: Timing, runs: list[Run], others: lis
     samples = all_samples(system, plan, runs)
     poses = [sample.poses for sample in samples]
     known: list[dict[str, Companion]] = [{} for _ in runs]
-    for share, places, again in others:
-        own = [runs[k] for k in places]
-        for k, one in zip(places, all_companions(system, [poses[k] for k in places], own, again, share), strict=True):
-            known[k][share] = one
-    for (k, notes), run, companions, sample in zip(checked.notes.items(), runs, known, samples, strict=True):
+    for request, places, again in others:
+        own, its = [runs[k] for k in places], [poses[k] for k in places]
+        for k, one in zip(places, companions(system, request, own, its, again), strict=True):
+            known[k][request.share] = one
+    for (k, notes), run, its, sample in zip(checked.notes.items(), runs, known, samples, strict=True):
         spent = replace(timing, loop_s=run.loop_s)
-        path = trajectory(system, plan, run, [*plan.notes, *notes], spent, sample)
-        paths[k] = with_estimate(system, plan, run, path, companions)
+        paths[k] = trajectory(system, plan, run, [*plan.notes, *notes], spent, sample, its)
     return [paths[k] for k in range(len(paths))]

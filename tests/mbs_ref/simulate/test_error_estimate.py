@@ -399,12 +399,12 @@ def companions(monkeypatch) -> list[tuple[str, float]]:
 @pytest.mark.parametrize(
     ("method", "rtol", "expected"),
     [
-        ("dop853", 1e-8, [("dop853", 1e-9), ("dop853", 1e-11)]),
+        ("dop853", 1e-8, [("dop853", 1e-11)]),
         ("dop853", 1e-12, [("dop853", 1e-13), ("dop853", 1e-11)]),  # nothing tighter is left
         ("dop853", 5e-13, [("dop853", 5e-12), ("lsodar", 5e-13)]),  # a coarser run is the first
     ],
 )
-def test_close_to_a_singular_pose_the_third_run_is_unlike_the_second(companions, method, rtol, expected):
+def test_close_to_a_singular_pose_the_second_run_is_far_tighter_or_a_third_follows(companions, method, rtol, expected):
     simulate(scenes.make("n_four_bar", loops=1), Settings(method=method, rtol=rtol, t_end=1.0, samples=3))
     assert [name for name, _ in companions] == [name for name, _ in expected]
     assert [at for _, at in companions] == pytest.approx([at for _, at in expected], rel=1e-6)
@@ -435,8 +435,8 @@ def test_where_the_first_companion_ends_no_other_method_follows_those_that_do_no
         return run if len(companions) == 1 else run._replace(status=Status.STEP_TOO_SMALL)
 
     monkeypatch.setattr(error_estimate, "_rerun", failing)
-    simulate(scenes.make("n_four_bar", loops=1), Settings(rtol=1e-8, t_end=1.0, samples=3))
-    assert companions == [("dop853", pytest.approx(rtol)) for rtol in (1e-9, 1e-11, 1e-7)]
+    simulate(scenes.make("n_four_bar", loops=1), Settings(rtol=1e-12, t_end=1.0, samples=3))
+    assert companions == [("dop853", pytest.approx(rtol)) for rtol in (1e-13, 1e-11)]
 
 
 def test_where_a_sphere_stops_sliding_radau_has_an_estimate():
