@@ -1,6 +1,7 @@
 """Reference solutions with a stated uncertainty, the reasons for having none, and the limit of their computation."""
 
 import math
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
+from numba.core.event import Event, Listener, register
 
 from mbs_ref.scene.euler_parameters import from_axis_angle
 
@@ -90,7 +92,30 @@ class OutsideDomainError(ValueError):
     """The equations of a truth do not hold at these parameters."""
 
 
-# the end (s of the thread's processor time) and the length (s) of the current limit
+class _Compilation(Listener, threading.local):
+    """Adds up the processor time (s) that a thread compiles; the compilation of one function may contain others."""
+
+    spent, began, depth = 0.0, 0.0, 0
+
+    def on_start(self, event: Event) -> None:
+        self.began = self.began if self.depth else time.thread_time()
+        self.depth += 1
+
+    def on_end(self, event: Event) -> None:
+        self.depth -= 1
+        self.spent += 0.0 if self.depth else time.thread_time() - self.began
+
+
+_compilation = _Compilation()
+register("numba:compile", _compilation)
+
+
+def _now() -> float:
+    """Return the thread's processor time (s) without compilation, which is done once for all scenes."""
+    return time.thread_time() - _compilation.spent
+
+
+# the end (s of `_now`) and the length (s) of the current limit
 _limit: ContextVar[tuple[float, float]] = ContextVar("limit", default=(math.inf, math.inf))
 
 
@@ -99,7 +124,7 @@ def time_limit(seconds: float) -> Iterator[float]:
     """Limit the processor time (s) of the computation inside; an outer limit still holds. Yield the shorter of both."""
     end, length = _limit.get()
     shortest = min(length, seconds)
-    token = _limit.set((min(end, time.thread_time() + seconds), shortest))
+    token = _limit.set((min(end, _now() + seconds), shortest))
     try:
         yield shortest
     finally:
@@ -108,7 +133,7 @@ def time_limit(seconds: float) -> Iterator[float]:
 
 def check_time(t: float) -> None:
     """Raise NoConvergenceError with the time reached, t (s) of the motion, where the limit is exceeded."""
-    if time.thread_time() > _limit.get()[0]:
+    if _now() > _limit.get()[0]:
         raise NoConvergenceError(f"the limit of processor time ends the computation at t = {float(t):.6g} s")
 
 
@@ -119,15 +144,15 @@ class Pace:
     """Whether an integration over `times` (s, increasing) will end within the limit of processor time."""
 
     def __init__(self, times: np.ndarray) -> None:
-        self.first, self.last, self.began = float(times[0]), float(times[-1]), time.thread_time()
+        self.first, self.last, self.began = float(times[0]), float(times[-1]), _now()
 
     def check(self, t: float) -> None:
         """Raise NoConvergenceError where the limit is exceeded, or would be by far, at t (s) of the motion."""
         check_time(t)
         if not t > self.first:
-            self.began = time.thread_time()  # compilation is no part of the pace
+            self.began = _now()  # what comes before the first step is no part of the pace
             return
-        length, spent = _limit.get()[1], time.thread_time() - self.began
+        length, spent = _limit.get()[1], _now() - self.began
         if spent > SHARE * length:
             needed = spent * (self.last - self.first) / (t - self.first)
             if needed > MARGIN * length:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 import pytest
 
@@ -137,11 +138,33 @@ def test_a_computation_that_cannot_end_in_time_is_given_up_early(monkeypatch):
 
     with time_limit(10.0):
         pace = truth.Pace(np.array([5.0, 6.0]))
-        at(0.0, 5.0)  # compiled meanwhile
+        at(0.0, 5.0)  # the set-up
         at(0.9, 5.001)  # no tenth of the limit is spent
         at(2.0, 5.11)  # some 18 s are needed, and a motion may become easier
         with pytest.raises(NoConvergenceError, match=r"needs some 22 s of processor time, and its limit is 10 s"):
             at(2.0, 5.09)
+
+
+def test_compilation_is_no_part_of_the_limit(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(truth.time, "thread_time", lambda: now[0])
+
+    def slow() -> int:
+        raise NotImplementedError
+
+    @numba.extending.overload(slow)
+    def typed():
+        now[0] += 11.0
+        return lambda: 1
+
+    inner = numba.njit(lambda: slow())
+    with time_limit(10.0):
+        assert numba.njit(lambda: inner())() == 1
+        assert now[0] >= 11.0
+        truth.check_time(0.0)
+        now[0] += 11.0
+        with pytest.raises(NoConvergenceError, match="limit of processor time"):
+            truth.check_time(0.0)
 
 
 def test_what_a_limit_of_time_ended_is_computed_again_within_a_longer_one():
