@@ -32,7 +32,7 @@ LIMITS: dict[str, dict[str, Any]] = {
     "benchmarks.calibration": {"LARGEST": 12, "SAMPLES": 21, "MAX_STEPS": 50000},
     "benchmarks.method_table": {
         "ASKED": (0.0001, 1e-06, 1e-08, 1e-10), "TIGHT": 1e-13, "ROUNDOFF": 1e-12, "LOST": 0.01, "SLOW": 2.0,
-        "TURNS": 3,
+        "TURNS": 5, "FEW": 4, "FAR": 4.0,
     },
     "benchmarks.record_changes": {"FACTOR": 2.0, "CLOSED": 1e-11},
     "benchmarks.trees.regression": {"MOST_PAIRS": 3, "ROUNDS": 15, "SECONDS": 0.02},

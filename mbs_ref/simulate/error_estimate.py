@@ -21,15 +21,14 @@ limit its steps, or it takes more than half as many, the tighter companion follo
 
 If the companion takes no more steps, or the difference is negligible, the tolerance does not control the steps with the
 largest errors; a third run is then two decades tighter. So is the second one of a run that projected its stages close
-to a singular pose. If a companion does not reach the end, or roundoff forbids a tighter one, a coarser one replaces it,
-whose errors are the larger ones, so that d bounds them. If that fails, or ran already, another method is used.
+to a singular pose; neither counts as more accurate than a first companion. If a companion does not reach the end, or
+roundoff forbids a tighter one, a coarser one replaces it, whose errors are the larger ones, so that d bounds them. If
+that fails, or ran already, another method is used.
 """
 
 import math
 import time
-from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -90,9 +89,6 @@ class Companion(NamedTuple):
     gaps: np.ndarray  # (n, 4) at the companion's outputs that both reached, over the scene's scales
     sizes: np.ndarray  # (4,) how far the two motions go
     bounds: np.ndarray  # (n, 4), the estimate at the run's outputs that both reached
-
-
-Known = Mapping[str, Companion]
 
 
 class _Comparison(NamedTuple):
@@ -163,15 +159,13 @@ def _companion(system: System, own: RunWithPoses, request: Request) -> Companion
     return companions(system, request, [own.run], [own.poses], [other])[0]
 
 
-def estimated(
-    system: System, plan: Plan, run: Run, poses: Poses | None = None, known: Known = MappingProxyType({})
-) -> Estimate | None:
-    """Return the estimated error of a run at its output times; None if Ctrl-C ended a companion.
+def estimated(system: System, plan: Plan, run: Run, poses: Poses, first: Companion | None = None) -> Estimate | None:
+    """Return the estimated error of a run with these poses at its output times; None if Ctrl-C ended a companion.
 
-    `poses` of the run, and companions that are not `known` by their share, are computed.
+    Companions are computed, the `first` one unless given.
     """
-    began, scales, own = time.perf_counter(), system.scales, RunWithPoses(run, poses or system.poses(run.states))
-    compared = _comparisons(system, plan, own, known)
+    began, scales, own = time.perf_counter(), system.scales, RunWithPoses(run, poses)
+    compared = _comparisons(system, plan, own, first)
     if any(one.status is Status.INTERRUPTED for one in compared):
         return None
     opening, went = _opening(system, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
@@ -214,13 +208,14 @@ def _tolerance_ratio(plan: Plan) -> float:
     return DECADE**2 if plan.integrator.varies_order else DECADE * plan.integrator.slack
 
 
-def _comparisons(system: System, plan: Plan, own: RunWithPoses, known: Known) -> list[_Comparison]:
+def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
     """Return the comparisons with the needed companions, no two alike: one as a rule."""
-    may_double = is_coarsened(system, plan, own.run) and (DOUBLE in known or not known)
-    if may_double and (coarse := _by_doubled_steps(system, plan, own, known.get(DOUBLE))) is not None:
-        return [coarse]
+    if is_coarsened(system, plan, own.run):
+        coarse, first = _compared(system, plan, own, _doubled(plan), first), None
+        if coarse.status is Status.INTERRUPTED or _shows_order(own.run, coarse.other):
+            return [coarse]
     begun, second, needs_second = _first_two(system, plan, own.run)
-    compared = [_compared(system, plan, own, begun, known.get(begun.share))]
+    compared = [_compared(system, plan, own, begun, first)]
     if plan.options.step and compared[0].has_ended:
         compared[0] = _by_observed_order(system, plan, own, compared[0])
     wanted = compared[0].is_uninformative or needs_second
@@ -229,8 +224,7 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, known: Known) ->
     if compared[0].has_ended:
         further = further[:-1] or further  # another method, which may cost far more, only for want of any other
     while further and compared[-1].status is not Status.INTERRUPTED and (wanted or not compared[-1].has_ended):
-        request = further.pop(0)
-        compared.append(_compared(system, plan, own, request, known.get(request.share)))
+        compared.append(_compared(system, plan, own, further.pop(0)))
         wanted = False
     return compared
 
@@ -260,16 +254,11 @@ def _every_second(times: np.ndarray) -> np.ndarray:
     return np.append(np.arange(0, len(times) - 1, 2), len(times) - 1)
 
 
-def _by_doubled_steps(system: System, plan: Plan, own: RunWithPoses, other: Companion | None) -> _Comparison | None:
-    """Return the comparison with steps of twice the size; None where it does not show how errors depend on them."""
-    other = _companion(system, own, _doubled(plan)) if other is None else other
-    request, second, gaps, sizes, bounds = other
-    is_visible = np.max(gaps[:, :2]) > VISIBLE * np.max(sizes[:2])
-    is_doubled = _is_cut(second) and second.counts.steps <= DOUBLED * own.run.counts.steps + 0.5
-    if second.status is not Status.INTERRUPTED and (second.status not in ENDED or not is_doubled or is_visible):
-        return None
-    how = f"{request.factor:.3g} times the difference from a run with {DOUBLE}"
-    return _Comparison(bounds, other, second.status, how)
+def _shows_order(run: Run, coarse: Companion) -> bool:
+    """Return whether a companion with steps of twice the size shows how errors depend on them."""
+    is_visible = np.max(coarse.gaps[:, :2]) > VISIBLE * np.max(coarse.sizes[:2])
+    is_doubled = _is_cut(coarse.run) and coarse.run.counts.steps <= DOUBLED * run.counts.steps + 0.5
+    return coarse.run.status in ENDED and is_doubled and not is_visible
 
 
 def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Comparison) -> _Comparison:
@@ -331,9 +320,10 @@ def _first_two(system: System, plan: Plan, run: Run) -> tuple[Request, Request, 
     """
     first, second = _first(system, plan), _tighter(plan, DECADE**2 * _tolerance_ratio(plan), 2 * _tolerance_ratio(plan))
     is_near_singular = run.near_singular and not plan.options.step
-    if is_near_singular and second.plan.options.rtol < first.plan.options.rtol:
-        return second, first, False
-    return first, second, is_near_singular
+    if second.plan.options.rtol >= first.plan.options.rtol:
+        return first, second, is_near_singular
+    second = second._replace(factor=first.factor)
+    return (second, first, False) if is_near_singular else (first, second, False)
 
 
 def _first(system: System, plan: Plan) -> Request:

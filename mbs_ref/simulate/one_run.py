@@ -3,7 +3,6 @@
 import itertools
 import time
 from collections.abc import Callable
-from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from mbs_ref.scene.traits import touching
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import start_checks as checks
 from mbs_ref.simulate.diagnosis import singular_passage, unseen_forces
-from mbs_ref.simulate.error_estimate import ENDED, Known, estimated
+from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
 from mbs_ref.simulate.legs import Run, finite_part, run_legs, start_run
 from mbs_ref.simulate.linearised import unstable_passage, unstable_step
 from mbs_ref.simulate.method_choice import after_first_steps, choose_plan, without
@@ -65,18 +64,18 @@ def sampled(system: System, plan: Plan, times: np.ndarray, full: np.ndarray, pos
 
 def trajectory(
     system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples,
-    known: Known = MappingProxyType({}),
+    first: Companion | None = None,
 ) -> Trajectory:  # fmt: skip
-    """Return the trajectory of a run, of one that ended well with the estimate of its error and notes on both.
+    """Return the trajectory of a run; where it ended well, with the estimate of its error and notes on both.
 
-    Companions that are not `known` are computed.
+    The first companion is computed unless given.
     """
     times, states, poses = run.times, run.states, samples.poses
     status, message, estimate, remarks = run.status, run.message, None, singular_passage(system, times, states)
     if status in ENDED:
         remarks += unstable_passage(system, plan, times, states)
         if plan.settings.estimate == "on":
-            estimate = estimated(system, plan, run, poses, known)
+            estimate = estimated(system, plan, run, poses, first)
             remarks += unseen_forces(system, times, poses)
             status, message, remark = _judged(run, estimate)
             remarks += (remark,) if remark else ()

@@ -304,12 +304,11 @@ def _trajectories(checked: Checked, timing: Timing, runs: list[Run], others: lis
     (system, plan, *_), paths = checked.bunch, dict(checked.others)
     samples = all_samples(system, plan, runs)
     poses = [sample.poses for sample in samples]
-    known: list[dict[str, Companion]] = [{} for _ in runs]
+    firsts: dict[int, Companion] = {}
     for request, places, again in others:
         own, its = [runs[k] for k in places], [poses[k] for k in places]
-        for k, one in zip(places, companions(system, request, own, its, again), strict=True):
-            known[k][request.share] = one
-    for (k, notes), run, its, sample in zip(checked.notes.items(), runs, known, samples, strict=True):
+        firsts |= zip(places, companions(system, request, own, its, again), strict=True)
+    for i, ((k, notes), run, sample) in enumerate(zip(checked.notes.items(), runs, samples, strict=True)):
         spent = replace(timing, loop_s=run.loop_s)
-        paths[k] = trajectory(system, plan, run, [*plan.notes, *notes], spent, sample, its)
+        paths[k] = trajectory(system, plan, run, [*plan.notes, *notes], spent, sample, firsts.get(i))
     return [paths[k] for k in range(len(paths))]
