@@ -205,19 +205,20 @@ def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarr
     """
     scene, order = build.scene, ints(build.layout.order)
     first = np.concatenate(([0], np.cumsum(widths)))  # rates follow all coordinates
-    held = {end for sides, rows in zip(build.slot_bodies, build.slot_rows, strict=True) if rows for end in sides}
+    slots = Slots(np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), ints(build.slot_rows))
+    alone = np.ones(build.n + 1, dtype=np.int64)
+    alone[slots.body[slots.count > 0]] = 0
     own_bodies = [scene.bodies[i] for i in build.layout.order]
     bodies = Bodies(
         mass=floats([body.mass for body in own_bodies]), inertia=inertia[order],
         rigid=ints([not isinstance(body, PointMass) for body in own_bodies]),
-        alone=ints([k not in held for k in range(build.n)]), scene_index=order, q=first[order],
-        v=first[build.n + order], start=first[[build.n]], parent=ints(build.layout.parent),
+        alone=alone[:-1], scene_index=order, q=first[order], v=first[build.n + order], start=first[[build.n]],
+        parent=ints(build.layout.parent),
     )  # fmt: skip
     pairs = contact_pairs(scene, build)
     return groups(
-        bodies=bodies, slots=Slots(np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), ints(build.slot_rows)),
-        loops=build.loops(), **row_groups(build, groups), springs=springs(scene, build), contact_pairs=pairs,
-        contact_laws=contact_laws(scene, build.contact_slot), contact_modes=contact_modes(scene),
+        bodies=bodies, slots=slots, loops=build.loops(), **row_groups(build, groups), springs=springs(scene, build),
+        contact_pairs=pairs, contact_laws=contact_laws(scene, build.contact_slot), contact_modes=contact_modes(scene),
         near_pairs=contact_balls(pairs, scene.dimension), granules=granules(scene, build),
         watches=watches(scene, build), signals=signal_arrays(build.segments),
         world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)), **own,

@@ -38,32 +38,34 @@ class TreeSeries:
     def __init__(self, system: Any) -> None:
         scene = system.scene
         self.system: Any = system if isinstance(system, RelativePlanarSystem) else RelativePlanarSystem(scene, system)
-        plan = self.system.layout
-        bodies, turned = plan.bodies, np.flatnonzero(np.array(plan.kind) == REVOLUTE)
-        n, m = len(bodies), len(turned)
-        place, inertia = np.array([*(complex(*body.position) for body in bodies), 0.0]), np.zeros(m + 1)
+        plan, build = self.system.layout, self.system.redundant.builder
+        bodies, parents = self.system.redundant.groups.bodies, plan.parent
+        welded, turned = plan.kind == WELD, np.flatnonzero(plan.kind == REVOLUTE)
+        n, m = len(parents), len(turned)
+        place = build.centres[[*plan.order, -1]].view(complex)[:, 0]
+        point = place[:n].copy()
+        point[turned] = [complex(*plan.joints[i].mark("body_a")) for i in turned]
+        reach, own = point - place[parents], place[:n] - point
         turn, lever = np.full(n + 1, m), np.zeros((n + 1, m + 1), dtype=complex)  # by m angles, and by none
         turn[turned] = np.arange(m)
-        for i, parent in enumerate(plan.parent):
-            is_welded, joint = plan.kind[i] == WELD, scene.joints[plan.joint[i]]
-            turn[i] = turn[parent] if is_welded else turn[i]
-            point = place[i] if is_welded else complex(*joint.mark("body_a"))
+        for i, parent in enumerate(parents):
+            turn[i] = turn[parent] if welded[i] else turn[i]
             lever[i] = lever[parent]
-            lever[i, turn[parent]] += point - place[parent]
-            lever[i, turn[i]] += place[i] - point
-            inertia[turn[i]] += getattr(bodies[i], "inertia", 0.0)
+            lever[i, turn[parent]] += reach[i]
+            lever[i, turn[i]] += own[i]
         lever = lever[:n, :m]
-        pushed = lever.conj().T * np.array([body.mass for body in bodies])  # (m, n)
+        pushed = lever.conj().T * bodies.mass  # (m, n)
         coupling, weight = pushed @ lever, pushed.sum(axis=1) * complex(*scene.gravity)
-        own = 3 * np.array(plan.order)[turned] + 2
+        inertia = np.bincount(turn[:n], bodies.inertia[:, 0] * bodies.rigid, m + 1)
+        places = 3 * plan.order[turned] + 2
         lengths = {"m": m, "w": -(-m // WIDTH), "WIDTH": WIDTH, "orders": MAX_ORDER + 2}
         given = empty(Series, **lengths)._replace(
-            parent=turn[np.array(plan.parent, dtype=int)[turned]],
-            tolerance=np.arange(2 * m).reshape(2, m) if self.system is system else np.array([own, own + 3 * n]),
+            parent=turn[parents[turned]],
+            tolerance=np.arange(2 * m).reshape(2, m) if self.system is system else np.array([places, places + 3 * n]),
             coupling=_rows(np.stack((np.real(coupling.T), np.imag(coupling.T)), axis=1)),
             inertia=_rows(inertia[:m]),
             weight=_rows(np.array([np.real(weight), np.imag(weight)])),
-            **_springs(self.system.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
+            **_springs(self.system.redundant.groups.torsion_springs, turn, np.array(build.angles)[[*plan.order, -1]]),
         )
         self.series = in_one_room(given)
         self._groups = SeriesGroups(self.series)
@@ -80,12 +82,13 @@ def _rows(values: np.ndarray) -> np.ndarray:
     return room.reshape(*outer, words, WIDTH)
 
 
-def _springs(system: Any, turn: np.ndarray, angles: list[float]) -> dict[str, np.ndarray]:
-    """Return the torques of torsion springs, linear in the angles and rates; `turn` (n + 1,) is ground's at last."""
-    springs, angle, m = system.groups.torsion_springs, np.append(angles, 0.0), turn[-1]
+def _springs(springs: Any, turn: np.ndarray, angle: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the torques of torsion springs, linear in angles and rates; ground ends `turn` and `angle` (n + 1,)."""
+    if not len(springs.a):
+        return {}
+    m = turn[-1]
     along = np.eye(m + 1)[turn[springs.b]] - np.eye(m + 1)[turn[springs.a]]
     strain = angle[springs.b] - angle[springs.a] - springs.rest_angle
-    linear = (along[:, :m].T * factor @ along[:, :m] for factor in (springs.stiffness, springs.damping))
-    stiffness, damping = (_rows(matrix if len(strain) else matrix[:0]) for matrix in linear)
+    stiffness, damping = (_rows(along[:, :m].T * k @ along[:, :m]) for k in (springs.stiffness, springs.damping))
     torque = _rows(-(springs.stiffness * strain) @ along[:, :m])
     return {"stiffness": stiffness, "damping": damping, "torque": torque}
