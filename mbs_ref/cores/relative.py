@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
+from functools import cache
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -22,10 +23,9 @@ from mbs_ref.scene.scene import of_last_scene
 from mbs_ref.scene.traits import deflecting, joined
 
 KINDS = {Revolute: arrays.REVOLUTE, Prismatic: arrays.PRISMATIC, Weld: arrays.WELD, Spherical: arrays.SPHERICAL}
-# by kind: FREE, REVOLUTE, PRISMATIC, WELD, SPHERICAL, HELD
-FREEDOMS = np.array((0, 1, 1, 0, 3, 0))  # of joints
-TURNS = np.array((0, 1, 1, 1, 0, 0))  # 1 where the parent turns the body
-HOLDS = np.array((0, 1, 0, 0, 1, 0), dtype=bool)  # whether the joint shares a point alone with a particle
+FREEDOMS = {arrays.REVOLUTE: 1, arrays.PRISMATIC: 1, arrays.WELD: 0, arrays.SPHERICAL: 3, arrays.HELD: 0}
+TURNED = (arrays.REVOLUTE, arrays.PRISMATIC, arrays.WELD)  # the parent turns the body
+SIDES = ("body_a", "body_b")
 
 
 def no_tree(scene: Scene) -> Iterator[str]:
@@ -54,6 +54,16 @@ def layout_of(scene: Scene) -> "Layout":
     return Layout(scene)
 
 
+@cache
+def _kind(joint: type, is_point: bool, dimension: int) -> tuple[int, int, int]:
+    """Return the kind of a joint to a body, a particle or not, and how many coordinates and rates it has."""
+    kind = KINDS.get(joint, arrays.FREE)
+    if is_point and kind in (arrays.REVOLUTE, arrays.SPHERICAL):
+        kind = arrays.HELD
+    rates = FREEDOMS.get(kind, dimension if is_point else 3 * dimension - 3)
+    return kind, rates + (kind == arrays.SPHERICAL or rates == 6), rates  # Euler parameters are four
+
+
 class Layout:
     """Where each body's joint has its coordinates q and rates u in the state [q, u]; bodies in elimination order."""
 
@@ -61,28 +71,24 @@ class Layout:
         _, graph = graph_of(scene)
         self.scene, self.order, self.parent = scene, ints(graph.order), ints(graph.parent)
         self.joints: list[Any] = [edge and scene.joints[edge.joints[0]] for edge in graph.tree_edge]
-        is_point = np.array([isinstance(scene.bodies[k], PointMass) for k in graph.order])
-        kind = ints([KINDS.get(type(joint), arrays.FREE) for joint in self.joints])
-        self.kind = np.where(is_point & HOLDS[kind], arrays.HELD, kind)
-        free = np.where(is_point, scene.dimension, 3 * scene.dimension - 3)
-        self.freedoms = np.where(self.kind == arrays.FREE, free, FREEDOMS[self.kind])
-        # one coordinate more than rates where Euler parameters are
-        self.widths = self.freedoms + ((self.kind == arrays.SPHERICAL) | (self.freedoms == 6))
-        self.q = np.concatenate(([0], np.cumsum(self.widths)))
-        self.v = self.q[-1] + np.concatenate(([0], np.cumsum(self.freedoms)))
+        bodies, n = [scene.bodies[k] for k in graph.order], len(graph.order)
+        pairs = zip(self.joints, bodies, strict=True)
+        kinds = [_kind(type(joint), isinstance(body, PointMass), scene.dimension) for joint, body in pairs]
+        self.kind, self.widths, self.freedoms = ints(kinds).T.copy()
+        first = np.concatenate(([0], self.widths, self.freedoms)).cumsum()
+        self.q, self.v = first[: n + 1], first[n:]
         self.n_positions, self.n_state = int(self.q[-1]), int(self.v[-1])
-        kinds = list(zip(self.kind.tolist(), self.widths.tolist(), strict=True))
         self.alike = {  # places of the joints of each kind and number of coordinates
-            one: np.flatnonzero([other == one for other in kinds]) for one in sorted({*kinds}) if one[1]
+            one[:2]: np.flatnonzero([other == one for other in kinds]) for one in sorted({*kinds}) if one[1]
         }
 
     def arrays(self, system: JointedSystem, offset: np.ndarray, axis: np.ndarray) -> arrays.Joints:
         """Return the joints' arrays, their orientations at t = 0 (n, 1 or 4) and axes (n, dimension) given."""
         arms, jointed = np.zeros((2, len(self.order), self.scene.dimension)), np.flatnonzero(self.kind != arrays.FREE)
-        joints, bodies = [self.joints[i] for i in jointed], [self.scene.bodies[k].name for k in self.order[jointed]]
-        first = ["body_a" if j.body_a == name else "body_b" for j, name in zip(joints, bodies, strict=True)]
-        arms[0, jointed] = system.arms(joints, first)
-        arms[1, jointed] = system.arms(joints, ["body_b" if end == "body_a" else "body_a" for end in first])
+        joints = [self.joints[i] for i in jointed]
+        other = [j.body_a != self.scene.bodies[k].name for j, k in zip(joints, self.order[jointed], strict=True)]
+        ends = [SIDES[side ^ is_other] for side in range(2) for is_other in other]
+        arms[:, jointed] = system.arms(2 * joints, ends).reshape(2, len(joints), self.scene.dimension)
         return arrays.Joints(
             kind=self.kind, parent=self.parent, q=self.q[:-1], v=self.v[:-1], freedoms=self.freedoms, arm=arms[0],
             arm_of_parent=arms[1], axis=axis, offset=offset,
@@ -147,7 +153,7 @@ class RelativeSystem(System):
         n, rates = len(self.layout.kind), self.redundant.RATES
         lengths = {"n": n, "n + 1": n + 1, "rates": rates, "d": self.scene.dimension}
         links = empty(arrays.Links, **lengths)
-        links.turns[:] = TURNS[self.layout.kind]
+        links.turns[:] = [kind in TURNED for kind in self.layout.kind]
         full = empty(arrays.Full, n_state=len(self.redundant.scratch.solved.state))
         return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), full)
 

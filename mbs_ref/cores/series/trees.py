@@ -1,13 +1,14 @@
 """Planar trees of revolute joints compiled for Taylor series."""
 
+import itertools
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.relative import RelativePlanarSystem, no_tree
+from mbs_ref.cores.relative import Layout, RelativePlanarSystem, no_tree
 from mbs_ref.kernels.algebra.lanes import WIDTH, in_one_room
-from mbs_ref.kernels.border.groups import empty
+from mbs_ref.kernels.border.groups import empty, ints
 from mbs_ref.kernels.border.handles import make_handle
 from mbs_ref.kernels.relative.model import REVOLUTE, WELD
 from mbs_ref.kernels.relative.series import Expanded, Series, SeriesGroups
@@ -40,20 +41,11 @@ class TreeSeries:
         self.system: Any = system if isinstance(system, RelativePlanarSystem) else RelativePlanarSystem(scene, system)
         plan, build = self.system.layout, self.system.redundant.builder
         bodies, parents = self.system.redundant.groups.bodies, plan.parent
-        welded, turned = plan.kind == WELD, np.flatnonzero(plan.kind == REVOLUTE)
-        n, m = len(parents), len(turned)
-        place = build.centres[[*plan.order, -1]].view(complex)[:, 0]
-        point = place[:n].copy()
+        n, turned = len(parents), np.flatnonzero(plan.kind == REVOLUTE)
+        m, place = len(turned), build.centres[[*plan.order, -1]].view(complex)[:, 0]
+        point = place[:n].copy()  # of a joint, or the place of a welded body
         point[turned] = [complex(*plan.joints[i].mark("body_a")) for i in turned]
-        reach, own = point - place[parents], place[:n] - point
-        turn, lever = np.full(n + 1, m), np.zeros((n + 1, m + 1), dtype=complex)  # by m angles, and by none
-        turn[turned] = np.arange(m)
-        for i, parent in enumerate(parents):
-            turn[i] = turn[parent] if welded[i] else turn[i]
-            lever[i] = lever[parent]
-            lever[i, turn[parent]] += reach[i]
-            lever[i, turn[i]] += own[i]
-        lever = lever[:n, :m]
+        turn, lever = _levers(plan, (point - place[parents]).tolist(), (place[:n] - point).tolist())
         pushed = lever.conj().T * bodies.mass  # (m, n)
         coupling, weight = pushed @ lever, pushed.sum(axis=1) * complex(*scene.gravity)
         inertia = np.bincount(turn[:n], bodies.inertia[:, 0] * bodies.rigid, m + 1)
@@ -71,6 +63,20 @@ class TreeSeries:
         self._groups = SeriesGroups(self.series)
         self._handle = make_handle(self._groups)
         self.handle = Expanded(self._handle.ctypes.data)
+
+
+def _levers(plan: Layout, reach: list[complex], own: list[complex]) -> tuple[np.ndarray, np.ndarray]:
+    """Return each body's angle (n + 1,), ground last, whose is m, and d_ia (n, m) of m angles.
+
+    `reach` (n,) leads from the parent's place to the joint, and `own` (n,) from there to the body's.
+    """
+    n, m, count = len(own), int(np.sum(plan.kind == REVOLUTE)), itertools.count()
+    turn, rows = [m] * (n + 1), [[0j] * (m + 1)] * (n + 1)  # by m angles, and by none
+    for i, (parent, kind) in enumerate(zip(plan.parent.tolist(), plan.kind.tolist(), strict=True)):
+        turn[i], rows[i] = turn[parent] if kind == WELD else next(count), rows[parent].copy()
+        rows[i][turn[parent]] += reach[i]
+        rows[i][turn[i]] += own[i]
+    return ints(turn), np.array(rows)[:n, :m]
 
 
 def _rows(values: np.ndarray) -> np.ndarray:
