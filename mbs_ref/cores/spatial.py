@@ -123,6 +123,11 @@ class SpatialSystem(JointedSystem):
         return scratch
 
     def initial_state(self) -> np.ndarray:
+        return self._start.copy()
+
+    @cached_property
+    def _start(self) -> np.ndarray:
+        """y at t = 0."""
         q, u = list[float](), list[float]()
         for body, axes in zip(self.scene.bodies, self.builder.axes[:-1], strict=True):
             q += body.position
