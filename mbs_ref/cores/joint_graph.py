@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.part import cross
 from mbs_ref.scene.base.rows import Prescribed, PrescribedAngle, Product, Row, SameAngle, SharedPoint, Turn, UserRow
 from mbs_ref.scene.scene import of_last_scene
 
@@ -87,7 +88,7 @@ def _fits_in_space(present: list[Row], added: list[Row]) -> bool:
     if any(isinstance(row, Turn) for row in added):
         axis = _kept_axis(present)
         turn = next(row for row in added if isinstance(row, Turn))
-        return axis is not None and float(np.linalg.norm(np.cross(axis, np.cross(turn.zero, turn.quarter)))) < PARALLEL
+        return axis is not None and float(np.linalg.norm(cross(axis, cross(turn.zero, turn.quarter)))) < PARALLEL
     held = [row for row in (*present, *added) if isinstance(row, Prescribed)]
     return len(held) == len(present) + len(added) and _are_independent(held)
 
