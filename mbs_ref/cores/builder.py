@@ -9,14 +9,13 @@ import numpy as np
 
 from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs, granules
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
-from mbs_ref.cores.joint_graph import Edge, graph_of, row_count
+from mbs_ref.cores.joint_graph import graph_of, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import absent, empty, floats, ints, members
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.scene import Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.rows import Row
-from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
@@ -63,12 +62,12 @@ class Builder(ABC):
         self.place: dict[int, Place] = {}  # by the joint's index
         self.slot_bodies: list[tuple[int, int]] = []
         self.slot_rows: list[int] = []
-        for child, edge in enumerate(self.layout.tree_edge):
-            self._add_slot(edge, child, self.layout.parent[child])
+        for edge, sides in zip(self.layout.tree_edge, enumerate(self.layout.parent), strict=True):
+            self._add_slot(sides, edge.joints if edge else [])
         for edge in self.layout.closures:
-            self._add_slot(edge, self.number[edge.a], self.number[edge.b])
-        held = [k for k, contact in enumerate(scene.contacts) if contact.holds]
-        self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
+            self._add_slot((self.number[edge.a], self.number[edge.b]), edge.joints)
+        held = [(k, x) for k, x in enumerate(scene.contacts) if x.holds]  # as if they closed loops
+        self.contact_slot = {k: self._add_slot((self.body(x.body_a), self.body(x.body_b)), [], 1) for k, x in held}
         self.rows: dict[str, list[PlacedRow]] = {}  # by the group of arrays that they fill
         for k, at in sorted(self.place.items()):
             joint, first = scene.joints[k], at.row
@@ -77,19 +76,14 @@ class Builder(ABC):
                 self.rows.setdefault(row.GROUP, []).append(placed)
                 first += row.count
 
-    def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
-        slot, row = len(self.slot_bodies), 0
-        self.slot_bodies.append((side0, side1))
-        for k in edge.joints if edge else []:
-            side, count = int(self.body(self.scene.joints[k].ends[0]) != side0), row_count(self.joint_rows[k])
-            self.place[k] = Place(slot, row, side, count)
-            row += count
-        self.slot_rows.append(row)
-
-    def _add_contact(self, contact: Contact) -> int:
-        """Give a constraint contact a slot of one row, as if it closed a loop."""
-        self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
-        self.slot_rows.append(1)
+    def _add_slot(self, sides: tuple[int, int], joints: Sequence[int], n_rows: int = 0) -> int:
+        """Add a slot of `n_rows` and the rows of joints between two bodies; return its place."""
+        for k in joints:
+            side, count = int(self.body(self.scene.joints[k].ends[0]) != sides[0]), row_count(self.joint_rows[k])
+            self.place[k] = Place(len(self.slot_rows), n_rows, side, count)
+            n_rows += count
+        self.slot_bodies.append(sides)
+        self.slot_rows.append(n_rows)
         return len(self.slot_rows) - 1
 
     def loops(self) -> Loops:
@@ -205,20 +199,19 @@ def assembled(build: Builder, groups: Any, widths: np.ndarray, inertia: np.ndarr
     """
     scene, order = build.scene, ints(build.layout.order)
     first = np.concatenate(([0], np.cumsum(widths)))  # rates follow all coordinates
-    slots = Slots(np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), ints(build.slot_rows))
-    alone = np.ones(build.n + 1, dtype=np.int64)
-    alone[slots.body[slots.count > 0]] = 0
+    held = {end for sides, rows in zip(build.slot_bodies, build.slot_rows, strict=True) if rows for end in sides}
     own_bodies = [scene.bodies[i] for i in build.layout.order]
     bodies = Bodies(
         mass=floats([body.mass for body in own_bodies]), inertia=inertia[order],
         rigid=ints([not isinstance(body, PointMass) for body in own_bodies]),
-        alone=alone[:-1], scene_index=order, q=first[order], v=first[build.n + order], start=first[[build.n]],
-        parent=ints(build.layout.parent),
+        alone=ints([k not in held for k in range(build.n)]), scene_index=order, q=first[order],
+        v=first[build.n + order], start=first[[build.n]], parent=ints(build.layout.parent),
     )  # fmt: skip
     pairs = contact_pairs(scene, build)
     return groups(
-        bodies=bodies, slots=slots, loops=build.loops(), **row_groups(build, groups), springs=springs(scene, build),
-        contact_pairs=pairs, contact_laws=contact_laws(scene, build.contact_slot), contact_modes=contact_modes(scene),
+        bodies=bodies, slots=Slots(np.array(build.slot_bodies, dtype=np.int64).reshape(-1, 2), ints(build.slot_rows)),
+        loops=build.loops(), **row_groups(build, groups), springs=springs(scene, build), contact_pairs=pairs,
+        contact_laws=contact_laws(scene, build.contact_slot), contact_modes=contact_modes(scene),
         near_pairs=contact_balls(pairs, scene.dimension), granules=granules(scene, build),
         watches=watches(scene, build), signals=signal_arrays(build.segments),
         world=World(np.array(scene.gravity, dtype=float), ints([0]), ints([0]), np.zeros(3)), **own,

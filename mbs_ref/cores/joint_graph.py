@@ -117,31 +117,25 @@ def _span_graph(scene: Scene, every: list[Edge]) -> Layout:
     for edge in sorted(spanning, key=lambda e: -row_count(e.rows)):
         neighbours[edge.a].append(edge)
         neighbours[edge.b].append(edge)
-    number = {-1: len(scene.bodies)}
+    number, queue = {-1: len(scene.bodies)}, deque([-1])
     result = Layout([], [], [], [])
-    used: set[int] = set()
 
     def visit(body: int, parent: int, edge: Edge | None) -> None:
         number[body] = len(result.order)
         result.order.append(body)
         result.parent.append(number[parent])
         result.tree_edge.append(edge)
+        queue.append(body)
 
-    def span(root: int) -> None:
-        queue = deque([root])
+    for root in range(-1, len(scene.bodies)):
+        if root not in number:
+            visit(root, -1, None)
         while queue:
             here = queue.popleft()
             for edge in neighbours[here]:
                 there = edge.b if edge.a == here else edge.a
                 if there not in number:
                     visit(there, here, edge)
-                    used.add(id(edge))
-                    queue.append(there)
-
-    span(-1)
-    for body in range(len(scene.bodies)):
-        if body not in number:
-            visit(body, -1, None)
-            span(body)
+    used = set(map(id, result.tree_edge))
     result.closures = [edge for edge in every if id(edge) not in used]
     return result

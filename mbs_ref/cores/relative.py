@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from functools import cache
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -22,8 +21,10 @@ from mbs_ref.scene.scales import Scales
 from mbs_ref.scene.scene import of_last_scene
 from mbs_ref.scene.traits import deflecting, joined
 
-KINDS = {Revolute: arrays.REVOLUTE, Prismatic: arrays.PRISMATIC, Weld: arrays.WELD, Spherical: arrays.SPHERICAL}
-FREEDOMS = {arrays.REVOLUTE: 1, arrays.PRISMATIC: 1, arrays.WELD: 0, arrays.SPHERICAL: 3, arrays.HELD: 0}
+KINDS = {  # kind, coordinates and rates of a joint between rigid bodies
+    Revolute: (arrays.REVOLUTE, 1, 1), Prismatic: (arrays.PRISMATIC, 1, 1), Weld: (arrays.WELD, 0, 0),
+    Spherical: (arrays.SPHERICAL, 4, 3),
+}  # fmt: skip
 TURNED = (arrays.REVOLUTE, arrays.PRISMATIC, arrays.WELD)  # the parent turns the body
 SIDES = ("body_a", "body_b")
 
@@ -54,14 +55,12 @@ def layout_of(scene: Scene) -> "Layout":
     return Layout(scene)
 
 
-@cache
 def _kind(joint: type, is_point: bool, dimension: int) -> tuple[int, int, int]:
-    """Return the kind of a joint to a body, a particle or not, and how many coordinates and rates it has."""
-    kind = KINDS.get(joint, arrays.FREE)
-    if is_point and kind in (arrays.REVOLUTE, arrays.SPHERICAL):
-        kind = arrays.HELD
-    rates = FREEDOMS.get(kind, dimension if is_point else 3 * dimension - 3)
-    return kind, rates + (kind == arrays.SPHERICAL or rates == 6), rates  # Euler parameters are four
+    """Return the kind of a joint of a body, which may be a point, and how many coordinates and rates it has."""
+    if is_point and joint in (Revolute, Spherical):
+        return arrays.HELD, 0, 0
+    free = (dimension, dimension) if is_point else {2: (3, 3), 3: (7, 6)}[dimension]
+    return KINDS.get(joint, (arrays.FREE, *free))
 
 
 class Layout:
@@ -74,7 +73,7 @@ class Layout:
         bodies, n = [scene.bodies[k] for k in graph.order], len(graph.order)
         pairs = zip(self.joints, bodies, strict=True)
         kinds = [_kind(type(joint), isinstance(body, PointMass), scene.dimension) for joint, body in pairs]
-        self.kind, self.widths, self.freedoms = ints(kinds).T.copy()
+        self.kind, self.widths, self.freedoms = np.array(kinds, dtype=np.int64).T.copy()
         first = np.concatenate(([0], self.widths, self.freedoms)).cumsum()
         self.q, self.v = first[: n + 1], first[n:]
         self.n_positions, self.n_state = int(self.q[-1]), int(self.v[-1])
@@ -96,12 +95,8 @@ class Layout:
 
     def world_axes(self) -> np.ndarray:
         """Return the world directions (n, dimension) of the joints' axes at t = 0; zero where there is none."""
-        result = np.zeros((len(self.order), self.scene.dimension))
-        for i, joint in enumerate(self.joints):
-            axis = getattr(joint, "axis", None)
-            if axis is not None:
-                result[i] = unit(axis)
-        return result
+        axes, none = [joint and vars(joint).get("axis") for joint in self.joints], np.zeros(self.scene.dimension)
+        return np.array([none if axis is None else unit(axis) for axis in axes])
 
     def units(self, length: float, time: float) -> np.ndarray:
         """Return what each entry of the state counts in: a length, one, and the same over the time."""

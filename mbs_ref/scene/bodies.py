@@ -45,7 +45,6 @@ class PointMass(Part):
         return 0.0
 
 
-MOST_REMEMBERED = 1000  # inertias whose principal moments are stored
 LARGEST_NORM_GAP = 1e-9  # largest |theta^T theta - 1|: data with fewer digits are refused
 SMALLEST_INERTIA_RATIO = 1e-9  # of the principal moments: below, double precision cannot hold the small one
 
@@ -108,7 +107,7 @@ def symmetric(six: tuple[float, ...]) -> np.ndarray:
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-@lru_cache(MOST_REMEMBERED)
+@lru_cache(1000)
 def _principal_moments(six: tuple[float, ...]) -> tuple[float, ...]:
     """Return the principal moments (3,) of an inertia, kg m^2, the least first."""
     return tuple(np.linalg.eigvalsh(symmetric(six)).tolist())

@@ -225,15 +225,13 @@ def _advanced(system: System, plan: Plan, planned: list[LegPlan], run: Progress,
 
 def samples(planned: list[LegPlan], legs: list[Leg]) -> tuple[np.ndarray, np.ndarray]:
     """Return the states at the output times that were reached, and the compliance (m) of the steps up to each."""
-    places, compliance, carried = list[np.ndarray](), [np.zeros(1)], 0.0
+    states, compliance, carried = [legs[0].states[:1]], [np.zeros(1)], 0.0
     for plan, leg in zip(planned, legs, strict=False):
-        places.append(plan.outputs[plan.outputs < leg.reached])
-        largest, carried = _largest_between(leg.compliance[: leg.reached], places[-1], carried)
+        reached = plan.outputs[plan.outputs < leg.reached]
+        largest, carried = _largest_between(leg.compliance[: leg.reached], reached, carried)
+        states.append(leg.states[reached])
         compliance.append(largest)
-    states = legs[0].states[: legs[0].reached]
-    if len(legs) > 1 or len(places[0]) < len(states) - 1:  # some times are no outputs
-        states = np.concatenate((states[:1], *(leg.states[k] for leg, k in zip(legs, places, strict=True))))
-    return states, np.concatenate(compliance)
+    return np.concatenate(states), np.concatenate(compliance)
 
 
 def _largest_between(compliance: np.ndarray, outputs: np.ndarray, carried: float) -> tuple[np.ndarray, float]:

@@ -66,12 +66,9 @@ class TreeSeries:
 
 
 def _levers(plan: Layout, reach: list[complex], own: list[complex]) -> tuple[np.ndarray, np.ndarray]:
-    """Return each body's angle (n + 1,), ground last, whose is m, and d_ia (n, m) of m angles.
-
-    `reach` (n,) leads from the parent's place to the joint, and `own` (n,) from there to the body's.
-    """
+    """Return the angle (n + 1,) of each body and ground, and d_ia (n, m), of levers to joints and from there (n,)."""
     n, m, count = len(own), int(np.sum(plan.kind == REVOLUTE)), itertools.count()
-    turn, rows = [m] * (n + 1), [[0j] * (m + 1)] * (n + 1)  # by m angles, and by none
+    turn, rows = [m] * (n + 1), [[0j] * (m + 1)] * (n + 1)  # m is no angle
     for i, (parent, kind) in enumerate(zip(plan.parent.tolist(), plan.kind.tolist(), strict=True)):
         turn[i], rows[i] = turn[parent] if kind == WELD else next(count), rows[parent].copy()
         rows[i][turn[parent]] += reach[i]
