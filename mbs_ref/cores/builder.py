@@ -9,14 +9,13 @@ import numpy as np
 
 from mbs_ref.cores.contact_shapes import contact_balls, contact_pairs, granules
 from mbs_ref.cores.events import contact_laws, contact_modes, springs, watches
-from mbs_ref.cores.joint_graph import Edge, graph_of, row_count
+from mbs_ref.cores.joint_graph import graph_of, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import absent, empty, floats, ints, members
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
 from mbs_ref.kernels.signals import SignalArrays
 from mbs_ref.scene import Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.rows import Row
-from mbs_ref.scene.contact import Contact
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive
 from mbs_ref.scene.signals import DEGREE, Segment, motion_segments
@@ -63,12 +62,12 @@ class Builder(ABC):
         self.place: dict[int, Place] = {}  # by the joint's index
         self.slot_bodies: list[tuple[int, int]] = []
         self.slot_rows: list[int] = []
-        for child, edge in enumerate(self.layout.tree_edge):
-            self._add_slot(edge, child, self.layout.parent[child])
+        for edge, sides in zip(self.layout.tree_edge, enumerate(self.layout.parent), strict=True):
+            self._add_slot(sides, edge.joints if edge else [])
         for edge in self.layout.closures:
-            self._add_slot(edge, self.number[edge.a], self.number[edge.b])
-        held = [k for k, contact in enumerate(scene.contacts) if contact.holds]
-        self.contact_slot = {k: self._add_contact(scene.contacts[k]) for k in held}
+            self._add_slot((self.number[edge.a], self.number[edge.b]), edge.joints)
+        held = [(k, x) for k, x in enumerate(scene.contacts) if x.holds]  # as if they closed loops
+        self.contact_slot = {k: self._add_slot((self.body(x.body_a), self.body(x.body_b)), [], 1) for k, x in held}
         self.rows: dict[str, list[PlacedRow]] = {}  # by the group of arrays that they fill
         for k, at in sorted(self.place.items()):
             joint, first = scene.joints[k], at.row
@@ -77,19 +76,14 @@ class Builder(ABC):
                 self.rows.setdefault(row.GROUP, []).append(placed)
                 first += row.count
 
-    def _add_slot(self, edge: Edge | None, side0: int, side1: int) -> None:
-        slot, row = len(self.slot_bodies), 0
-        self.slot_bodies.append((side0, side1))
-        for k in edge.joints if edge else []:
-            side, count = int(self.body(self.scene.joints[k].ends[0]) != side0), row_count(self.joint_rows[k])
-            self.place[k] = Place(slot, row, side, count)
-            row += count
-        self.slot_rows.append(row)
-
-    def _add_contact(self, contact: Contact) -> int:
-        """Give a constraint contact a slot of one row, as if it closed a loop."""
-        self.slot_bodies.append((self.body(contact.body_a), self.body(contact.body_b)))
-        self.slot_rows.append(1)
+    def _add_slot(self, sides: tuple[int, int], joints: Sequence[int], n_rows: int = 0) -> int:
+        """Add a slot of `n_rows` and the rows of joints between two bodies; return its place."""
+        for k in joints:
+            side, count = int(self.body(self.scene.joints[k].ends[0]) != sides[0]), row_count(self.joint_rows[k])
+            self.place[k] = Place(len(self.slot_rows), n_rows, side, count)
+            n_rows += count
+        self.slot_bodies.append(sides)
+        self.slot_rows.append(n_rows)
         return len(self.slot_rows) - 1
 
     def loops(self) -> Loops:

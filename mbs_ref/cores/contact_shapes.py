@@ -12,7 +12,7 @@ from mbs_ref.kernels.contact import neighbours
 from mbs_ref.kernels.contact.near_pairs import NearPairs
 from mbs_ref.kernels.rigid.model import ContactPairs
 from mbs_ref.scene import Scene, contact
-from mbs_ref.scene.base.part import normals, unit
+from mbs_ref.scene.base.part import cross, normals, unit
 from mbs_ref.scene.base.rows import Axes
 from mbs_ref.scene.traits import deflecting
 
@@ -52,7 +52,7 @@ def _plane(part: contact.SphereOnPlane) -> _Shape:
     normal = unit(part.normal)
     edge = normals(part.normal)[0] if part.edge is None else unit(part.edge)
     half = (math.inf, math.inf) if part.size is None else (0.5 * part.size[0], 0.5 * part.size[1])
-    return _flat(part, part.point, (edge, np.cross(normal, edge), normal), half)
+    return _flat(part, part.point, (edge, cross(normal, edge), normal), half)
 
 
 def _flat(part: Any, origin: Any, axes: Any, half: tuple[float, float]) -> _Shape:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from mbs_ref.scene import Scene
+from mbs_ref.scene.base.part import cross
 from mbs_ref.scene.base.rows import Prescribed, PrescribedAngle, Product, Row, SameAngle, SharedPoint, Turn, UserRow
 from mbs_ref.scene.scene import of_last_scene
 
@@ -87,7 +88,7 @@ def _fits_in_space(present: list[Row], added: list[Row]) -> bool:
     if any(isinstance(row, Turn) for row in added):
         axis = _kept_axis(present)
         turn = next(row for row in added if isinstance(row, Turn))
-        return axis is not None and float(np.linalg.norm(np.cross(axis, np.cross(turn.zero, turn.quarter)))) < PARALLEL
+        return axis is not None and float(np.linalg.norm(cross(axis, cross(turn.zero, turn.quarter)))) < PARALLEL
     held = [row for row in (*present, *added) if isinstance(row, Prescribed)]
     return len(held) == len(present) + len(added) and _are_independent(held)
 
@@ -116,31 +117,25 @@ def _span_graph(scene: Scene, every: list[Edge]) -> Layout:
     for edge in sorted(spanning, key=lambda e: -row_count(e.rows)):
         neighbours[edge.a].append(edge)
         neighbours[edge.b].append(edge)
-    number = {-1: len(scene.bodies)}
+    number, queue = {-1: len(scene.bodies)}, deque([-1])
     result = Layout([], [], [], [])
-    used: set[int] = set()
 
     def visit(body: int, parent: int, edge: Edge | None) -> None:
         number[body] = len(result.order)
         result.order.append(body)
         result.parent.append(number[parent])
         result.tree_edge.append(edge)
+        queue.append(body)
 
-    def span(root: int) -> None:
-        queue = deque([root])
+    for root in range(-1, len(scene.bodies)):
+        if root not in number:
+            visit(root, -1, None)
         while queue:
             here = queue.popleft()
             for edge in neighbours[here]:
                 there = edge.b if edge.a == here else edge.a
                 if there not in number:
                     visit(there, here, edge)
-                    used.add(id(edge))
-                    queue.append(there)
-
-    span(-1)
-    for body in range(len(scene.bodies)):
-        if body not in number:
-            visit(body, -1, None)
-            span(body)
+    used = set(map(id, result.tree_edge))
     result.closures = [edge for edge in every if id(edge) not in used]
     return result

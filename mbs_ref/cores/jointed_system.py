@@ -28,9 +28,8 @@ _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
 
 def _copied(group: Any) -> Any:
     """Return a group with arrays of its own; nothing is written to a log, which is large and empty before a run."""
-    return group._replace(**{
-        name: np.empty(a.shape) if name == "log" else a.copy() for name, a in group._asdict().items() if a.size
-    })  # fmt: skip
+    pairs = zip(group._fields, group, strict=True)
+    return type(group)(*(np.empty(a.shape) if name == "log" else a.copy() for name, a in pairs))
 
 
 class Reporting(NamedTuple):

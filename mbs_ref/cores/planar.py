@@ -48,10 +48,9 @@ class PlanarSystem(JointedSystem):
         return scratch
 
     def initial_state(self) -> np.ndarray:
-        fields = [vars(body) for body in self.scene.bodies]
-        q = [(*own["position"], own.get("angle", 0.0)) for own in fields]
-        v = [(*own["velocity"], own.get("angular_velocity", 0.0)) for own in fields]
-        return np.array((q, v), dtype=float).ravel()
+        v = [(*body.velocity, vars(body).get("angular_velocity", 0.0)) for body in self.scene.bodies]
+        q = np.column_stack((self.builder.centres, self.builder.angles))[:-1]
+        return np.concatenate((q.ravel(), np.array(v).ravel()))
 
     @staticmethod
     def state_units(scene: Scene, scales: Scales) -> np.ndarray:

@@ -21,8 +21,12 @@ from mbs_ref.scene.scales import Scales
 from mbs_ref.scene.scene import of_last_scene
 from mbs_ref.scene.traits import deflecting, joined
 
-KINDS = {Revolute: arrays.REVOLUTE, Prismatic: arrays.PRISMATIC, Weld: arrays.WELD, Spherical: arrays.SPHERICAL}
-FREEDOMS = {arrays.REVOLUTE: 1, arrays.PRISMATIC: 1, arrays.WELD: 0, arrays.SPHERICAL: 3, arrays.HELD: 0}
+KINDS = {  # kind, coordinates and rates of a joint between rigid bodies
+    Revolute: (arrays.REVOLUTE, 1, 1), Prismatic: (arrays.PRISMATIC, 1, 1), Weld: (arrays.WELD, 0, 0),
+    Spherical: (arrays.SPHERICAL, 4, 3),
+}  # fmt: skip
+TURNED = (arrays.REVOLUTE, arrays.PRISMATIC, arrays.WELD)  # the parent turns the body
+SIDES = ("body_a", "body_b")
 
 
 def no_tree(scene: Scene) -> Iterator[str]:
@@ -51,76 +55,57 @@ def layout_of(scene: Scene) -> "Layout":
     return Layout(scene)
 
 
+def _kind(joint: type, is_point: bool, dimension: int) -> tuple[int, int, int]:
+    """Return the kind of a joint of a body, which may be a point, and how many coordinates and rates it has."""
+    if is_point and joint in (Revolute, Spherical):
+        return arrays.HELD, 0, 0
+    free = (dimension, dimension) if is_point else {2: (3, 3), 3: (7, 6)}[dimension]
+    return KINDS.get(joint, (arrays.FREE, *free))
+
+
 class Layout:
-    """Where each body's joint has its coordinates q and rates u in the state [q, u]."""
+    """Where each body's joint has its coordinates q and rates u in the state [q, u]; bodies in elimination order."""
 
     def __init__(self, scene: Scene) -> None:
         _, graph = graph_of(scene)
-        self.scene, self.order, self.parent = scene, graph.order, graph.parent
-        self.joint = {i: edge.joints[0] for i, edge in enumerate(graph.tree_edge) if edge}  # by elimination number
-        self.bodies = [scene.bodies[k] for k in graph.order]
-        self.kind = [self._kind(i) for i in range(len(self.order))]
-        self.freedoms = [self._freedoms(kind, body) for kind, body in zip(self.kind, self.bodies, strict=True)]
-        # one coordinate more than rates where Euler parameters are
-        pairs = zip(self.kind, self.freedoms, strict=True)
-        self.widths = [n + (kind == arrays.SPHERICAL or n == 6) for kind, n in pairs]
-        kinds = list(zip(self.kind, self.widths, strict=True))
-        self.q = np.concatenate(([0], np.cumsum(self.widths))).astype(int)
-        self.v = self.q[-1] + np.concatenate(([0], np.cumsum(self.freedoms))).astype(int)
+        self.scene, self.order, self.parent = scene, ints(graph.order), ints(graph.parent)
+        self.joints: list[Any] = [edge and scene.joints[edge.joints[0]] for edge in graph.tree_edge]
+        bodies, n = [scene.bodies[k] for k in graph.order], len(graph.order)
+        pairs = zip(self.joints, bodies, strict=True)
+        kinds = [_kind(type(joint), isinstance(body, PointMass), scene.dimension) for joint, body in pairs]
+        self.kind, self.widths, self.freedoms = np.array(kinds, dtype=np.int64).T.copy()
+        first = np.concatenate(([0], self.widths, self.freedoms)).cumsum()
+        self.q, self.v = first[: n + 1], first[n:]
         self.n_positions, self.n_state = int(self.q[-1]), int(self.v[-1])
         self.alike = {  # places of the joints of each kind and number of coordinates
-            one: ints([i for i, other in enumerate(kinds) if other == one]) for one in sorted({*kinds}) if one[1]
-        }  # fmt: skip
-
-    def _kind(self, i: int) -> int:
-        if i not in self.joint:
-            return arrays.FREE
-        joint = self.scene.joints[self.joint[i]]
-        shares_point = isinstance(joint, Revolute | Spherical)
-        return arrays.HELD if shares_point and isinstance(self.bodies[i], PointMass) else KINDS[type(joint)]  # type: ignore[index]
-
-    def _freedoms(self, kind: int, body: Any) -> int:
-        if kind != arrays.FREE:
-            return FREEDOMS[kind]
-        return self.scene.dimension if isinstance(body, PointMass) else 3 * self.scene.dimension - 3
-
-    def ends(self, i: int) -> tuple[str, str]:
-        """Return the fields of the joint that name the body and its parent."""
-        joint: Any = self.scene.joints[self.joint[i]]
-        return ("body_a", "body_b") if joint.body_a == self.bodies[i].name else ("body_b", "body_a")
+            one[:2]: np.flatnonzero([other == one for other in kinds]) for one in sorted({*kinds}) if one[1]
+        }
 
     def arrays(self, system: JointedSystem, offset: np.ndarray, axis: np.ndarray) -> arrays.Joints:
         """Return the joints' arrays, their orientations at t = 0 (n, 1 or 4) and axes (n, dimension) given."""
-        arms = np.zeros((2, len(self.order), self.scene.dimension))
-        joints, ends = [self.scene.joints[k] for k in self.joint.values()], map(self.ends, self.joint)
-        for side, names in enumerate(zip(*ends, strict=True)):
-            arms[side, list(self.joint)] = system.arms(joints, names)
+        arms, jointed = np.zeros((2, len(self.order), self.scene.dimension)), np.flatnonzero(self.kind != arrays.FREE)
+        joints = [self.joints[i] for i in jointed]
+        other = [j.body_a != self.scene.bodies[k].name for j, k in zip(joints, self.order[jointed], strict=True)]
+        ends = [SIDES[side ^ is_other] for side in range(2) for is_other in other]
+        arms[:, jointed] = system.arms(2 * joints, ends).reshape(2, len(joints), self.scene.dimension)
         return arrays.Joints(
-            kind=ints(self.kind), parent=ints(self.parent), q=self.q[:-1],
-            v=self.v[:-1], freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,
-            offset=offset,
+            kind=self.kind, parent=self.parent, q=self.q[:-1], v=self.v[:-1], freedoms=self.freedoms, arm=arms[0],
+            arm_of_parent=arms[1], axis=axis, offset=offset,
         )  # fmt: skip
 
     def world_axes(self) -> np.ndarray:
         """Return the world directions (n, dimension) of the joints' axes at t = 0; zero where there is none."""
-        result = np.zeros((len(self.order), self.scene.dimension))
-        for i, k in self.joint.items():
-            axis = vars(self.scene.joints[k]).get("axis")
-            if axis is not None:
-                result[i] = unit(axis)
-        return result
+        axes, none = [joint and vars(joint).get("axis") for joint in self.joints], np.zeros(self.scene.dimension)
+        return np.array([none if axis is None else unit(axis) for axis in axes])
 
     def units(self, length: float, time: float) -> np.ndarray:
         """Return what each entry of the state counts in: a length, one, and the same over the time."""
-        q, u = list[float](), list[float]()
-        for kind, width, freedoms in zip(self.kind, self.widths, self.freedoms, strict=True):
-            lengths = {arrays.FREE: self.scene.dimension, arrays.PRISMATIC: 1}.get(kind, 0)
-            q += lengths * [length] + (width - lengths) * [1.0]
-            u += lengths * [length] + (freedoms - lengths) * [1.0]
-        return np.concatenate((q, np.divide(u, time)))
-
-
-UNTURNED = (arrays.FREE, arrays.SPHERICAL, arrays.HELD)  # bodies that their parent does not turn
+        result, lengths = np.ones(self.n_state), {arrays.FREE: self.scene.dimension, arrays.PRISMATIC: 1}
+        for (kind, _), i in self.alike.items():
+            for c in range(lengths.get(kind, 0)):
+                result[self.q[i] + c] = result[self.v[i] + c] = length
+        result[self.n_positions :] /= time
+        return result
 
 
 def _at_full(name: str) -> Any:
@@ -163,7 +148,7 @@ class RelativeSystem(System):
         n, rates = len(self.layout.kind), self.redundant.RATES
         lengths = {"n": n, "n + 1": n + 1, "rates": rates, "d": self.scene.dimension}
         links = empty(arrays.Links, **lengths)
-        links.turns[:] = [kind not in UNTURNED for kind in self.layout.kind]
+        links.turns[:] = [kind in TURNED for kind in self.layout.kind]
         full = empty(arrays.Full, n_state=len(self.redundant.scratch.solved.state))
         return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), full)
 
@@ -182,32 +167,35 @@ class RelativeSystem(System):
     def _angles(self, i: np.ndarray, turn: np.ndarray) -> np.ndarray:
         """Return the angles (k, m) of revolute joints at their bodies' orientations (k, m, ...) as parents see them."""
 
-    def _places(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return places and orientations (n + 1, m, ...) at redundant states (m, n_full), in elimination order."""
-        poses, order, m = self.redundant.poses(full), self.layout.order, len(full)
-        place = np.concatenate((poses.position[:, order], np.zeros((m, 1, self.scene.dimension))), axis=1)
-        ground = np.full((m, 1, *np.shape(self.GROUND)), self.GROUND)
-        turn = np.concatenate((poses.orientation[:, order], ground), axis=1)
-        return place.swapaxes(0, 1), turn.swapaxes(0, 1)
+    def _turns(self, full: np.ndarray) -> np.ndarray:
+        """Return orientations (n + 1, m, ...) at redundant states (m, n_full), in elimination order, ground last."""
+        ground = np.full((len(full), 1, *np.shape(self.GROUND)), self.GROUND)
+        own = self.redundant.orientations(full)[:, self.layout.order]
+        return np.concatenate((own, ground), axis=1).swapaxes(0, 1)
+
+    def _places(self, full: np.ndarray) -> np.ndarray:
+        """Return places (n + 1, m, dimension) as `_turns` returns orientations, m."""
+        own = self.redundant.poses(full).position[:, self.layout.order]
+        return np.concatenate((own, np.zeros((len(full), 1, self.scene.dimension))), axis=1).swapaxes(0, 1)
 
     def _frames(self) -> tuple[np.ndarray, np.ndarray]:
         """Return each body's orientation in its parent at t = 0, and the joints' axes as `Joints` has them."""
-        turn = self._places(self.redundant.initial_state()[None])[1][:, 0]
-        parents = self.redundant.groups.bodies.parent
-        kept = np.where(np.array(self.layout.kind) == arrays.PRISMATIC, parents, np.arange(len(parents)))
+        turn, parents = self._turns(self.redundant.initial_state()[None])[:, 0], self.layout.parent
+        kept = np.where(self.layout.kind == arrays.PRISMATIC, parents, np.arange(len(parents)))
         axes = self.REDUNDANT.turned(self._from(turn[kept], self.GROUND), self.layout.world_axes())
         return self._from(turn[parents], turn[:-1]).reshape(len(parents), -1), axes
 
-    def _coordinates(self, kind: int, i: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    def _coordinates(self, kind: int, i: np.ndarray, full: np.ndarray, turn: np.ndarray) -> np.ndarray:
         """Return the coordinates (k, m, ...) of k joints of a kind; of free particles, with orientations behind."""
-        joints, (place, turn) = self.groups.joints, places
-        parent, turned = joints.parent[i], self.REDUNDANT.turned
-        if kind == arrays.FREE:
-            return np.concatenate((place[i], turn[i].reshape(*turn[i].shape[:2], -1)), axis=2)
+        joints, turned = self.groups.joints, self.REDUNDANT.turned
+        parent = joints.parent[i]
         if kind == arrays.SPHERICAL:
             return turn[i]
         if kind == arrays.REVOLUTE:
             return self._angles(i, self._from(turn[parent], turn[i]))[:, :, None]
+        place = self._places(full)
+        if kind == arrays.FREE:
+            return np.concatenate((place[i], turn[i].reshape(*turn[i].shape[:2], -1)), axis=2)
         own, of_parent, axis = (arms[i, None] for arms in (joints.arm, joints.arm_of_parent, joints.axis))
         reach = turned(turn[parent], of_parent) - turned(turn[i], own)
         return dot(place[i] - place[parent] - reach, turned(turn[parent], axis))[:, :, None]
@@ -234,9 +222,9 @@ class RelativeSystem(System):
         return self.all_reduced(self.redundant.states_of(poses))
 
     def all_reduced(self, full: np.ndarray) -> np.ndarray:
-        y, places = np.zeros((len(full), self.layout.n_state)), self._places(full)
+        y, turn = np.zeros((len(full), self.layout.n_state)), self._turns(full)
         for (kind, width), i in self.layout.alike.items():
-            found = self._coordinates(kind, i, places)
+            found = self._coordinates(kind, i, full, turn)
             for c in range(width):
                 y[:, self.layout.q[i] + c] = found[:, :, c].T
         take_velocities_over(*self.own_handles, np.ascontiguousarray(full), y)

@@ -58,9 +58,9 @@ def _bushings(build: _Builder) -> arrays.Bushings:
     loads = [x for x in build.scene.loads if isinstance(x, Bushing)]
     if not loads:
         return absent(arrays.Bushings)
-    names = [[x.ends[k] for x in loads] for k in range(2)]
+    names, frames = [[x.ends[k] for x in loads] for k in range(2)], np.array([x.frames for x in loads])
     point_a, point_b = (build.points(names[k], [x.marks[k] for x in loads]) for k in range(2))
-    axes_a, axes_b = (build.turns(names[k]) @ [x.frames[k] for x in loads] for k in range(2))
+    axes_a, axes_b = (build.turns(names[k]) @ frames[:, k] for k in range(2))
     stiffness, damping = floats([x.stiffness for x in loads], 6), floats([x.damping for x in loads], 6)
     return arrays.Bushings(*ends(build, loads), point_a, point_b, axes_a, axes_b, stiffness, damping)
 
@@ -123,6 +123,11 @@ class SpatialSystem(JointedSystem):
         return scratch
 
     def initial_state(self) -> np.ndarray:
+        return self._start.copy()
+
+    @cached_property
+    def _start(self) -> np.ndarray:
+        """y at t = 0."""
         q, u = list[float](), list[float]()
         for body, axes in zip(self.scene.bodies, self.builder.axes[:-1], strict=True):
             q += body.position

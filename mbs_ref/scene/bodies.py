@@ -1,6 +1,7 @@
 """The bodies of a scene: planar, point mass, spatial."""
 
 import math
+from functools import lru_cache
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -81,7 +82,7 @@ class SpatialBody(Part):
         norm = math.hypot(*self.orientation)
         if not abs(norm * norm - 1.0) <= LARGEST_NORM_GAP:
             raise ValueError(f"orientation = {self.orientation} has the norm {norm:.12g}; Euler parameters have 1")
-        low, middle, high = (float(x) for x in np.linalg.eigvalsh(self.inertia_matrix))
+        low, middle, high = _principal_moments(self.inertia)
         moments = f"inertia has the principal moments {low:.3g}, {middle:.3g}, {high:.3g} kg m^2"
         if not low > SMALLEST_INERTIA_RATIO * high:
             raise ValueError(f"{moments}; the least must exceed {SMALLEST_INERTIA_RATIO:g} of the greatest")
@@ -92,7 +93,7 @@ class SpatialBody(Part):
     @property
     def gyration_radius(self) -> float:
         """The largest radius of gyration, m."""
-        return float(np.sqrt(np.linalg.eigvalsh(self.inertia_matrix)[-1] / self.mass))
+        return math.sqrt(_principal_moments(self.inertia)[-1] / self.mass)
 
     @property
     def inertia_matrix(self) -> np.ndarray:
@@ -104,6 +105,12 @@ def symmetric(six: tuple[float, ...]) -> np.ndarray:
     """Return the 3x3 matrix of xx, yy, zz, xy, xz, yz."""
     xx, yy, zz, xy, xz, yz = six
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+@lru_cache(1000)
+def _principal_moments(six: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the principal moments (3,) of an inertia, kg m^2, the least first."""
+    return tuple(np.linalg.eigvalsh(symmetric(six)).tolist())
 
 
 def sphere_inertia(mass: float, radius: float) -> Inertia:

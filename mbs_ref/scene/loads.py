@@ -128,7 +128,7 @@ class Bushing(AttachedPair):
         """The axes (3, 3) of both marks as columns, world, t = 0."""
         own = part.unit(self.x_axis), part.unit(self.y_axis)
         far = part.unit(self.x_axis_b or self.x_axis), part.unit(self.y_axis_b or self.y_axis)
-        return np.column_stack((*own, np.cross(*own))), np.column_stack((*far, np.cross(*far)))
+        return np.column_stack((*own, part.cross(*own))), np.column_stack((*far, part.cross(*far)))
 
 
 class PointBushing(AttachedPair):

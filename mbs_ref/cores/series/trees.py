@@ -1,13 +1,14 @@
 """Planar trees of revolute joints compiled for Taylor series."""
 
+import itertools
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from mbs_ref.cores.relative import RelativePlanarSystem, no_tree
+from mbs_ref.cores.relative import Layout, RelativePlanarSystem, no_tree
 from mbs_ref.kernels.algebra.lanes import WIDTH, in_one_room
-from mbs_ref.kernels.border.groups import empty
+from mbs_ref.kernels.border.groups import empty, ints
 from mbs_ref.kernels.border.handles import make_handle
 from mbs_ref.kernels.relative.model import REVOLUTE, WELD
 from mbs_ref.kernels.relative.series import Expanded, Series, SeriesGroups
@@ -38,37 +39,41 @@ class TreeSeries:
     def __init__(self, system: Any) -> None:
         scene = system.scene
         self.system: Any = system if isinstance(system, RelativePlanarSystem) else RelativePlanarSystem(scene, system)
-        plan = self.system.layout
-        bodies, turned = plan.bodies, np.flatnonzero(np.array(plan.kind) == REVOLUTE)
-        n, m = len(bodies), len(turned)
-        place, inertia = np.array([*(complex(*body.position) for body in bodies), 0.0]), np.zeros(m + 1)
-        turn, lever = np.full(n + 1, m), np.zeros((n + 1, m + 1), dtype=complex)  # by m angles, and by none
-        turn[turned] = np.arange(m)
-        for i, parent in enumerate(plan.parent):
-            is_welded, joint = plan.kind[i] == WELD, scene.joints[plan.joint[i]]
-            turn[i] = turn[parent] if is_welded else turn[i]
-            point = place[i] if is_welded else complex(*joint.mark("body_a"))
-            lever[i] = lever[parent]
-            lever[i, turn[parent]] += point - place[parent]
-            lever[i, turn[i]] += place[i] - point
-            inertia[turn[i]] += getattr(bodies[i], "inertia", 0.0)
-        lever = lever[:n, :m]
-        pushed = lever.conj().T * np.array([body.mass for body in bodies])  # (m, n)
+        plan, build = self.system.layout, self.system.redundant.builder
+        bodies, parents = self.system.redundant.groups.bodies, plan.parent
+        n, turned = len(parents), np.flatnonzero(plan.kind == REVOLUTE)
+        m, place = len(turned), build.centres[[*plan.order, -1]].view(complex)[:, 0]
+        point = place[:n].copy()  # of a joint, or the place of a welded body
+        point[turned] = [complex(*plan.joints[i].mark("body_a")) for i in turned]
+        turn, lever = _levers(plan, (point - place[parents]).tolist(), (place[:n] - point).tolist())
+        pushed = lever.conj().T * bodies.mass  # (m, n)
         coupling, weight = pushed @ lever, pushed.sum(axis=1) * complex(*scene.gravity)
-        own = 3 * np.array(plan.order)[turned] + 2
+        inertia = np.bincount(turn[:n], bodies.inertia[:, 0] * bodies.rigid, m + 1)
+        places = 3 * plan.order[turned] + 2
         lengths = {"m": m, "w": -(-m // WIDTH), "WIDTH": WIDTH, "orders": MAX_ORDER + 2}
         given = empty(Series, **lengths)._replace(
-            parent=turn[np.array(plan.parent, dtype=int)[turned]],
-            tolerance=np.arange(2 * m).reshape(2, m) if self.system is system else np.array([own, own + 3 * n]),
+            parent=turn[parents[turned]],
+            tolerance=np.arange(2 * m).reshape(2, m) if self.system is system else np.array([places, places + 3 * n]),
             coupling=_rows(np.stack((np.real(coupling.T), np.imag(coupling.T)), axis=1)),
             inertia=_rows(inertia[:m]),
             weight=_rows(np.array([np.real(weight), np.imag(weight)])),
-            **_springs(self.system.redundant, turn, [getattr(body, "angle", 0.0) for body in bodies]),
+            **_springs(self.system.redundant.groups.torsion_springs, turn, np.array(build.angles)[[*plan.order, -1]]),
         )
         self.series = in_one_room(given)
         self._groups = SeriesGroups(self.series)
         self._handle = make_handle(self._groups)
         self.handle = Expanded(self._handle.ctypes.data)
+
+
+def _levers(plan: Layout, reach: list[complex], own: list[complex]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the angle (n + 1,) of each body and ground, and d_ia (n, m), of levers to joints and from there (n,)."""
+    n, m, count = len(own), int(np.sum(plan.kind == REVOLUTE)), itertools.count()
+    turn, rows = [m] * (n + 1), [[0j] * (m + 1)] * (n + 1)  # m is no angle
+    for i, (parent, kind) in enumerate(zip(plan.parent.tolist(), plan.kind.tolist(), strict=True)):
+        turn[i], rows[i] = turn[parent] if kind == WELD else next(count), rows[parent].copy()
+        rows[i][turn[parent]] += reach[i]
+        rows[i][turn[i]] += own[i]
+    return ints(turn), np.array(rows)[:n, :m]
 
 
 def _rows(values: np.ndarray) -> np.ndarray:
@@ -80,12 +85,13 @@ def _rows(values: np.ndarray) -> np.ndarray:
     return room.reshape(*outer, words, WIDTH)
 
 
-def _springs(system: Any, turn: np.ndarray, angles: list[float]) -> dict[str, np.ndarray]:
-    """Return the torques of torsion springs, linear in the angles and rates; `turn` (n + 1,) is ground's at last."""
-    springs, angle, m = system.groups.torsion_springs, np.append(angles, 0.0), turn[-1]
+def _springs(springs: Any, turn: np.ndarray, angle: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the torques of torsion springs, linear in angles and rates; ground ends `turn` and `angle` (n + 1,)."""
+    if not len(springs.a):
+        return {}
+    m = turn[-1]
     along = np.eye(m + 1)[turn[springs.b]] - np.eye(m + 1)[turn[springs.a]]
     strain = angle[springs.b] - angle[springs.a] - springs.rest_angle
-    linear = (along[:, :m].T * factor @ along[:, :m] for factor in (springs.stiffness, springs.damping))
-    stiffness, damping = (_rows(matrix if len(strain) else matrix[:0]) for matrix in linear)
+    stiffness, damping = (_rows(along[:, :m].T * k @ along[:, :m]) for k in (springs.stiffness, springs.damping))
     torque = _rows(-(springs.stiffness * strain) @ along[:, :m])
     return {"stiffness": stiffness, "damping": damping, "torque": torque}

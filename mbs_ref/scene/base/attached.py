@@ -56,8 +56,10 @@ class Attached(Part):
 
     def mark(self, end: str) -> tuple[float, ...] | None:
         """Return the world point (m, t = 0) of its attachment to the body named in the field `end`, if it has one."""
-        fields = vars(self)
-        return next((fields[name] for name in _mark_fields(type(self), end) if fields[name] is not None), None)
+        fields, mark = vars(self), None
+        for name in _mark_fields(type(self), end):
+            mark = fields[name] if mark is None else mark
+        return mark
 
     def vectors(self) -> Iterator[tuple[str, tuple[float, ...]]]:
         """Yield the fields that hold world vectors of the scene's dimension."""
