@@ -125,7 +125,9 @@ class Builder(ABC):
         return self.angles[self.scene_index[name]]
 
     def signal(self, segments: list[Segment]) -> int:
-        self.segments.append(segments)
+        """Return the number of a signal, which is new unless it equals the last one."""
+        if self.segments[-1:] != [segments]:
+            self.segments.append(segments)
         return len(self.segments) - 1
 
     def motion(self, drive: Drive) -> int:
