@@ -5,7 +5,7 @@ from abc import abstractmethod
 from array import array
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -15,22 +15,14 @@ from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
 from mbs_ref.kernels.border.groups import floats
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
-from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_over
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
+from mbs_ref.kernels.rigid.outputs import JointRows, forces_at_joints, forces_over
 from mbs_ref.scene import GROUND, Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
 MOST_AT_ONCE = 1_000_000  # numbers of reactions that are computed together: 8 MB
-CHANGED = ("contact_modes", "near_pairs", "granules", "world")  # groups that a run writes to
 SURE_PIVOT = 1e-3  # relative closure pivot, the square of a singular value: rows are independent beyond doubt
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
-
-
-def _copied(group: Any) -> Any:
-    """Return a group with arrays of its own; nothing is written to a log, which is large and empty before a run."""
-    return group._replace(**{
-        name: np.empty(a.shape) if name == "log" else a.copy() for name, a in group._asdict().items() if a.size
-    })  # fmt: skip
 
 
 class Reporting(NamedTuple):
@@ -46,6 +38,7 @@ class Reporting(NamedTuple):
 class JointedSystem(ContactSystem):
     """A system whose `groups` and `scratch` hold constraint rows in slots; `place` gives each joint's."""
 
+    changed = "contact_modes", "near_pairs", "granules", "world"
     BUILDER: ClassVar[type[Builder]]
     RATES: ClassVar[int]  # of a body
     SHARED: ClassVar[int]  # numbers a body in each array that a user's force law sees
@@ -56,23 +49,23 @@ class JointedSystem(ContactSystem):
         self.scene, self.n_bodies = scene, len(scene.bodies)
         self.builder = self.BUILDER(scene)
         self.place = self.builder.place
-        self._allocate(self.builder.groups())
+        groups = self.builder.groups()
+        self._set_arrays(groups, self._scratch(groups))
+        self._begin()
 
-    def _allocate(self, groups: Any) -> None:
-        """Take groups that no run has changed, keep a copy of what a run changes, and make room for one."""
-        self.groups, self.user_error, self.user_times = groups, None, array("d")
-        self._untouched = [_copied(getattr(groups, name)) for name in CHANGED]
-        self.scratch = self._scratch()
+    def _begin(self) -> None:
+        """Prepare for a run, with arrays that no run has changed."""
+        self._set_record()
+        self.user_error, self.user_times = None, array("d")
         self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
 
     @abstractmethod
-    def _scratch(self) -> Any:
+    def _scratch(self, groups: Any) -> Any:
         """Return the scratch of one run."""
 
-    def twin(self) -> "JointedSystem":
-        other = self._unconnected()
-        fresh = dict(zip(CHANGED, map(_copied, self._untouched), strict=True))
-        other._allocate(self.groups._replace(**fresh))
+    def twin(self) -> Self:
+        other = super().twin()
+        other._begin()
         return other
 
     def _connect_user_forces(self) -> Any:
@@ -275,41 +268,31 @@ class JointedSystem(ContactSystem):
             return {}
         of, forces = self._reporting, np.empty((len(times), len(self.place), self.RATES))
         each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
-        fill = self._fill_in_modes if self.event_sources else self._fill_over
         for start in range(0, len(times), each):
             block = slice(start, start + each)
-            fill(times[block], states[block], forces[block])
+            self._fill(times[block], states[block], forces[block])
             turns = self.orientations(states[block])[:, of.body]
             forces[block] = self._about(self.turned(turns, of.arm), of.sign * forces[block])
         return dict(zip(of.names, forces.swapaxes(0, 1).copy(), strict=True))
 
     def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        if self.event_sources:
-            return super().pivots(times, states)
         return self._filled(times, states, np.empty((len(times), len(self.place), self.RATES)))[0]
 
-    def _fill_over(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
-        """Fill out (n_t, n_joints, rates) as `_fill_in_modes` where no mode changes."""
+    def _fill(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
+        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
         dependent = np.flatnonzero(self._filled(times, states, out)[1] != self.n_closure_rows)
-        if len(dependent):
-            forces = out[dependent]
-            self._fill_in_modes(times[dependent], states[dependent], forces)
-            out[dependent] = forces
+        for k in dependent.tolist():
+            self.recall_modes(times[k])
+            multiplier = self._multipliers_by_slot(times[k], states[k])
+            forces_at_joints(self._reporting.rows, multiplier, self.scratch.rows.jacobian, out[k])
 
     def _filled(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Fill out as `forces_over`; return the pivots and how many closures have (n_t,)."""
         scratch, pivots, ranks = self.scratch, np.empty(len(times)), np.empty(len(times), dtype=np.int64)
-        given = self.groups.world.control, self._reporting.rows, scratch.rows, scratch.closures.rank
+        given = self.record, self._reporting.rows, scratch.rows, scratch.closures.rank
         times, states = np.ascontiguousarray(times), np.ascontiguousarray(states)
         forces_over(self.model, self.work, *given, times, states, out, pivots, ranks)
         return pivots, ranks
-
-    def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
-        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
-        for t, y, sample in zip(times.tolist(), states, out, strict=True):
-            self.set_mode_time(t)
-            self.recall_modes(t)  # not the modes that the run ended in
-            forces_at_joints(self._reporting.rows, self._multipliers_by_slot(t, y), self.scratch.rows.jacobian, sample)
 
     @cached_property
     def _reporting(self) -> Reporting:
