@@ -143,8 +143,9 @@ class ContactSystem(System):
     def _set_record(self) -> None:
         """Store the present modes as those of the start of a run."""
         groups, modes = self.groups, self.groups.contact_modes
-        first = [values.copy() for values in (modes.mode, modes.grip, modes.anchor, modes.dashpot)]
-        self.record = Record(modes, *first, groups.near_pairs.stale, np.array([-1]), groups.world.control)
+        mode, grip, anchor, dashpot = modes.mode.copy(), modes.grip.copy(), modes.anchor.copy(), modes.dashpot.copy()
+        stale, recalled = groups.near_pairs.stale, np.array([-1])
+        self.record = Record(modes, mode, grip, anchor, dashpot, stale, recalled, groups.world.control)
 
     def spread_events(self, factor: float, lag: float = 0.0) -> None:
         modes = self.groups.contact_modes

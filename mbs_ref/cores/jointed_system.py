@@ -4,8 +4,7 @@ import ctypes
 from abc import abstractmethod
 from array import array
 from collections.abc import Mapping, Sequence
-from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -13,26 +12,15 @@ from mbs_ref.cores.builder import Builder, Place
 from mbs_ref.cores.events import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
-from mbs_ref.kernels.border.groups import floats
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.kernels.rigid.outputs import JointRows, forces_at_joints, forces_over
-from mbs_ref.scene import GROUND, Scene, UserConstraint, UserForce
+from mbs_ref.kernels.rigid.outputs import forces_at_joints, forces_over
+from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
 MOST_AT_ONCE = 1_000_000  # numbers of reactions that are computed together: 8 MB
 SURE_PIVOT = 1e-3  # relative closure pivot, the square of a singular value: rows are independent beyond doubt
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
-
-
-class Reporting(NamedTuple):
-    """What each joint's reaction is read from, joint after joint."""
-
-    names: tuple[str, ...]
-    rows: JointRows
-    sign: np.ndarray  # (n_joints, 1)
-    body: np.ndarray  # (n_joints,) scene index
-    arm: np.ndarray  # (n_joints, dimension) m, from the body's centre of mass to the joint's point, body axes
 
 
 class JointedSystem(ContactSystem):
@@ -110,19 +98,9 @@ class JointedSystem(ContactSystem):
     def _user_row(self, k: int, at: Place) -> UserRow:
         joint: Any = self.scene.joints[k]
         sides = self.groups.slots.body[at.slot]
-        arms = self.arms([joint, joint], ["body_a", "body_b"])
+        arms = self.builder.arms([joint, joint], ["body_a", "body_b"])
         bodies = int(sides[at.side]), int(sides[1 - at.side])
         return UserRow(joint.formula(), joint.name, at.slot, at.row, at.side, bodies, (arms[0], arms[1]))
-
-    def arms(self, joints: Sequence[Any], ends: Sequence[str]) -> np.ndarray:
-        """Return where joints hold one end of each (k, dimension), m, body axes, from the centre of mass.
-
-        It is counted from the origin on ground, and zero without a mark.
-        """
-        build = self.builder
-        named = [(getattr(joint, end), joint.mark(end)) for joint, end in zip(joints, ends, strict=True)]
-        world = [mark or build.centres[build.scene_index[name]] for name, mark in named]
-        return build.points([name for name, _ in named], floats(world, build.dimension))
 
     @abstractmethod
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> Sequence[Taylor]:
@@ -266,7 +244,7 @@ class JointedSystem(ContactSystem):
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         if not len(times):
             return {}
-        of, forces = self._reporting, np.empty((len(times), len(self.place), self.RATES))
+        of, forces = self.builder.reporting, np.empty((len(times), len(self.place), self.RATES))
         each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
         for start in range(0, len(times), each):
             block = slice(start, start + each)
@@ -284,33 +262,15 @@ class JointedSystem(ContactSystem):
         for k in dependent.tolist():
             self.recall_modes(times[k])
             multiplier = self._multipliers_by_slot(times[k], states[k])
-            forces_at_joints(self._reporting.rows, multiplier, self.scratch.rows.jacobian, out[k])
+            forces_at_joints(self.builder.reporting.rows, multiplier, self.scratch.rows.jacobian, out[k])
 
     def _filled(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Fill out as `forces_over`; return the pivots and how many closures have (n_t,)."""
         scratch, pivots, ranks = self.scratch, np.empty(len(times)), np.empty(len(times), dtype=np.int64)
-        given = self.record, self._reporting.rows, scratch.rows, scratch.closures.rank
+        given = self.record, self.builder.reporting.rows, scratch.rows, scratch.closures.rank
         times, states = np.ascontiguousarray(times), np.ascontiguousarray(states)
         forces_over(self.model, self.work, *given, times, states, out, pivots, ranks)
         return pivots, ranks
-
-    @cached_property
-    def _reporting(self) -> Reporting:
-        """The bodies whose forces give each joint's reaction: for ground, the opposite of the other body's."""
-        parts: list[Any] = [self.scene.joints[k] for k in self.place]
-        places = list(self.place.values())
-        mirrored = np.array([part.ends[1] == GROUND for part in parts], dtype=bool)
-        last = ["body_b" if "body_b" in vars(part) else "body" for part in parts]
-        fields = np.where(mirrored, "body_a", last).tolist()
-        bodies = [self.scene.body_index(getattr(part, name)) for part, name in zip(parts, fields, strict=True)]
-        slot, first, side, count = np.array([(*at,) for at in places], dtype=np.int64).reshape(-1, 4).T.copy()
-        return Reporting(
-            names=tuple(part.name for part in parts),
-            rows=JointRows(slot, np.where(mirrored, side, 1 - side), first, count),
-            sign=np.where(mirrored, 1.0, -1.0)[:, None],
-            body=np.array(bodies, dtype=int),
-            arm=self.arms(parts, fields),
-        )
 
     @abstractmethod
     def orientations(self, states: np.ndarray) -> np.ndarray:

@@ -94,7 +94,7 @@ class Layout:
         arms = np.zeros((2, len(self.order), self.scene.dimension))
         joints, ends = [self.scene.joints[k] for k in self.joint.values()], map(self.ends, self.joint)
         for side, names in enumerate(zip(*ends, strict=True)):
-            arms[side, list(self.joint)] = system.arms(joints, names)
+            arms[side, list(self.joint)] = system.builder.arms(joints, names)
         return arrays.Joints(
             kind=ints(self.kind), parent=ints(self.parent), q=self.q[:-1],
             v=self.v[:-1], freedoms=ints(self.freedoms), arm=arms[0], arm_of_parent=arms[1], axis=axis,

@@ -11,7 +11,8 @@ import numpy as np
 from mbs_ref.cores.in_lanes import SideBySide, side_by_side
 from mbs_ref.cores.joint_graph import graph_of
 from mbs_ref.kernels import answers as core
-from mbs_ref.kernels.border.handles import QUESTIONS, Block, Model, Work, address_places, make_handle
+from mbs_ref.kernels.border.blocks import Block, address_places
+from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.rows import Rod, SharedPoint
 from mbs_ref.scene.contact import Granules
@@ -51,7 +52,7 @@ class System(ABC):
     CORE: ClassVar[str]  # of mbs_ref.kernels.answers
     scene: Scene
     groups: Any  # the scene's arrays
-    scratch: Any  # of one run
+    _memory: np.ndarray  # of a twin: what a run changes
     expansion: Any = None  # in Taylor series (mbs_ref.cores.series), once it is built
     changed: ClassVar[tuple[str, ...]] = ()  # groups that a run writes to, besides the scratch
     keeps_itself: ClassVar[bool] = False  # whether every state keeps the constraints, so that none needs `project`
@@ -119,20 +120,25 @@ class System(ABC):
 
     def _set_arrays(self, groups: Any, scratch: Any) -> None:
         """Take groups and scratch that no run has changed, and copy what a run changes."""
-        self.groups, self.scratch = groups, scratch
+        self.groups, self.scratch, self._scratch_kind = groups, scratch, type(scratch)
         self._untouched = Block([*(getattr(groups, name) for name in self.changed), *scratch])
+
+    @cached_property
+    def scratch(self) -> Any:
+        """Arrays of one run, of a twin."""
+        return self._scratch_kind(*self._untouched.groups(self._memory, slice(len(self.changed), None)))
 
     def twin(self) -> Self:
         """Return another system of the scene, as it is before any run; both share what no run changes."""
-        other, (model, work), count = copy(self), self.handles, len(self.changed)
-        for name in ("model", "work", "own_handles", "expansion", "room"):
+        other, (model, work), kind = copy(self), self.handles, self._scratch_kind
+        for name in ("scratch", "model", "work", "own_handles", "expansion", "room"):
             vars(other).pop(name, None)
-        arrays, addresses = self._untouched.copy()
-        other.groups = self.groups._replace(**dict(zip(self.changed, arrays, strict=False)))
-        other.scratch = type(self.scratch)(*arrays[count:])
+        other._memory = self._untouched.copy()
+        changed = self._untouched.groups(other._memory, slice(len(self.changed)))
+        other.groups = self.groups._replace(**dict(zip(self.changed, changed, strict=True)))
         other.handles = model.copy(), work.copy()
-        kinds = type(self.groups), type(self.scratch)
-        places = address_places(kinds[0], self.changed), address_places(kinds[1], kinds[1]._fields)
+        places = address_places(type(self.groups), self.changed), address_places(kind, kind._fields)
+        addresses = other._memory.ctypes.data + self._untouched.starts
         for handle, where, own in zip(other.handles, places, np.split(addresses, [len(places[0])]), strict=True):
             handle[where] = own
         return other

@@ -7,9 +7,7 @@ compiled code counts the references of an array it is given, atomically, at ever
 """
 
 import ctypes
-import itertools
 from collections import namedtuple
-from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -26,8 +24,8 @@ from mbs_ref.kernels.algebra.lanes import BYTES, LANES
 from mbs_ref.kernels.border.groups import absent, check, declared, members
 
 QUESTIONS = 48  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
-_WORDS = 5  # then, per array: address, then up to four lengths
-_PADDING = [(0,) * (_WORDS - 1 - n) for n in range(_WORDS)]  # behind the lengths of an array of n dimensions
+WORDS = 5  # then, per array: address, then up to four lengths
+_PADDING = [(0,) * (WORDS - 1 - n) for n in range(WORDS)]  # behind the lengths of an array of n dimensions
 _Byte, _NOTHING = ctypes.c_char, np.zeros(1)
 _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
 
@@ -97,40 +95,6 @@ def _words(group: Any) -> list[int]:
             address = part.ctypes.data
         words += (address, *part.shape, *_PADDING[part.ndim])
     return words
-
-
-@cache
-def address_places(groups: type, names: tuple[str, ...]) -> np.ndarray:
-    """Return the places in a handle of the addresses of the arrays of some groups."""
-    counts = {name: len(declared(kind)) for name, kind in members(groups).items()}
-    first = dict(zip(counts, itertools.accumulate(counts.values(), initial=0), strict=False))
-    words = [first[name] + k for name in names for k in range(counts[name])]
-    return QUESTIONS + _WORDS * np.array(words, dtype=np.int64)
-
-
-class Block:
-    """Groups of arrays as they are now, of which copies are cheap: each lies in one piece of memory.
-
-    Arrays named `log` come without their contents: they are large, and nothing is written yet.
-    """
-
-    def __init__(self, groups: Sequence[Any]) -> None:
-        every = [(name == "log", array) for group in groups for name, array in group._asdict().items()]
-        order = sorted(range(len(every)), key=lambda k: every[k][0])  # logs last
-        ends = np.cumsum([every[k][1].nbytes for k in order], dtype=np.int64)
-        self._starts, self._size = np.zeros(len(every), np.int64), int(ends[-1])
-        self._starts[order[1:]] = ends[:-1]
-        self._values = np.concatenate([array.ravel().view(np.uint8) for is_log, array in every if not is_log])
-        self._arrays = list(zip((array for _, array in every), self._starts.tolist(), strict=True))
-        self._kinds = [(type(group), len(group)) for group in groups]
-
-    def copy(self) -> tuple[list[Any], np.ndarray]:
-        """Return a copy of the groups, and the addresses of its arrays."""
-        memory = np.empty(self._size + 1, np.uint8)
-        memory[: len(self._values)] = self._values
-        arrays = iter([np.ndarray(a.shape, a.dtype, memory, start) if a.size else a for a, start in self._arrays])
-        groups = [kind(*itertools.islice(arrays, count)) for kind, count in self._kinds]
-        return groups, memory.ctypes.data + self._starts
 
 
 def handle_class(module: str, name: str, groups: type, **lengths: int) -> Any:
@@ -217,7 +181,7 @@ def _view(context, builder, owner, index, array_type, known):
     handle = builder.inttoptr(builder.extract_value(owner, 0), word.as_pointer())
 
     def load(offset):
-        place = builder.gep(handle, [ir.Constant(word, QUESTIONS + index * _WORDS + offset)])
+        place = builder.gep(handle, [ir.Constant(word, QUESTIONS + index * WORDS + offset)])
         return builder.load(place)
 
     result = make_array(array_type)(context, builder)
