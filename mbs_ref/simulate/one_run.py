@@ -53,11 +53,8 @@ def all_samples(systems: list[System], plan: Plan, runs: list[Run]) -> list[Samp
     full = system.all_full(np.concatenate([run.states for run in runs]))
     poses = system.redundant.poses(full)
     if system.event_sources:
-        every = Samples(poses, {}, {})
-        return [
-            sampled(own, plan, run.times, full[place], every.at(place).poses)
-            for own, run, place in zip(systems, runs, places, strict=True)
-        ]
+        each, every = zip(systems, runs, places, strict=True), Samples(poses, {}, {})
+        return [sampled(own, plan, run.times, full[part], every.at(part).poses) for own, run, part in each]
     every = sampled(system, plan, np.concatenate([run.times for run in runs]), full, poses)
     return [every.at(place) for place in places]
 

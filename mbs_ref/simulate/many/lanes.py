@@ -263,15 +263,11 @@ def _companions(bunches: list[Bunch], runs: list[list[Run]]) -> list[list[_Other
     for wanted, of_all in ((first, True), (second, False)):
         places = {k: [i for i, run in enumerate(own) if of_all or run.near_singular] for k, own in enumerate(runs)}
         asked = [k for k, needed in places.items() if needed]
-        again = [_beside(bunches[k], wanted[k].plan, places[k]) for k in asked]
+        beside = {k: [bunches[k].system.beside() for _ in places[k]] for k in asked}
+        again = [Bunch(bunches[k].system, wanted[k].plan, bunches[k].starts[places[k]], beside[k]) for k in asked]
         for k, found in zip(asked, _runs(again, wanted[0].refine), strict=True):
             result[k].append(_Others(wanted[k].share, places[k], found))
     return result
-
-
-def _beside(bunch: Bunch, plan: Plan, places: list[int]) -> Bunch:
-    """Return companions of some runs of a bunch."""
-    return Bunch(bunch.system, plan, bunch.starts[places], [bunch.system.beside() for _ in places])
 
 
 def _checked(case: Bunch) -> Checked:
