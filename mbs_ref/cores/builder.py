@@ -3,6 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,8 +14,9 @@ from mbs_ref.cores.joint_graph import graph_of, row_count
 from mbs_ref.cores.loops import Closure, loops_of_closures
 from mbs_ref.kernels.border.groups import absent, empty, floats, ints, members
 from mbs_ref.kernels.rigid.model import Bodies, Forces, Loops, Slots, TorsionSprings, World
+from mbs_ref.kernels.rigid.outputs import JointRows
 from mbs_ref.kernels.signals import SignalArrays
-from mbs_ref.scene import Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
+from mbs_ref.scene import GROUND, Force, PointMass, Scene, Torque, TorqueVector, TorsionSpring
 from mbs_ref.scene.base.rows import Row
 from mbs_ref.scene.euler_parameters import rotation_matrices
 from mbs_ref.scene.joints import Drive
@@ -42,6 +44,16 @@ class PlacedRow(NamedTuple):
     slot: int
     first: int  # of its places in the slot
     side: int  # of body a
+
+
+class Reporting(NamedTuple):
+    """What each joint's reaction is read from, joint after joint."""
+
+    names: tuple[str, ...]
+    rows: JointRows
+    sign: np.ndarray  # (n_joints, 1)
+    body: np.ndarray  # (n_joints,) scene index
+    arm: np.ndarray  # (n_joints, dimension) m, from the body's centre of mass to the joint's point, body axes
 
 
 class Builder(ABC):
@@ -110,6 +122,33 @@ class Builder(ABC):
         """Return what turns world axes into those of k bodies of these names (k, dimension, dimension)."""
         return self.axes[[self.scene_index[name] for name in names]].swapaxes(1, 2)
 
+    def arms(self, joints: Sequence[Any], ends: Sequence[str]) -> np.ndarray:
+        """Return where joints hold one end of each (k, dimension), m, body axes, from the centre of mass.
+
+        It is counted from the origin on ground, and zero without a mark.
+        """
+        named = [(getattr(joint, end), joint.mark(end)) for joint, end in zip(joints, ends, strict=True)]
+        world = [mark or self.centres[self.scene_index[name]] for name, mark in named]
+        return self.points([name for name, _ in named], floats(world, self.dimension))
+
+    @cached_property
+    def reporting(self) -> Reporting:
+        """The bodies whose forces give each joint's reaction: for ground, the opposite of the other body's."""
+        parts: list[Any] = [self.scene.joints[k] for k in self.place]
+        places = list(self.place.values())
+        mirrored = np.array([part.ends[1] == GROUND for part in parts], dtype=bool)
+        last = ["body_b" if "body_b" in vars(part) else "body" for part in parts]
+        fields = np.where(mirrored, "body_a", last).tolist()
+        bodies = [self.scene.body_index(getattr(part, name)) for part, name in zip(parts, fields, strict=True)]
+        slot, first, side, count = np.array([(*at,) for at in places], dtype=np.int64).reshape(-1, 4).T.copy()
+        return Reporting(
+            names=tuple(part.name for part in parts),
+            rows=JointRows(slot, np.where(mirrored, side, 1 - side), first, count),
+            sign=np.where(mirrored, 1.0, -1.0)[:, None],
+            body=np.array(bodies, dtype=int),
+            arm=self.arms(parts, fields),
+        )
+
     @abstractmethod
     def groups(self) -> Any:
         """Return the arrays of the scene."""
@@ -119,7 +158,9 @@ class Builder(ABC):
         return self.angles[self.scene_index[name]]
 
     def signal(self, segments: list[Segment]) -> int:
-        self.segments.append(segments)
+        """Return the number of a signal, which is new unless it equals the last one."""
+        if self.segments[-1:] != [segments]:
+            self.segments.append(segments)
         return len(self.segments) - 1
 
     def motion(self, drive: Drive) -> int:

@@ -13,6 +13,7 @@ from mbs_ref.kernels import answers as core
 from mbs_ref.kernels.border.groups import absent, floats, ints
 from mbs_ref.kernels.contact import laws as shared
 from mbs_ref.kernels.rigid.model import WATCH_COORDINATE, WATCH_DISTANCE, WATCH_RATE, Springs, Watches
+from mbs_ref.kernels.rigid.outputs import Record, contact_forces_over, recall
 from mbs_ref.scene import GROUND, PointBushing, Scene, SpringDamper
 from mbs_ref.scene.base.attached import COORDINATES
 from mbs_ref.scene.base.rows import Axes
@@ -133,16 +134,18 @@ def _quantity(event: DistanceEvent | CoordinateEvent) -> int:
 class ContactSystem(System):
     """A system whose `groups` hold contact laws, modes and the list of near pairs."""
 
+    record: Record  # of the last run
+
     def start_contacts(self, t: float, y: np.ndarray, located: bool) -> None:
         super().start_contacts(t, y, located)
-        self._first_modes = [values.copy() for values in self._frozen]
-        self._recalled = -1  # events of the log that the modes reflect once they are recalled
+        self._set_record()
 
-    @property
-    def _frozen(self) -> tuple[np.ndarray, ...]:
-        """What an event changes, in the order of the log's columns."""
-        modes = self.groups.contact_modes
-        return modes.mode, modes.grip, modes.anchor, modes.dashpot
+    def _set_record(self) -> None:
+        """Store the present modes as those of the start of a run."""
+        groups, modes = self.groups, self.groups.contact_modes
+        mode, grip, anchor, dashpot = modes.mode.copy(), modes.grip.copy(), modes.anchor.copy(), modes.dashpot.copy()
+        stale, recalled = groups.near_pairs.stale, np.array([-1])
+        self.record = Record(modes, mode, grip, anchor, dashpot, stale, recalled, groups.world.control)
 
     def spread_events(self, factor: float, lag: float = 0.0) -> None:
         modes = self.groups.contact_modes
@@ -181,30 +184,12 @@ class ContactSystem(System):
         strings[:] = before
 
     def recall_modes(self, t: float) -> None:
-        # quickest in the order of time
-        modes = self.groups.contact_modes
-        if not modes.roots[0]:
-            return
-        log = modes.log[: modes.logged[0]]
-        if self._recalled < 0 or (self._recalled and log[self._recalled - 1, 0] > t):
-            self._recalled = 0
-            for values, first in zip(self._frozen, self._first_modes, strict=True):
-                values[:] = first
-        end = int(np.searchsorted(log[:, 0], t, side="right"))
-        for row in log[self._recalled : end]:
-            column = 2
-            for values in self._frozen:
-                width = values[0].size
-                values[int(row[1])] = row[column : column + width].reshape(values.shape[1:])
-                column += width
-        self._recalled = end
-        self.groups.near_pairs.stale[0] = 1
+        recall(self.record, t)
 
     def contact_forces(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         # the modes of each time are replayed from the log of events, so the states must be the last run's
         self.prepare(core.REPORT)
         forces = np.zeros((len(times), len(self.scene.contacts), 1 + 2 * self.scene.dimension))
-        for place, (t, y) in enumerate(zip(times, states, strict=True)):
-            self.recall_modes(t)
-            core.call_contact_forces(self.model, self.work, float(t), y, forces[place])
+        times, states = np.ascontiguousarray(times), np.ascontiguousarray(states)
+        contact_forces_over(self.model, self.work, self.record, times, states, forces)
         return {part.name: forces[:, k] for k, part in enumerate(self.scene.contacts)}

@@ -5,7 +5,7 @@ from abc import abstractmethod
 from array import array
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -13,38 +13,21 @@ from mbs_ref.cores.builder import Builder, Place
 from mbs_ref.cores.events import ContactSystem
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
-from mbs_ref.kernels.border.groups import floats
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
-from mbs_ref.kernels.rigid.joints import JointRows, forces_at_joints, forces_over
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.scene import GROUND, Scene, UserConstraint, UserForce
+from mbs_ref.kernels.rigid.outputs import forces_at_joints, forces_over
+from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
 MOST_AT_ONCE = 1_000_000  # numbers of reactions that are computed together: 8 MB
-CHANGED = ("contact_modes", "near_pairs", "granules", "world")  # groups that a run writes to
 SURE_PIVOT = 1e-3  # relative closure pivot, the square of a singular value: rows are independent beyond doubt
 _CALLBACK = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_uint64)
-
-
-def _copied(group: Any) -> Any:
-    """Return a group with arrays of its own; nothing is written to a log, which is large and empty before a run."""
-    pairs = zip(group._fields, group, strict=True)
-    return type(group)(*(np.empty(a.shape) if name == "log" else a.copy() for name, a in pairs))
-
-
-class Reporting(NamedTuple):
-    """What each joint's reaction is read from, joint after joint."""
-
-    names: tuple[str, ...]
-    rows: JointRows
-    sign: np.ndarray  # (n_joints, 1)
-    body: np.ndarray  # (n_joints,) scene index
-    arm: np.ndarray  # (n_joints, dimension) m, from the body's centre of mass to the joint's point, body axes
 
 
 class JointedSystem(ContactSystem):
     """A system whose `groups` and `scratch` hold constraint rows in slots; `place` gives each joint's."""
 
+    changed = "contact_modes", "near_pairs", "granules", "world"
     BUILDER: ClassVar[type[Builder]]
     RATES: ClassVar[int]  # of a body
     SHARED: ClassVar[int]  # numbers a body in each array that a user's force law sees
@@ -55,23 +38,23 @@ class JointedSystem(ContactSystem):
         self.scene, self.n_bodies = scene, len(scene.bodies)
         self.builder = self.BUILDER(scene)
         self.place = self.builder.place
-        self._allocate(self.builder.groups())
+        groups = self.builder.groups()
+        self._set_arrays(groups, self._scratch(groups))
+        self._begin()
 
-    def _allocate(self, groups: Any) -> None:
-        """Take groups that no run has changed, keep a copy of what a run changes, and make room for one."""
-        self.groups, self.user_error, self.user_times = groups, None, array("d")
-        self._untouched = [_copied(getattr(groups, name)) for name in CHANGED]
-        self.scratch = self._scratch()
+    def _begin(self) -> None:
+        """Prepare for a run, with arrays that no run has changed."""
+        self._set_record()
+        self.user_error, self.user_times = None, array("d")
         self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
 
     @abstractmethod
-    def _scratch(self) -> Any:
+    def _scratch(self, groups: Any) -> Any:
         """Return the scratch of one run."""
 
-    def twin(self) -> "JointedSystem":
-        other = self._unconnected()
-        fresh = dict(zip(CHANGED, map(_copied, self._untouched), strict=True))
-        other._allocate(self.groups._replace(**fresh))
+    def twin(self) -> Self:
+        other = super().twin()
+        other._begin()
         return other
 
     def _connect_user_forces(self) -> Any:
@@ -116,19 +99,9 @@ class JointedSystem(ContactSystem):
     def _user_row(self, k: int, at: Place) -> UserRow:
         joint: Any = self.scene.joints[k]
         sides = self.groups.slots.body[at.slot]
-        arms = self.arms([joint, joint], ["body_a", "body_b"])
+        arms = self.builder.arms([joint, joint], ["body_a", "body_b"])
         bodies = int(sides[at.side]), int(sides[1 - at.side])
         return UserRow(joint.formula(), joint.name, at.slot, at.row, at.side, bodies, (arms[0], arms[1]))
-
-    def arms(self, joints: Sequence[Any], ends: Sequence[str]) -> np.ndarray:
-        """Return where joints hold one end of each (k, dimension), m, body axes, from the centre of mass.
-
-        It is counted from the origin on ground, and zero without a mark.
-        """
-        build = self.builder
-        named = [(getattr(joint, end), joint.mark(end)) for joint, end in zip(joints, ends, strict=True)]
-        world = [mark or build.centres[build.scene_index[name]] for name, mark in named]
-        return build.points([name for name, _ in named], floats(world, build.dimension))
 
     @abstractmethod
     def _coordinates(self, body: int, arm: np.ndarray, size: int, first: int) -> Sequence[Taylor]:
@@ -274,61 +247,33 @@ class JointedSystem(ContactSystem):
     def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
         if not len(times):
             return {}
-        of, forces = self._reporting, np.empty((len(times), len(self.place), self.RATES))
+        of, forces = self.builder.reporting, np.empty((len(times), len(self.place), self.RATES))
         each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
-        fill = self._fill_in_modes if self.event_sources else self._fill_over
         for start in range(0, len(times), each):
             block = slice(start, start + each)
-            fill(times[block], states[block], forces[block])
+            self._fill(times[block], states[block], forces[block])
             turns = self.orientations(states[block])[:, of.body]
             forces[block] = self._about(self.turned(turns, of.arm), of.sign * forces[block])
         return dict(zip(of.names, forces.swapaxes(0, 1).copy(), strict=True))
 
     def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        if self.event_sources:
-            return super().pivots(times, states)
         return self._filled(times, states, np.empty((len(times), len(self.place), self.RATES)))[0]
 
-    def _fill_over(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
-        """Fill out (n_t, n_joints, rates) as `_fill_in_modes` where no mode changes."""
+    def _fill(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
+        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
         dependent = np.flatnonzero(self._filled(times, states, out)[1] != self.n_closure_rows)
-        if len(dependent):
-            forces = out[dependent]
-            self._fill_in_modes(times[dependent], states[dependent], forces)
-            out[dependent] = forces
+        for k in dependent.tolist():
+            self.recall_modes(times[k])
+            multiplier = self._multipliers_by_slot(times[k], states[k])
+            forces_at_joints(self.builder.reporting.rows, multiplier, self.scratch.rows.jacobian, out[k])
 
     def _filled(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Fill out as `forces_over`; return the pivots and how many closures have (n_t,)."""
         scratch, pivots, ranks = self.scratch, np.empty(len(times)), np.empty(len(times), dtype=np.int64)
-        given = self.groups.world.control, self._reporting.rows, scratch.rows, scratch.closures.rank
+        given = self.record, self.builder.reporting.rows, scratch.rows, scratch.closures.rank
         times, states = np.ascontiguousarray(times), np.ascontiguousarray(states)
         forces_over(self.model, self.work, *given, times, states, out, pivots, ranks)
         return pivots, ranks
-
-    def _fill_in_modes(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
-        """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
-        for t, y, sample in zip(times.tolist(), states, out, strict=True):
-            self.set_mode_time(t)
-            self.recall_modes(t)  # not the modes that the run ended in
-            forces_at_joints(self._reporting.rows, self._multipliers_by_slot(t, y), self.scratch.rows.jacobian, sample)
-
-    @cached_property
-    def _reporting(self) -> Reporting:
-        """The bodies whose forces give each joint's reaction: for ground, the opposite of the other body's."""
-        parts: list[Any] = [self.scene.joints[k] for k in self.place]
-        places = list(self.place.values())
-        mirrored = np.array([part.ends[1] == GROUND for part in parts], dtype=bool)
-        last = ["body_b" if "body_b" in vars(part) else "body" for part in parts]
-        fields = np.where(mirrored, "body_a", last).tolist()
-        bodies = [self.scene.body_index(getattr(part, name)) for part, name in zip(parts, fields, strict=True)]
-        slot, first, side, count = np.array([(*at,) for at in places], dtype=np.int64).reshape(-1, 4).T.copy()
-        return Reporting(
-            names=tuple(part.name for part in parts),
-            rows=JointRows(slot, np.where(mirrored, side, 1 - side), first, count),
-            sign=np.where(mirrored, 1.0, -1.0)[:, None],
-            body=np.array(bodies, dtype=int),
-            arm=self.arms(parts, fields),
-        )
 
     @abstractmethod
     def orientations(self, states: np.ndarray) -> np.ndarray:

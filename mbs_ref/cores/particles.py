@@ -98,8 +98,7 @@ class ParticleSystem(System):
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.n_bodies = len(scene.bodies)
-        self.groups = build_particles(scene)
-        self.scratch = particle_scratch(self.n_bodies)
+        self._set_arrays(build_particles(scene), particle_scratch(self.n_bodies))
         self._refuse_coincidence()
 
     def _refuse_coincidence(self) -> None:
@@ -111,9 +110,6 @@ class ParticleSystem(System):
                 raise ValueError(f"{names} coincide at t = 0; their attraction is infinite")
             if gap < particles.radius[i] + particles.radius[j]:
                 raise ValueError(f"{names} overlap at t = 0: {gap:.6g} m apart, less than the sum of their radii")
-
-    def twin(self) -> "ParticleSystem":
-        return ParticleSystem(self.scene)
 
     def initial_state(self) -> np.ndarray:
         q = [body.position for body in self.scene.bodies]

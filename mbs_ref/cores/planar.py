@@ -41,9 +41,9 @@ class PlanarSystem(JointedSystem):
     CORE, BUILDER = "planar", _Builder
     RATES = SHARED = 3
 
-    def _scratch(self) -> Any:
-        slots, state = len(self.groups.slots.body), 6 * self.n_bodies
-        scratch = rigid_scratch(PlanarScratch, self.n_bodies, slots, state, self.groups.loops, rates=3)
+    def _scratch(self, groups: Any) -> Any:
+        slots, state = len(groups.slots.body), 6 * self.n_bodies
+        scratch = rigid_scratch(PlanarScratch, self.n_bodies, slots, state, groups.loops, rates=3)
         scratch.kinematics.pose[:, 2] = 1.0
         return scratch
 

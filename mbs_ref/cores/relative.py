@@ -87,7 +87,7 @@ class Layout:
         joints = [self.joints[i] for i in jointed]
         other = [j.body_a != self.scene.bodies[k].name for j, k in zip(joints, self.order[jointed], strict=True)]
         ends = [SIDES[side ^ is_other] for side in range(2) for is_other in other]
-        arms[:, jointed] = system.arms(2 * joints, ends).reshape(2, len(joints), self.scene.dimension)
+        arms[:, jointed] = system.builder.arms(2 * joints, ends).reshape(2, len(joints), self.scene.dimension)
         return arrays.Joints(
             kind=self.kind, parent=self.parent, q=self.q[:-1], v=self.v[:-1], freedoms=self.freedoms, arm=arms[0],
             arm_of_parent=arms[1], axis=axis, offset=offset,
@@ -125,6 +125,7 @@ class RelativeSystem(System):
     scene is no such tree.
     """
 
+    changed = ("redundant",)
     REDUNDANT: ClassVar[type[PlanarSystem] | type[SpatialSystem]]
     GROUND: ClassVar[Any]  # its orientation
 
@@ -132,13 +133,11 @@ class RelativeSystem(System):
         self.scene = scene
         self.layout = layout_of(scene)
         self._redundant: JointedSystem = redundant or self.REDUNDANT(scene)
-        self._allocate(self.layout.arrays(self.redundant, *self._frames()))
+        joints = self.layout.arrays(self.redundant, *self._frames())
+        self._set_arrays(arrays.RelativeGroups(joints, arrays.Redundant(self._addresses())), self._empty_scratch())
 
-    def _allocate(self, joints: arrays.Joints) -> None:
-        """Make the handles of the redundant system known, and room for a run."""
-        inner = np.array([self.redundant.model.address, self.redundant.work.address], dtype=np.int64)
-        self.groups = arrays.RelativeGroups(joints, arrays.Redundant(inner))
-        self.scratch = self._empty_scratch()
+    def _addresses(self) -> np.ndarray:
+        return np.array([self.redundant.model.address, self.redundant.work.address], dtype=np.int64)
 
     @property
     def redundant(self) -> JointedSystem:
@@ -153,9 +152,9 @@ class RelativeSystem(System):
         return arrays.RelativeScratch(links, empty(arrays.Recursion, **lengths), full)
 
     def twin(self) -> Self:
-        other = self._unconnected()
+        other = super().twin()
         other._redundant = self.redundant.twin()
-        other._allocate(self.groups.joints)
+        other.groups.redundant.address[:] = other._addresses()
         return other
 
     @staticmethod

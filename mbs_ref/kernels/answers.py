@@ -154,7 +154,6 @@ def prepare(core: str, handle: np.ndarray, group: str) -> None:
 
 
 # Entry points from Python.
-call_contact_forces = entry(lambda model, work, t, y, forces: ask.contact_forces(model, work, t, y, forces))
 call_contact_mobility = entry(lambda model, work, t, y, k: ask.contact_mobility(model, work, t, y, k))
 call_start_modes = entry(lambda model, work, t, y, located: ask.start_modes(model, work, t, y, located))
 call_roots = entry(lambda model, work, t, y, duration, table: ask.roots(model, work, t, y, duration, table))

@@ -5,7 +5,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from mbs_ref.kernels.border.groups import Floats, Ints
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare
 
 
 class SignalArrays(NamedTuple):
@@ -19,7 +19,7 @@ class SignalArrays(NamedTuple):
     phase: Annotated[Floats, "n_segments"]  # rad
 
 
-@jit
+@bare
 def evaluate(signals, k, t, t_mode):
     """Return value, first and second derivative of signal k at t.
 

@@ -42,14 +42,19 @@ class Samples(NamedTuple):
         return Samples(poses, *({name: part[place] for name, part in forces.items()} for forces in self[1:]))
 
 
-def all_samples(system: System, plan: Plan, runs: list[Run]) -> list[Samples]:
-    """Return the samples of each run, evaluated for all runs at once; the scene has no events."""
+def all_samples(systems: list[System], plan: Plan, runs: list[Run]) -> list[Samples]:
+    """Return the samples of the last run of each system, evaluated for all runs at once where they share one."""
     if not runs:
         return []
+    system, ends = systems[0], np.cumsum([0, *(len(run.times) for run in runs)]).tolist()
+    places = list(itertools.starmap(slice, itertools.pairwise(ends)))
     full = system.all_full(np.concatenate([run.states for run in runs]))
-    every = sampled(system, plan, np.concatenate([run.times for run in runs]), full, system.redundant.poses(full))
-    ends = np.cumsum([0, *(len(run.times) for run in runs)]).tolist()
-    return [every.at(slice(*pair)) for pair in itertools.pairwise(ends)]
+    poses = system.redundant.poses(full)
+    if system.event_sources:
+        each, every = zip(systems, runs, places, strict=True), Samples(poses, {}, {})
+        return [sampled(own, plan, run.times, full[part], every.at(part).poses) for own, run, part in each]
+    every = sampled(system, plan, np.concatenate([run.times for run in runs]), full, poses)
+    return [every.at(place) for place in places]
 
 
 def sampled(system: System, plan: Plan, times: np.ndarray, full: np.ndarray, poses: Poses) -> Samples:

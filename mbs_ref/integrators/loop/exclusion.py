@@ -19,7 +19,7 @@ import numpy as np
 
 from mbs_ref.kernels.border.questions import derivative, position_count, position_rate, rate_from, roots
 from mbs_ref.kernels.contact.laws import LEFT_OUT, RATE, ROOTS_EACH, SPEED, TURN, VALUE
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rows import copy_rows
 
 BEYOND = -1.0  # value of a function below which it is past its root
@@ -83,7 +83,7 @@ def _unsure(low, new, h):
     return found[:count].copy()
 
 
-@jit
+@bare
 def _is_far(left, right, i, width):
     """Return whether function i cannot fall to zero in an interval of this width (s), by the bound on its rate."""
     g0, g1 = left[VALUE, i] - BEYOND, right[VALUE, i] - BEYOND
@@ -142,7 +142,7 @@ def _bend_velocities(model, path, mean, state):
         path.bend[n + k] = min(max(missing[k] / MEAN_QUARTIC, -most), most)
 
 
-@jit
+@bare
 def _interpolate(path, s, out):
     """Write the state at share s of the step."""
     ends, r = path.ends, 1.0 - s
@@ -183,7 +183,8 @@ def _search(model, work, path, unsure, low, new):
             top -= 1
             continue
         middle = begin + 0.5 * width
-        _evaluate(model, work, path, middle, unsure, scratch, state, tables[top + 1])
+        if width < 1.0:
+            _evaluate(model, work, path, middle, unsure, scratch, state, tables[top + 1])
         code = _examined(left, tables[top + 1], right, bends[top], error, middle, width, path.h)
         if code == EXCLUDED:
             _advance(tables, places, top)
@@ -203,7 +204,7 @@ def _search(model, work, path, unsure, low, new):
 EXCLUDED, HOLDS, SMALL, OPEN = range(4)
 
 
-@jit
+@bare
 def _examined(left, middle, right, bends, error, place, width, h):
     """Return what three values of each function show: no root in an interval, one, values too small, or nothing."""
     answer = EXCLUDED
@@ -233,14 +234,14 @@ def _examined(left, middle, right, bends, error, place, width, h):
     return HOLDS if past else answer
 
 
-@jit
+@bare
 def _second_difference(left, middle, right, c):
     """Return the absolute second difference of a function; 0 where it is roundoff."""
     g0, g1, g2 = left[VALUE, c], middle[VALUE, c], right[VALUE, c]
     return max(abs(g0 - 2.0 * g1 + g2) - NOISE - SCATTER * max(abs(g0), abs(g1), abs(g2)), 0.0)
 
 
-@jit
+@bare
 def _is_smooth(left, middle, right, c, half, bend, before):
     """Return whether a function bends evenly: as its rates at both ends tell, or less than in the wider interval."""
     if bend == 0.0:
@@ -251,7 +252,7 @@ def _is_smooth(left, middle, right, c, half, bend, before):
     return abs(apart - 0.25 * half * (left[RATE, c] - right[RATE, c])) <= 0.5 * SHRINKS * bend
 
 
-@jit
+@bare
 def _is_past(table):
     """Return whether a function is past its root."""
     past = False
@@ -260,14 +261,14 @@ def _is_past(table):
     return past
 
 
-@jit
+@bare
 def _advance(tables, places, top):
     """Begin the next interval where the last one ended."""
     copy_rows(tables[top], tables[0])
     places[0] = places[top]
 
 
-@jit
+@bare
 def _leave_out(unsure, table):
     """Mark the sources without an unsure function."""
     table[SPEED] = 0.0
@@ -277,7 +278,7 @@ def _leave_out(unsure, table):
         table[SPEED, i - i % ROOTS_EACH] = 0.0
 
 
-@jit
+@bare
 def _evaluate(model, work, path, s, unsure, scratch, state, out):
     """Write the functions at share s of the step that are not excluded yet (4, count)."""
     _interpolate(path, s, state)
@@ -285,7 +286,7 @@ def _evaluate(model, work, path, s, unsure, scratch, state, out):
     _pick(scratch, unsure, out)
 
 
-@jit
+@bare
 def _pick(table, columns, out):
     """Write these columns of a table."""
     for c in range(len(columns)):
@@ -295,9 +296,12 @@ def _pick(table, columns, out):
 
 @jit
 def _error(model, work, path, unsure, scratch, state, tables):
-    """Return what the quartic term changes in each function in the middle of the step, and whether that is little."""
+    """Return what the quartic term changes in each function in the middle of the step, and whether that is little.
+
+    The functions there are row 2 of the tables, behind those at both ends.
+    """
     is_trusted = True
-    error, with_it, without = np.empty(len(unsure)), np.empty((4, len(unsure))), np.empty((4, len(unsure)))
+    error, with_it, without = np.empty(len(unsure)), tables[2], np.empty((4, len(unsure)))
     cubic = Path(path.t, path.h, path.ends, np.zeros_like(path.bend))
     _evaluate(model, work, path, 0.5, unsure, scratch, state, with_it)
     _evaluate(model, work, cubic, 0.5, unsure, scratch, state, without)

@@ -36,8 +36,8 @@ IDLE = -1
 class Runs(NamedTuple):
     """The runs that wait, and what becomes of each."""
 
-    handles: np.ndarray  # (n_scenes, 4) int, of their systems: model, work, and those of what evaluates their loads
-    figures: np.ndarray  # (n_scenes, n_figures) of their systems
+    handles: np.ndarray  # (n_runs, 4) int, of its system: model, work, and those of what evaluates its loads
+    figures: np.ndarray  # (n_scenes, n_figures) of the systems
     atol: np.ndarray  # (n_scenes, n_state) absolute tolerances
     tolerance: np.ndarray  # (n_scenes,) m, rad, of projection
     scene: np.ndarray  # (n_runs,) int, whose run it is
@@ -166,26 +166,25 @@ def _error(main, low, n):
     return 0.0 if scale == 0.0 else main / np.sqrt(scale)  # NaN must stay NaN, and be rejected
 
 
+# Return the event functions of a lane.
+_table = bare(lambda side, w: Tables(side.tables.low[w], side.tables.high[w], side.tables.new[w]))
+# Return model and work of a run's own system.
+_system = bare(lambda runs, i: (Model(runs.handles[i, 0]), Work(runs.handles[i, 1])))
+
+
 @loop_jit
-def begin_all(model, work, options, runs, first, last, times, order):
+def begin_all(options, runs, first, last, times, order):
     """Begin a leg of a scene's runs, first to last, as a run alone does: modes, f, and a guess of the first step."""
-    table = event_tables(model)[1]
     for i in range(first, last):
         if runs.code[i] != leg.RUNNING:
             continue
-        y, slope, run = runs.begun[i], runs.slopes[i], runs.now[i]
+        (model, work), y, slope, run = _system(runs, i), runs.begun[i], runs.slopes[i], runs.now[i]
         run.t, run.h, run.next_output, run.span = times[0], 0.0, 1, times[-1] - times[0]
-        runs.code[i] = stepping.begin(model, work, options, run, y, slope, table)
+        runs.code[i] = stepping.begin(model, work, options, run, y, slope, event_tables(model)[1])
         if runs.code[i] == leg.RUNNING:
             run.h = stepping.first_step(model, work, run.t, y, slope, order, options, run.span)
             run.rhs_calls += 1
             runs.pivot[i] = regularity(work)
-
-
-# Return the event functions of a lane.
-_table = bare(lambda side, w: Tables(side.tables.low[w], side.tables.high[w], side.tables.new[w]))
-# Return model and work of a run's own system.
-_system = bare(lambda runs, i: (Model(runs.handles[runs.scene[i], 0]), Work(runs.handles[runs.scene[i], 1])))
 
 
 @bare
@@ -205,7 +204,7 @@ def _take_up(runs, side, i, w):
     side.now[PIVOT, w] = side.now[THERE, w] = runs.pivot[i]
     side.pace[MARK, w], side.pace[SLOW, w] = runs.now[i].t, 0.0
     side.pace[NATURAL, w], side.pace[AVOIDED, w] = 0.0, 0.0
-    side.beside.model[w], side.beside.work[w] = runs.handles[scene, 2], runs.handles[scene, 3]
+    side.beside.model[w], side.beside.work[w] = runs.handles[i, 2], runs.handles[i, 3]
     table = _table(side, w)
     if has_events(table):
         model, work = _system(runs, i)

@@ -24,8 +24,8 @@ from mbs_ref.kernels.algebra.lanes import BYTES, LANES
 from mbs_ref.kernels.border.groups import absent, check, declared, members
 
 QUESTIONS = 48  # a handle's first words: where the answers to questions are (mbs_ref.kernels.border.calls)
-_WORDS = 5  # then, per array: address, then up to four lengths
-_PADDING = [(0,) * (_WORDS - 1 - n) for n in range(_WORDS)]  # behind the lengths of an array of n dimensions
+WORDS = 5  # then, per array: address, then up to four lengths
+_PADDING = [(0,) * (WORDS - 1 - n) for n in range(WORDS)]  # behind the lengths of an array of n dimensions
 _Byte, _NOTHING = ctypes.c_char, np.zeros(1)
 _DTYPES = {np.dtype(np.float64): types.float64, np.dtype(np.int64): types.int64}
 
@@ -181,7 +181,7 @@ def _view(context, builder, owner, index, array_type, known):
     handle = builder.inttoptr(builder.extract_value(owner, 0), word.as_pointer())
 
     def load(offset):
-        place = builder.gep(handle, [ir.Constant(word, QUESTIONS + index * _WORDS + offset)])
+        place = builder.gep(handle, [ir.Constant(word, QUESTIONS + index * WORDS + offset)])
         return builder.load(place)
 
     result = make_array(array_type)(context, builder)

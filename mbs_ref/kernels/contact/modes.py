@@ -7,7 +7,7 @@ force what the noise makes of it. Functions are in units of their roundoff.
 """
 
 from mbs_ref.kernels.contact import laws as law
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 
 SETTLED, ENDLESS, STOP = range(3)
 AT_ONCE = 1e-9  # of the leg: events of one contact closer than this form a burst ...
@@ -15,7 +15,7 @@ LONGEST_BURST = 60  # ... and a burst longer than this is endless
 NOTHING, IMPACT, TOUCH, FRICTION = range(4)  # what a change of mode leaves for the core to do
 
 
-@jit
+@bare
 def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
     """Fill the functions of contact k's gap and force, and while it is open, of its ends; the others stay 1.
 
@@ -43,14 +43,14 @@ def normal_roots(laws, modes, k, gap, closing, beyond, leaving, speed, table):
     table[law.SPEED, i + 1] = law.UNKNOWN
 
 
-@jit
+@bare
 def _push(laws, modes, k, gap, closing):
     """Return the normal force in units of its roundoff."""
     slack = modes.noise[0] * laws.stiffness[k] + modes.noise[1] * modes.dashpot[k]
     return law.normal_force(laws, modes, k, -gap, -closing) / slack
 
 
-@jit
+@bare
 def is_broken(g, k):
     """Return whether a function of contact k is negative."""
     i = law.ROOTS_EACH * k

@@ -4,7 +4,7 @@ import numpy as np
 
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.border.handles import Model, Work
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 
 # Return the redundant system's model.
 _inner_model = jit(lambda model: Model(model.redundant.address[0]))
@@ -14,7 +14,7 @@ relative_position_count = jit(lambda model: np.min(model.joints.v))
 relative_root_count = jit(lambda model: ask.root_count(_inner_model(model)))
 
 
-@jit
+@bare
 def relative_roots(model, work, t, y, duration, table):
     ask.expand(model, work, y)
     return ask.roots(_inner_model(model), _inner_work(model), t, work.full.state, duration, table)

@@ -8,7 +8,7 @@ import numpy as np
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.contact import laws as law
 from mbs_ref.kernels.contact.modes import FRICTION, IMPACT, NOTHING, TOUCH, close, is_broken, next_mode, normal_roots
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import contact_forces as forces
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.dynamics import correct_rates, store_solved
@@ -19,7 +19,7 @@ from mbs_ref.kernels.rigid.shapes import contact_geometry, leaving_ends
 from mbs_ref.kernels.rows import clear
 
 
-@jit
+@bare
 def contact_roots(model, work, t, y, duration, table):
     """Fill four functions a contact, load the state at y, and return whether the list of near pairs is new.
 
@@ -61,7 +61,7 @@ def contact_roots(model, work, t, y, duration, table):
     return is_new
 
 
-@jit
+@bare
 def _gap_speed(model, work, k, touch):
     """Return a bound (m/s) on the rate of a gap and of the excess over open ends."""
     pairs = model.contact_pairs
@@ -71,7 +71,7 @@ def _gap_speed(model, work, k, touch):
     return speed_between(work, a, b) + turning
 
 
-@jit
+@bare
 def _some_constrained(laws, modes, table):
     closed = 0
     for k in range(laws.slot.shape[0]):

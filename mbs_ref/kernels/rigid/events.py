@@ -10,7 +10,7 @@ import numpy as np
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.contact.laws import LEFT_OUT, RATE, ROOTS_EACH, SPEED, TURN, TURNED, UNKNOWN, VALUE
 from mbs_ref.kernels.contact.modes import ENDLESS, SETTLED, STOP, is_broken, is_endless
-from mbs_ref.kernels.jit import jit
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.contact_events import contact_roots, contact_transition, start_contacts
 from mbs_ref.kernels.rigid.loads import distance, distance_speed, spring_roots, spring_transition, start_springs
@@ -18,7 +18,7 @@ from mbs_ref.kernels.rigid.marks import magnitude
 from mbs_ref.kernels.rigid.model import WATCH_DISTANCE, WATCH_RATE
 
 
-@jit
+@bare
 def _watched(watches, work, k):
     """Return the quantity above its value, its rate where known, else 0, and a bound on its rate."""
     a = watches.a[k]
@@ -34,7 +34,7 @@ def _watched(watches, work, k):
     return place - watches.value[k], rate, bound
 
 
-@jit
+@bare
 def watch_roots(model, work, table):
     """Fill the functions at the state in `work`."""
     watches, modes = model.watches, model.contact_modes
@@ -83,7 +83,7 @@ def start_watches(model, work):
 rigid_root_count = jit(lambda model: model.contact_modes.roots[0])
 
 
-@jit
+@bare
 def rigid_roots(model, work, t, y, duration, table):
     for i in range(table.shape[1]):
         table[VALUE, i], table[RATE, i], table[TURN, i] = 1.0, 0.0, 0.0
@@ -94,7 +94,7 @@ def rigid_roots(model, work, t, y, duration, table):
     return is_new
 
 
-@jit
+@bare
 def rigid_switch_roots(model, work, table):
     spring_roots(model, work, table)
     watch_roots(model, work, table)

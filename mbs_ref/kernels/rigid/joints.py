@@ -1,18 +1,16 @@
-"""Joint rows and reactions: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
+"""Joint rows: C, C_dot, the Jacobian blocks and gamma = -C_tt - (C_q v)_q v - 2 C_qt v.
 
 Every joint consists of elementary rows (Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, 1989,
 sec. 9.4). lambda of a row is the force or torque that the row exerts along its Jacobian.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import WIDTH, lane_of, put_lane
 from mbs_ref.kernels.border.calls import call_user
 from mbs_ref.kernels.border.handles import alone
-from mbs_ref.kernels.border.questions import derivative, fill_contact_rows, fill_further_rows, fill_rows, regularity
-from mbs_ref.kernels.jit import bare, jit, loop_jit, strict_jit
+from mbs_ref.kernels.border.questions import fill_contact_rows, fill_further_rows, fill_rows
+from mbs_ref.kernels.jit import bare, jit
 from mbs_ref.kernels.rigid import geometry as core
 from mbs_ref.kernels.rigid.marks import inward, separation
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
@@ -152,44 +150,3 @@ def rigid_fill_further_rows(model, work, t):
     core.fill_own_drives(model, work, t)
     if model.world.user_rows[0] != 0:
         call_user(model.world.user_rows[0], t, 0)
-
-
-# --- reactions --------------------------------------------------------------------------------------
-
-
-class JointRows(NamedTuple):
-    """Where each joint's rows are, and on which side the force is reported."""
-
-    slot: np.ndarray  # (n_joints,) int
-    side: np.ndarray  # (n_joints,) int
-    first: np.ndarray  # (n_joints,) int, row in the slot
-    count: np.ndarray  # (n_joints,) int
-
-
-@strict_jit
-def forces_at_joints(joints, multiplier, jacobian, out):
-    """Write C_q^T lambda of each joint's rows on the chosen side's body (n_joints, rates)."""
-    for j in range(out.shape[0]):
-        slot, side, first = joints.slot[j], joints.side[j], joints.first[j]
-        for c in range(out.shape[1]):
-            total = 0.0
-            for row in range(first, first + joints.count[j]):
-                total += multiplier[slot, row] * jacobian[slot, side, row, c]
-            out[j, c] = total
-
-
-@loop_jit
-def forces_over(model, work, control, joints, rows, rank, times, states, out, pivots, ranks):
-    """Write forces as `forces_at_joints` at each time and state into out (n_t, n_joints, rates).
-
-    pivots and ranks (n_t,) receive the smallest relative pivot of the closures and the number of all. `rows` and `rank`
-    lie in the scratch, which dy/dt fills.
-    """
-    dy = np.empty(states.shape[1])
-    for k in range(times.shape[0]):
-        control[CONTROL_MODE_TIME] = times[k]
-        derivative(model, work, times[k], states[k], dy)
-        forces_at_joints(joints, rows.multiplier, rows.jacobian, out[k])
-        pivots[k], ranks[k] = regularity(work), 0
-        for count in rank:
-            ranks[k] += count

@@ -22,11 +22,13 @@ from mbs_ref.kernels.signals import evaluate
 ALL, TWO_SIDED, ONE_SIDED = range(3)  # springs: those that only pull are one-sided
 
 
-@jit
+@bare
 def _apply_forces(model, work, t):
     load, signals, mode_time = model.forces, model.signals, model.world.control[CONTROL_MODE_TIME]
+    scale = 0.0
     for k in range(load.body.shape[0]):
-        scale, _, _ = evaluate(signals, load.signal[k], t, mode_time)
+        if k == 0 or load.signal[k] != load.signal[k - 1]:
+            scale, _, _ = evaluate(signals, load.signal[k], t, mode_time)
         body, force = load.body[k], core.times(work, scale, load.force[k])
         if load.follows[k] == 1:
             force = core.turned(work, body, force)
@@ -117,9 +119,9 @@ def _clipped_by_mode(spring, modes, k, stretch, tension):
     place = spring.place[k]
     if place < 0 or modes.mode[place] == law.MODE_CLOSED:
         return tension
-    if modes.mode[place] == law.MODE_PLAIN and stretch > 0.0:
-        return min(max(tension, 0.0), spring.limit[k])
-    return spring.limit[k] if modes.mode[place] == law.MODE_LIMITED else 0.0
+    if modes.mode[place] == law.MODE_LIMITED:
+        return spring.limit[k]
+    return min(max(tension, 0.0), spring.limit[k]) if stretch > 0.0 else 0.0
 
 
 # Return the pull of a spring whose law, without clipping, gives `tension`. It follows from the frozen mode, or from the
@@ -135,7 +137,10 @@ def _apply_springs(model, work, which):
     """F = k (l - l0) + c l_dot along the line of the two points (Fox 1999 eq 18 with the points' distance)."""
     spring, modes = model.springs, model.contact_modes
     for k in range(spring.a.shape[0]):
-        if (which == TWO_SIDED and spring.place[k] >= 0) or (which == ONE_SIDED and spring.place[k] < 0):
+        place = spring.place[k]
+        if (which == TWO_SIDED and place >= 0) or (which == ONE_SIDED and place < 0):
+            continue
+        if place >= 0 and modes.mode[place] in (law.MODE_OPEN, law.MODE_LIFTED):
             continue
         a, b = spring.a[k], spring.b[k]
         apart = separation(work, a, b, spring.point_a[k], spring.point_b[k])
@@ -177,7 +182,7 @@ def _pull(spring, work, k):
     return stretch, rate, spring.stiffness[k] * stretch + spring.damping[k] * rate
 
 
-@jit
+@bare
 def spring_roots(model, work, table):
     """Fill the functions of the tension-only springs at the state in `work`."""
     spring, modes = model.springs, model.contact_modes

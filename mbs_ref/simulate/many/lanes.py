@@ -74,6 +74,7 @@ class Bunch(NamedTuple):
     system: System
     plan: Plan
     starts: np.ndarray  # (n, n_state)
+    systems: list[System]  # of each run: one of its own where it has modes of its own, else the same one
     build_s: float = 0.0
 
 
@@ -106,8 +107,7 @@ def alike(bunch: Bunch) -> bytes:
 def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
     """Return the runs of bunches with the same key, equal to those of `run_legs`.
 
-    A run that fails is repeated alone, which gives its message. `loop_s` is the mean over the runs. Of a scene with
-    events a bunch holds one run, whose modes its system then has.
+    A run that fails is repeated alone, which gives its message. `loop_s` is the mean over the runs.
     """
     planned = planned_legs(bunches[0].system, bunches[0].plan, refine)
     began = time.perf_counter()
@@ -118,15 +118,15 @@ def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
     whole = [leg.Leg(one.states, one.compliance, one.states.shape[1], Status.SUCCESS) for one in legs]
     states, compliance = samples(planned, whole)
 
-    def run(k: int) -> Run:
-        bunch = bunches[legs[0].scene[k]]
+    def run(bunch: Bunch, system: System, k: int) -> Run:
         if succeeded[k]:
             return _complete(bunch.plan, legs[-1].now[k], states[k], compliance[k], loop_s)
         y = legs[0].states[k, 0].copy()
-        start_run(bunch.system, bunch.plan, y)
-        return run_legs(bunch.system, bunch.plan, y, refine)
+        start_run(system, bunch.plan, y)
+        return run_legs(system, bunch.plan, y, refine)
 
-    return [[run(k) for k in range(first, last)] for first, last in _places(bunches)]
+    return [[run(bunch, *one) for one in zip(bunch.systems, range(first, last), strict=True)]
+            for bunch, (first, last) in zip(bunches, _places(bunches), strict=True)]  # fmt: skip
 
 
 def _places(bunches: Sequence[Bunch]) -> list[tuple[int, int]]:
@@ -139,14 +139,16 @@ def _advanced(bunches: Sequence[Bunch], planned: list[LegPlan]) -> list[Runs]:
     """Return the runs after each leg."""
     runs, legs = _started(bunches), list[Runs]()
     room, options = bunches[0].system.room, bunches[0].plan.options
-    n_roots = int(bunches[0].system.redundant.groups.contact_modes.roots[0])
+    systems = [system for bunch in bunches for system in bunch.systems]
+    n_roots = max((int(system.redundant.groups.contact_modes.roots[0]) for system in systems), default=0)
     side = room_beside(room.figures, room.beside, runs.atol.shape[1], len(DOP853.b), n_roots)
     with np.errstate(all="ignore"):
         for times, *_ in planned:
             runs = next_leg(runs, len(times))
-            for (system, plan, *_), (first, last) in zip(bunches, _places(bunches), strict=True):
+            for system in systems:
                 system.set_mode_time(0.5 * (times[0] + times[-1]))
-                begin_all(system.model, system.work, plan.options, runs, first, last, times, DOP853.order)
+            for bunch, (first, last) in zip(bunches, _places(bunches), strict=True):
+                begin_all(bunch.plan.options, runs, first, last, times, DOP853.order)
             advance_in_lanes(room.model, room.work, DOP853, options, runs, side, times, 0, len(runs.code))
             legs.append(runs)
     return legs
@@ -154,16 +156,16 @@ def _advanced(bunches: Sequence[Bunch], planned: list[LegPlan]) -> list[Runs]:
 
 def _started(bunches: Sequence[Bunch]) -> Runs:
     """Return the runs at their starts, with the systems in the modes that they have there."""
-    for system, plan, starts, _ in bunches:
-        if len(starts):
-            start_run(system, plan, starts[0])
+    for bunch in bunches:
+        for system, y in zip(bunch.systems, bunch.starts, strict=True):
+            start_run(system, bunch.plan, y)
+    handles = np.array([handles_of(system) for bunch in bunches for system in bunch.systems], np.int64)
     figures = np.stack([figures_of(bunch.system) for bunch in bunches])
     atol = np.stack([bunch.plan.options.atol for bunch in bunches])
     scene = np.repeat(np.arange(len(bunches)), [len(bunch.starts) for bunch in bunches])
     tolerance = np.array([bunch.plan.options.projection_tolerance for bunch in bunches])
     starts = np.concatenate([bunch.starts for bunch in bunches])
-    handles = np.array([handles_of(bunch.system) for bunch in bunches], np.int64)
-    return runs_from(handles, figures, atol, tolerance, scene, starts)
+    return runs_from(handles.reshape(-1, 4), figures, atol, tolerance, scene, starts)
 
 
 def _complete(plan: Plan, run: leg.Progress, states: np.ndarray, compliance: np.ndarray, loop_s: float) -> Run:
@@ -190,12 +192,11 @@ def starts_in_lanes(
     states, of_thread = first.system.redundant.states_of(starts), threading.local()
 
     def piece(part: slice) -> list[Trajectory]:
-        if first.system.event_sources:  # every run has modes of its own
-            each = [first._replace(system=first.system.twin(), starts=y[None].copy()) for y in states[part]]
-            return [path for paths in _side_by_side(each) for path in paths]
         if not hasattr(of_thread, "system"):
             of_thread.system = first.system.twin()
-        return _side_by_side([first._replace(system=of_thread.system, starts=states[part].copy())])[0]
+        own, some = of_thread.system, states[part].copy()
+        systems = [own.twin() if own.event_sources else own for _ in some]
+        return _side_by_side([first._replace(system=own, starts=some, systems=systems)])[0]
 
     work = pieces(len(states), threads, len(first.plan.times) * states.shape[1])
     return [path for paths in shared(piece, work, threads, alone=0) for path in paths]
@@ -221,7 +222,8 @@ def _case(scene: Scene, settings: Settings, times: np.ndarray | None) -> Bunch:
     """Return a scene with its own start; a tree of known joints is in relative coordinates."""
     coordinates, note = ("cartesian", NOTE) if [*no_tree(scene)] else ("relative", f"{NOTE}, in relative coordinates")
     plan, system, build_s = compiled(scene, settings.model_copy(update={"coordinates": coordinates}), times)
-    return Bunch(system, replace(plan, notes=(note, *plan.notes)), system.redundant.initial_state()[None], build_s)
+    start, plan = system.redundant.initial_state()[None], replace(plan, notes=(note, *plan.notes))
+    return Bunch(system, plan, start, [system], build_s)
 
 
 def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
@@ -230,7 +232,7 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
     checked = [_checked(case) for case in cases]
     bunches = [one.bunch for one in checked]
     for bunch in bunches[:1]:  # compiles, outside of the timing
-        runs_in_lanes([bunch._replace(starts=bunch.starts[:0])])
+        runs_in_lanes([bunch._replace(starts=bunch.starts[:0], systems=[])])
     ready = (time.perf_counter() - began) / max(1, sum(len(case.starts) for case in cases))
     runs = _runs(bunches)
     is_estimated = bool(bunches) and bunches[0].plan.settings.estimate == "on"
@@ -260,7 +262,9 @@ def _companions(bunches: list[Bunch], runs: list[list[Run]]) -> list[list[_Other
             shares.setdefault(request.share, []).append((k, request, these))
     result: list[list[_Others]] = [[] for _ in bunches]
     for asked in shares.values():
-        again = [Bunch(bunches[k].system.beside(), one.plan, bunches[k].starts[at]) for k, one, at in asked]
+        beside = [[bunches[k].system.beside() for _ in at] for k, _, at in asked]
+        again = [Bunch(bunches[k].system, one.plan, bunches[k].starts[at], own)
+                 for (k, one, at), own in zip(asked, beside, strict=True)]  # fmt: skip
         for (k, one, at), found in zip(asked, _runs(again, asked[0][1].refine), strict=True):
             result[k].append(_Others(one, at, found))
     return result
@@ -271,7 +275,8 @@ def _checked(case: Bunch) -> Checked:
     checks = [or_empty(scene, lambda y=y: _start(case, y)) for y in case.starts]
     notes = {k: one for k, one in enumerate(checks) if not isinstance(one, Trajectory)}
     others = {k: one for k, one in enumerate(checks) if isinstance(one, Trajectory)}
-    return Checked(Bunch(system, case.plan, system.all_reduced(case.starts[[*notes]])), notes, others)
+    starts, systems = system.all_reduced(case.starts[[*notes]]), [case.systems[k] for k in notes]
+    return Checked(Bunch(system, case.plan, starts, systems), notes, others)
 
 
 def _start(case: Bunch, y: np.ndarray) -> list[str] | Trajectory:
@@ -301,14 +306,15 @@ def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
 
 def _trajectories(checked: Checked, timing: Timing, runs: list[Run], others: list[_Others]) -> list[Trajectory]:
     """Return the trajectories of a case, in the order of its starts."""
-    (system, plan, *_), paths = checked.bunch, dict(checked.others)
-    samples = all_samples(system, plan, runs)
+    (system, plan, _, systems, _), paths = checked.bunch, dict(checked.others)
+    samples = all_samples(systems, plan, runs)
     poses = [sample.poses for sample in samples]
     firsts: dict[int, Companion] = {}
     for request, places, again in others:
         own, its = [runs[k] for k in places], [poses[k] for k in places]
         firsts |= zip(places, companions(system, request, own, its, again), strict=True)
-    for i, ((k, notes), run, sample) in enumerate(zip(checked.notes.items(), runs, samples, strict=True)):
+    each = enumerate(zip(checked.notes.items(), systems, runs, samples, strict=True))
+    for i, ((k, notes), own, run, sample) in each:
         spent = replace(timing, loop_s=run.loop_s)
-        paths[k] = trajectory(system, plan, run, [*plan.notes, *notes], spent, sample, firsts.get(i))
+        paths[k] = trajectory(own, plan, run, [*plan.notes, *notes], spent, sample, firsts.get(i))
     return [paths[k] for k in range(len(paths))]
