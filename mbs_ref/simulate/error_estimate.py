@@ -109,7 +109,7 @@ class _Comparison(NamedTuple):
 
 def first_companion(system: System, plan: Plan, run: Run) -> Request:
     """Return the first companion of a run."""
-    return _doubled(plan) if is_coarsened(system, plan, run) else _first_two(system, plan, run)[0]
+    return _doubled(plan) if _is_coarsened(system, plan, run) else _first_two(system, plan, run)[0]
 
 
 def companions(
@@ -210,7 +210,7 @@ def _tolerance_ratio(plan: Plan) -> float:
 
 def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
     """Return the comparisons with the needed companions, no two alike: one as a rule."""
-    if is_coarsened(system, plan, own.run):
+    if _is_coarsened(system, plan, own.run):
         coarse, first = _compared(system, plan, own, _doubled(plan), first), None
         if coarse.status is Status.INTERRUPTED or _shows_order(own.run, coarse.other):
             return [coarse]
@@ -229,7 +229,7 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion
     return compared
 
 
-def is_coarsened(system: System, plan: Plan, run: Run) -> bool:
+def _is_coarsened(system: System, plan: Plan, run: Run) -> bool:
     """Return whether the companion of a run has steps of twice the size, because outputs determine the steps."""
     options, unknown = plan.options, run.near_singular or any(isinstance(x, UserForce) for x in system.scene.loads)
     controlled = bool(plan.integrator.stability) and not options.step and not options.dense and not unknown

@@ -27,7 +27,7 @@ from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.error_estimate import Companion, Request, companions, first_companion, is_coarsened
+from mbs_ref.simulate.error_estimate import Companion, Request, companions, first_companion
 from mbs_ref.simulate.legs import Counts, LegPlan, Run, planned_legs, reached, run_legs, samples, start_run
 from mbs_ref.simulate.one_run import all_samples, compiled, or_empty, simulated, trajectory
 from mbs_ref.simulate.plan import Plan
@@ -76,6 +76,10 @@ class Bunch(NamedTuple):
     starts: np.ndarray  # (n, n_state)
     systems: list[System]  # of each run: one of its own where it has modes of its own, else the same one
     build_s: float = 0.0
+
+    def beside(self, plan: Plan, places: list[int]) -> "Bunch":
+        """Return companions of some runs."""
+        return Bunch(self.system, plan, self.starts[places], [self.system.beside() for _ in places])
 
 
 def why_not_in_lanes(scene: Scene, settings: Settings) -> str:
@@ -241,32 +245,22 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
     return [_trajectories(*one) for one in zip(checked, times, runs, others, strict=True)]
 
 
-class _Others(NamedTuple):
-    """Companions of some runs of a bunch."""
-
-    request: Request
-    places: list[int]  # of the runs in the bunch
-    runs: list[Run]
+type _Others = tuple[Request, list[int], list[Run]]  # how, the places of runs in a bunch, and their companions
 
 
 def _companions(bunches: list[Bunch], runs: list[list[Run]]) -> list[list[_Others]]:
     """Return the first companion of each run; those with the same share of the tolerance are side by side."""
-    shares: dict[str, list[tuple[int, Request, list[int]]]] = {}
+    shares: dict[str, dict[int, tuple[Request, list[int]]]] = {}
     for k, (bunch, own) in enumerate(zip(bunches, runs, strict=True)):
-        places: dict[tuple[bool, bool], list[int]] = {}
         for i, run in enumerate(own):
-            kind = is_coarsened(bunch.system, bunch.plan, run), run.near_singular
-            places.setdefault(kind, []).append(i)
-        for these in places.values():
-            request = first_companion(bunch.system, bunch.plan, own[these[0]])
-            shares.setdefault(request.share, []).append((k, request, these))
+            request = first_companion(bunch.system, bunch.plan, run)
+            shares.setdefault(request.share, {}).setdefault(k, (request, []))[1].append(i)
     result: list[list[_Others]] = [[] for _ in bunches]
     for asked in shares.values():
-        beside = [[bunches[k].system.beside() for _ in at] for k, _, at in asked]
-        again = [Bunch(bunches[k].system, one.plan, bunches[k].starts[at], own)
-                 for (k, one, at), own in zip(asked, beside, strict=True)]  # fmt: skip
-        for (k, one, at), found in zip(asked, _runs(again, asked[0][1].refine), strict=True):
-            result[k].append(_Others(one, at, found))
+        again = [bunches[k].beside(request.plan, places) for k, (request, places) in asked.items()]
+        (first, _), *_ = asked.values()
+        for (k, one), found in zip(asked.items(), _runs(again, first.refine), strict=True):
+            result[k].append((*one, found))
     return result
 
 
