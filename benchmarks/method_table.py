@@ -93,7 +93,7 @@ def _in_turns(scene: Scene, *choices: tuple[str, float]) -> list[float]:
     """Return the least CPU time (s) of each choice's calls, in interleaved turns; slow ones take one."""
     calls = [lambda choice=choice: _called(scene, *choice)[0] for choice in choices]
     first = [min(times) for times in interleaved(calls, 1)]
-    return first if sum(first) > SLOW else [min(times) for times in interleaved(calls, TURNS)]
+    return first if sum(first) >= SLOW else [min(times) for times in interleaved(calls, TURNS)]
 
 
 def _error(scene: Scene, path: Trajectory, tight: Trajectory) -> float:

@@ -89,8 +89,8 @@ def test_a_tree_is_slowed_until_it_takes_the_requested_share(monkeypatch, tmp_pa
 def test_the_cost_of_a_call_is_its_processor_time(monkeypatch):
     clock = iter((3.0, 5.5))
     monkeypatch.setattr(method_table.time, "process_time", lambda: next(clock))
-    monkeypatch.setattr(method_table, "_run", lambda *given: None)
-    assert method_table._cost(None, "rk4", 1e-3) == 2.5  # type: ignore[arg-type]
+    monkeypatch.setattr(method_table, "_run", lambda *given: given)
+    assert method_table._called(None, "rk4", 1e-3) == (2.5, (None, "rk4", 1e-3))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -107,7 +107,9 @@ def test_a_choice_is_compared_with_the_cheapest_that_errs_no_more(monkeypatch, s
         )
 
     monkeypatch.setattr(method_table, "LOST", 1.0)
+    monkeypatch.setattr(method_table, "FAR", np.inf)
     monkeypatch.setattr(method_table, "_run", run)
+    monkeypatch.setattr(method_table, "_called", lambda *given: (drawn(given[1:])[0], run(*given)))
     monkeypatch.setattr(method_table, "_error", lambda scene, path, tight: drawn(path.key)[1])
     monkeypatch.setattr(method_table, "_in_turns", lambda scene, *keys: [drawn(key)[0] for key in keys])
     rows = {row.wanted: row for row in method_table.rows("pendulum")}
@@ -124,19 +126,55 @@ def test_a_choice_is_compared_with_the_cheapest_that_errs_no_more(monkeypatch, s
             )
 
 
-@pytest.mark.parametrize(("first", "calls"), [(0.9, 4), (1.1, 2)])
-def test_slow_calls_are_timed_once_more_and_quick_ones_thrice(monkeypatch, first, calls):
+def test_the_cheapest_of_the_few_by_their_turns_is_the_best(monkeypatch):
+    """A first call takes 1 s at rtol 1e-3 and 0.1 s more each decade; in turns the third cheapest takes the least."""
+    turns = {1e-3: 5.0, 1e-4: 4.0, 1e-5: 3.0, 1e-6: 3.5, 1e-7: 0.1}
+
+    def called(scene: Any, method: str, rtol: float) -> tuple[float, Any]:
+        return 0.7 - 0.1 * np.log10(rtol), SimpleNamespace(ok=method in ("auto", "dop853"), method=method)
+
+    asked: list[Any] = []
+    monkeypatch.setattr(method_table, "_run", lambda *given: called(*given)[1])
+    monkeypatch.setattr(method_table, "_called", called)
+    monkeypatch.setattr(method_table, "_error", lambda *given: 0.0)
+    monkeypatch.setattr(
+        method_table, "_in_turns",
+        lambda scene, own, *keys: asked.append(keys) or [6.0, *(turns[round(rtol, 12)] for _, rtol in keys)],
+    )  # fmt: skip
+    for row in method_table.rows("pendulum"):
+        assert (row.best, row.ratio) == ("dop853 1e-05", 2.0)
+    assert [[f"{rtol:g}" for _, rtol in keys] for keys in asked] == [["0.001", "0.0001", "1e-05", "1e-06"]] * 4
+
+
+def test_a_method_far_dearer_than_the_chosen_one_ends_at_that_tolerance(monkeypatch):
+    """LSODAR takes ten times as long a decade; the chosen runs take 1 s, and 4 s is far from that."""
+    tried: list[float] = []
+
+    def called(scene: Any, method: str, rtol: float) -> tuple[float, Any]:
+        tried.extend([rtol] if method == "lsodar" else [])
+        return 1e-3 / rtol if method == "lsodar" else 1.0, SimpleNamespace(ok=True, method=method)
+
+    monkeypatch.setattr(method_table, "_run", lambda *given: called(*given)[1])
+    monkeypatch.setattr(method_table, "_called", called)
+    monkeypatch.setattr(method_table, "_error", lambda *given: 0.0)
+    monkeypatch.setattr(method_table, "_in_turns", lambda scene, *keys: [1.0] * len(keys))
+    assert len(list(method_table.rows("pendulum"))) == len(method_table.ASKED)
+    assert [f"{rtol:g}" for rtol in tried] == ["0.001", "0.0001"]
+
+
+@pytest.mark.parametrize(("first", "calls"), [(0.9, 6), (1.1, 1)])
+def test_slow_calls_are_timed_once_and_quick_ones_in_further_turns(monkeypatch, first, calls):
     """Two choices whose first calls take 0.9 s or 1.1 s each; 2 s is slow. The least of the later calls counts."""
     made: dict[str, list[float]] = {"a": [], "b": []}
 
-    def cost(scene: Any, method: str, rtol: float) -> float:
+    def called(scene: Any, method: str, rtol: float) -> tuple[float, None]:
         made[method].append(first + 0.01 * len(made[method]) * (-1) ** len(made[method]))
-        return made[method][-1]
+        return made[method][-1], None
 
-    monkeypatch.setattr(method_table, "_cost", cost)
+    monkeypatch.setattr(method_table, "_called", called)
     found = method_table._in_turns(None, ("a", 1.0), ("b", 1.0))  # type: ignore[arg-type]
     assert {name: len(own) for name, own in made.items()} == {"a": calls, "b": calls}
-    assert found == [min(own[1:]) for own in made.values()]
+    assert found == [min(own[1:] or own) for own in made.values()]
 
 
 def test_right_hand_sides_of_two_trees_are_compared_pair_by_pair(monkeypatch):
