@@ -10,12 +10,15 @@ A motion is stiff if stability limits the steps of an explicit method more than 
 largest |lambda| of the linearised motion (B. P. Sommeijer, L. F. Shampine, J. G. Verwer, J. Comput. Appl. Math. 88
 (1998) 315, sec. 3.2). If the number of stable steps far exceeds the number of outputs, the default method starts. As
 long as stability limits its steps (Hairer and Wanner, Solving Ordinary Differential Equations II, sec. IV.2), the
-implicit method takes some steps from the same state: these grow as fast motions decay. Contacts that are open at the
-start limit the steps once they close, by the stiffness of each alone; the trials then run when the steps have
+implicit method takes some steps from the same state: these grow as fast motions decay. It is not tried where its
+matrices cost more than a share of the default's run, as in large scenes that are hardly stiff. Contacts that are open
+at the start limit the steps once they close, by the stiffness of each alone; the trials then run when the steps have
 become as short. Work is counted, not timed, so that the choice is reproducible.
 """
 
+import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -41,7 +44,8 @@ PROBE = 6  # steps of the implicit method to settle, each up to eight times the 
 LIMITED = 0.5  # of the stable step: a shorter step is limited by accuracy
 EVALUATION = 50  # multiplications of dy/dt for each entry of the state, measured over the library
 WORTH = 5e6  # multiplications, some milliseconds: a shorter run costs no more than this decision
-FACTORS = 10.0 / 3.0  # times n^3: multiplications to factor a real and a complex matrix of order n
+FACTORS = 5.0 / 3.0  # times n^3: multiplications to factor a real and a complex matrix of order n; n^2: to solve
+SHARE = 0.2  # of the default's work that the factorisations of all trials may take
 
 
 def choose_plan(scene: Scene, settings: Settings, times: np.ndarray | None) -> Plan:
@@ -95,7 +99,8 @@ class _Trial:
         """Integrate up to a time (s), in at most `steps` steps; return whether that succeeded."""
         self.before = int(self.run.steps), int(self.run.rhs_calls)
         options = self.plan.options._replace(max_steps=int(self.run.steps) + steps)
-        times = np.array([float(self.run.t), until])
+        now, outputs = float(self.run.t), self.plan.times
+        times = np.hstack([now, outputs[(outputs > now) & (outputs < until)], until])
         self.system.start_contacts(float(self.run.t), self.y, self.plan.settings.events != "none")
         with np.errstate(all="ignore"):
             leg = self.plan.integrator.advance(self.system, options, self.run, self.y, times)
@@ -113,10 +118,18 @@ class _Trial:
 
     def cost(self, longest: float) -> float:
         """Return multiplications per simulated second, from the last steps; a step is at most `longest` (s)."""
-        n, steps = len(self.y), max(1, int(self.run.steps) - self.before[0])
-        factored = 0.0 if self.plan.integrator.stability else FACTORS * n**3
-        work = EVALUATION * n * (int(self.run.rhs_calls) - self.before[1]) / steps + factored
-        return work / min(float(self.run.h), longest)
+        n, steps, h = len(self.y), max(1, int(self.run.steps) - self.before[0]), float(self.run.h)
+        evaluations, each, factored = int(self.run.rhs_calls) - self.before[1], EVALUATION * n, 0.0
+        if not self.plan.integrator.stability:  # a Jacobian that later steps share, and factors that equal steps share
+            evaluations -= n
+            each += FACTORS * n**2
+            factored = _factoring(self.system, n) / (steps if h > longest else 1)
+        return (each * evaluations / steps + factored) / min(h, longest)
+
+
+def _factoring(system: System, n: int) -> float:
+    """Return the multiplications to factor both matrices of the implicit method for n states: half, where q' = v."""
+    return FACTORS * (n / 2 if system.CORE == "planar" else n) ** 3
 
 
 def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
@@ -127,24 +140,27 @@ def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
     loaded = system.scene.loads or system.scene.contacts
     if plan.settings.method != AUTO or plan.options.step or not plan.integrator.stability or not loaded:
         return plan
-    span, radius = float(plan.times[-1]), stability_radius(plan.integrator)
+    span, radius = float(plan.times[-1]), stability_radius(plan.integrator.stability)
     fastest = largest_eigenvalue(system, plan.options.units, y)
     now = radius / fastest if fastest > 0.0 else np.inf
     closed = radius / max(fastest_contact(system, y), TINY / span)
     allowed = min(now, closed)
     bounded = span / allowed  # steps
     work = bounded * plan.integrator.order * EVALUATION * len(y)  # multiplications of the whole explicit run
-    if bounded <= 2 * len(plan.times) or work < max(WORTH, FACTORS * len(y) ** 3):
+    trials = int(SHARE * work / (2 * PROBE * _factoring(system, len(y))))
+    if bounded <= 2 * len(plan.times) or work < WORTH or not trials:
         return plan
     try:
         implicit = plan_by(system.scene, plan.settings, plan.times, integrators()[STIFF], "")
     except ValueError:  # it cannot run the scene with these settings
         return plan
-    return _tried(system, plan, implicit, y, allowed, closed < now / LIMITED)
+    return _tried(system, plan, implicit, y, allowed, closed < now / LIMITED, trials)
 
 
-def _tried(system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: float, closes: bool) -> Plan:
-    """Return the cheaper plan after some first steps; `allowed` (s) is the largest stable step.
+def _tried(
+    system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: float, closes: bool, trials: int
+) -> Plan:
+    """Return the cheaper plan after some first steps; `allowed` (s) is the largest stable step, `trials` the most made.
 
     `closes` states whether contacts that are open at the start determine it.
     """
@@ -163,8 +179,10 @@ def _tried(system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: f
             return plan
         if closes and explicit.run.h >= allowed / LIMITED:
             continue
+        if not trials:
+            return plan
         now = float(explicit.run.t)
-        other = _Trial(system, implicit, now, explicit.y)
+        other, trials = _Trial(system, implicit, now, explicit.y), trials - 1
         settled = all(other.advance(part * (smooth - now) + now, PROBE) for part in (0.25, 0.5))
         if settled and other.cost(gap) < explicit.cost(gap):
             return replace(implicit, reason=(
@@ -174,10 +192,11 @@ def _tried(system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: f
     return plan
 
 
-def stability_radius(integrator: Integrator) -> float:
-    """Return the least |z| on the negative axis where |R(z)| passes 1."""
+@cache
+def stability_radius(stability: tuple[float, ...]) -> float:
+    """Return the least |z| on the negative axis where |R(z)| passes 1, from R's coefficients, lowest power first."""
     radii = np.linspace(0.05, 50.0, 1000)
-    grows = np.abs(np.polynomial.polynomial.polyval(-radii, integrator.stability)) > 1.0
+    grows = np.abs(np.polynomial.polynomial.polyval(-radii, stability)) > 1.0
     return float(radii[max(int(np.argmax(grows)) - 1, 0)])
 
 
@@ -189,12 +208,13 @@ def largest_eigenvalue(system: System, units: np.ndarray, y: np.ndarray) -> floa
     f = system.derivative(0.0, y) / units
     direction = np.random.default_rng(0).standard_normal(len(y))
     growth = []
+    length = math.sqrt(direction @ direction)
     for _ in range(POWERS):
-        length = float(np.linalg.norm(direction))
         if not 0.0 < length < np.inf:
             return 0.0
-        nudge = NUDGE / length
+        nudge, before = NUDGE / length, length
         direction = (system.derivative(0.0, y + nudge * direction * units) / units - f) / nudge
-        growth.append(float(np.linalg.norm(direction)) / length)
+        length = math.sqrt(direction @ direction)
+        growth.append(length / before)
     late = np.array(growth[POWERS // 2 :])
     return float(np.exp(np.mean(np.log(late)))) if np.all((late > 0.0) & (late < np.inf)) else 0.0

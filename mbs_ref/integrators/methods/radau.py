@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 
 SAFETY, MIN_FACTOR, MAX_FACTOR = 0.9, 0.2, 8.0  # of a step
 KEEP_LOW, KEEP_HIGH = 1.0, 1.2  # a step this close to the last one keeps its factorization
-STALE_RATE = 1e-3  # contraction above which the Jacobian is renewed
+SAME_STEP = 1e-6  # of a step: what outputs at equal gaps differ by, and less, does not slow the iteration
+FEW_ITERATIONS = 2  # of Newton with a Jacobian of the state
+ROUNDOFF = 2e-14  # of the state: 100 eps of a position, which a stiff force turns into 100 eps / h of a velocity
 MOST_FAILURES = 60  # of Newton in a row, each of which halves the step
 
 
@@ -40,7 +42,7 @@ class Past(NamedTuple):
     """What a step leaves to the next one."""
 
     values: np.ndarray  # (3,) H_LAST, H_FACTORED, ERROR_LAST
-    marks: np.ndarray  # (4,) int: FRESH, STALE, REJECTED, FAILURES
+    marks: np.ndarray  # (5,) int: FRESH, STALE, REJECTED, FAILURES, SPENT
 
 
 H_LAST = 0  # s, step behind the stages that z holds; 0 where there are none to extrapolate
@@ -50,6 +52,7 @@ FRESH = 0  # 1 where the Jacobian is of this very state
 STALE = 1  # 1 where it must be renewed
 REJECTED = 2  # 1 after a step whose error was too large
 FAILURES = 3  # of Newton in a row
+SPENT = 4  # evaluations of the iterations beyond FEW_ITERATIONS since the Jacobian was renewed
 
 
 @inlined
@@ -66,7 +69,7 @@ def _renew_jacobian(model, work, options, run, y, f, scratch, jacobian, past):
     """Make the Jacobian that of the present state; no factors belong to it."""
     iteration.fill_jacobian(model, work, run.t, y, f, options.units, scratch, jacobian)
     run.rhs_calls += y.shape[0]
-    past.marks[FRESH], past.marks[STALE] = 1, 0
+    past.marks[FRESH], past.marks[STALE], past.marks[SPENT] = 1, 0, 0
     past.values[H_FACTORED] = 0.0
 
 
@@ -77,7 +80,7 @@ def _prepare(model, work, options, run, attempt, y, f, scratch, tolerances, newt
         past.values[H_LAST] = 0.0
     if past.marks[STALE] == 1:
         _renew_jacobian(model, work, options, run, y, f, scratch, newton.jacobian, past)
-    if past.values[H_FACTORED] != attempt.h:
+    if abs(attempt.h - past.values[H_FACTORED]) > SAME_STEP * attempt.h:
         if not iteration.factor(newton, attempt.h):
             return False
         past.values[H_FACTORED] = attempt.h
@@ -110,7 +113,7 @@ def _recover(model, work, options, run, attempt, y, past, search, table):
 
 
 @jit
-def _growth(run, past, h, error, safety, rate):
+def _growth(run, past, h, error, safety):
     """Return the factor of the next step: Gustafsson's prediction, or 1 where that saves a factorization."""
     growth = safety * error**-0.25
     h_last, error_last, rejected = run.h_before, past.values[ERROR_LAST], past.marks[REJECTED] == 1
@@ -119,7 +122,7 @@ def _growth(run, past, h, error, safety, rate):
     growth = min(MAX_FACTOR, max(MIN_FACTOR, growth))
     if rejected:
         growth = min(growth, 1.0)
-    return 1.0 if KEEP_LOW <= growth <= KEEP_HIGH and rate < STALE_RATE else growth
+    return 1.0 if KEEP_LOW <= growth <= KEEP_HIGH else growth
 
 
 @inlined
@@ -134,7 +137,7 @@ def _judge(run, attempt, past, error, solved):
         past.values[H_LAST] = 0.0
         return False
     error = max(error, 1e-10)
-    growth = _growth(run, past, h, error, safety, solved.rate)
+    growth = _growth(run, past, h, error, safety)
     past.values[ERROR_LAST] = error
     run.h_before = h
     past.marks[REJECTED] = 0
@@ -153,14 +156,18 @@ def _is_accurate(model, work, run, attempt, y, f, tolerances, newton, past, solv
 
 
 @inlined
-def _remember(past, attempt, rate, verdict):
-    """Note what an accepted step leaves; nothing is extrapolated across an event."""
+def _remember(past, attempt, size, iterations, verdict):
+    """Note what an accepted step leaves; nothing is extrapolated across an event.
+
+    The Jacobian is renewed once the iterations that its age costs have taken as many evaluations as a new one takes.
+    """
     event = verdict == EVENT
     past.values[H_LAST] = 0.0 if event else attempt.h
     if event:
         past.values[ERROR_LAST] = 0.0
     past.marks[FAILURES] = past.marks[FRESH] = 0
-    past.marks[STALE] = 1 if rate > STALE_RATE or event else 0
+    past.marks[SPENT] += 3 * max(0, iterations - FEW_ITERATIONS)
+    past.marks[STALE] = 1 if past.marks[SPENT] > size or event else 0
 
 
 @loop_jit
@@ -178,7 +185,7 @@ def advance_radau(model, work, options, run, y, outputs):
     if adaptive and run.h == 0.0:
         run.h = stepping.first_step(model, work, run.t, y, f, 3, options, span)
         run.rhs_calls += 1
-    jacobian, past = np.empty((y.shape[0], y.shape[0])), Past(np.zeros(3), np.zeros(4, dtype=np.int64))
+    jacobian, past = np.empty((y.shape[0], y.shape[0])), Past(np.zeros(3), np.zeros(5, dtype=np.int64))
     _renew_jacobian(model, work, options, run, y, f, trial, jacobian, past)
     newton = iteration.newton_for(jacobian)
     while code == leg.RUNNING and run.steps < budget:
@@ -187,7 +194,8 @@ def advance_radau(model, work, options, run, y, outputs):
             return leg.STEP_TOO_SMALL
         if not _prepare(model, work, options, run, attempt, y, f, trial, tolerances, newton, past):
             return leg.NON_FINITE
-        solved = iteration.solve_stages(model, work, attempt.t, attempt.h, y, newton, tolerances.newton)
+        roundoff = ROUNDOFF * (1.0 + options.time / attempt.h) / tolerances.rtol
+        solved = iteration.solve_stages(model, work, attempt.t, attempt.h, y, newton, tolerances.newton, roundoff)
         run.rhs_calls += 3 * solved.iterations
         if not solved.converged:
             code = _recover(model, work, options, run, attempt, y, past, search, table)
@@ -209,7 +217,7 @@ def advance_radau(model, work, options, run, y, outputs):
         if code == leg.RUNNING:
             code = stepping.accept(model, work, options, run, attempt, verdict, y, trial, table, outputs)
         if code == leg.RUNNING:
-            _remember(past, attempt, solved.rate, verdict)
+            _remember(past, attempt, y.shape[0], solved.iterations, verdict)
             if stepping.is_slope_known(ends, verdict):
                 f[:] = ends.dy_new
             else:

@@ -204,8 +204,11 @@ def _correct(newton, h, real_part, complex_part):
 
 
 @jit
-def solve_stages(model, work, t, h, y, newton, tolerance):
-    """Iterate for z until what is left of it is below the tolerance; return how it ended."""
+def solve_stages(model, work, t, h, y, newton, tolerance, roundoff):
+    """Iterate for z until what is left of it is below the tolerance; return how it ended.
+
+    Corrections that stop shrinking below `roundoff` are roundoff: no iteration makes them smaller.
+    """
     n = y.shape[0]
     argument, real_part, complex_part = np.empty(n), np.empty(n), np.empty(n, dtype=np.complex128)
     _transform(TI, newton.z, newton.w)
@@ -216,16 +219,16 @@ def solve_stages(model, work, t, h, y, newton, tolerance):
         norm = _correct(newton, h, real_part, complex_part)
         if not np.isfinite(norm):
             return Solved(False, iteration + 1, 1.0)
+        _transform(T, newton.w, newton.z)
         if before >= 0.0:
             rate = norm / before
             left = NEWTON_ITERATIONS - iteration - 1
             if rate >= 1.0 or rate**left / (1.0 - rate) * norm > tolerance:
-                return Solved(False, iteration + 1, rate)
-        _transform(T, newton.w, newton.z)
+                return Solved(norm < roundoff, iteration + 1, rate)
         if norm == 0.0 or (before >= 0.0 and rate / (1.0 - rate) * norm < tolerance):
             return Solved(True, iteration + 1, rate)
         before = norm
-    return Solved(False, NEWTON_ITERATIONS, rate)
+    return Solved(before < roundoff, NEWTON_ITERATIONS, rate)
 
 
 @jit

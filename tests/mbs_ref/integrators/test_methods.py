@@ -58,6 +58,30 @@ def test_observed_order(method, order, steps):
     assert observed > order - 0.35, errors
 
 
+@pytest.mark.parametrize("step", [1e-2, 1e-3, 5e-4])
+@pytest.mark.parametrize("stiffness", [1e8, 1e10, 1e13])
+def test_a_stiff_force_of_roundoff_does_not_end_the_iteration_of_radau(step, stiffness):
+    """Each step multiplies by R(z) = (1 + 2z/5 + z^2/20) / (1 - 3z/5 + 3z^2/20 - z^3/60) (Hairer, Wanner II, IV.3)."""
+    mass = PlanarBody(name="mass", mass=1.0, inertia=0.1, position=(1.01, 0.0))
+    guide = Prismatic(name="guide", body_a="ground", body_b="mass", point=(1.01, 0.0), axis=(1.0, 0.0))
+    spring = SpringDamper(name="spring", body_a="ground", body_b="mass", point_a=(0.0, 0.0), point_b=(1.01, 0.0),
+                          stiffness=stiffness, rest_length=1.0)  # fmt: skip
+    scene = Scene(name="stiff", bodies=(mass,), joints=(guide,), loads=(spring,))
+    path = simulate(scene, Settings(method="radau", step=step, t_end=0.2, samples=3, estimate="off"))
+    assert path.ok, path.message
+    z = 1j * math.sqrt(stiffness) * step
+    factor = (1 + 2 * z / 5 + z**2 / 20) / (1 - 3 * z / 5 + 3 * z**2 / 20 - z**3 / 60)
+    expected = 1.0 + 0.01 * (factor ** np.round(path.times / step)).real
+    np.testing.assert_allclose(path.position[:, 0, 0], expected, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", ["block_stack", "librating_satellite", "car_axis"])
+def test_radau_keeps_its_jacobian_as_long_as_that_pays(name):
+    """Two or three iterations of three evaluations are what most steps need; a Jacobian takes one for each state."""
+    path = simulate(scenes.make(name), Settings(method="radau", rtol=1e-6, estimate="off"))
+    assert path.rhs_calls < 12 * path.steps
+
+
 @pytest.mark.parametrize("method", ["lsodar", "dassl", "dop853", "radau"])
 def test_adaptive_methods_reach_a_micrometre_on_the_chain(method):
     """And the tighter tolerance is the better answer."""

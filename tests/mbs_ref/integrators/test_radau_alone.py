@@ -66,7 +66,8 @@ def test_no_error_is_estimated_of_a_motion_whose_slope_is_a_quadratic(unsolved, 
     [
         ([1.0, 0.1, 0.01], (True, 2, 0.1)),  # 0.1 / 0.9 of the last 0.1 is left
         ([1.0, 0.4, 0.02], (True, 3, 0.05)),
-        ([1.0, 0.5], (False, 2, 0.5)),  # 0.5^5 / 0.5 of 0.5 would be left after seven
+        ([1.0, 0.7], (False, 2, 0.7)),  # 0.7^5 / 0.3 of 0.7 would be left after seven
+        ([1.0, 0.5], (True, 2, 0.5)),  # so is 0.5^5 / 0.5 of 0.5, but that is roundoff
         ([1.0, 1.1], (False, 2, 1.1)),
         ([0.0], (True, 1, 0.0)),
         ([np.inf], (False, 1, 1.0)),
@@ -77,5 +78,5 @@ def test_newton_ends_when_what_a_geometric_series_leaves_is_small(monkeypatch, n
     monkeypatch.setattr(radau_newton, "_evaluate_stages", lambda *given: None)
     monkeypatch.setattr(radau_newton, "_correct", lambda *given: next(corrections))
     newton = SimpleNamespace(z=np.zeros((3, 1)), w=np.zeros((3, 1)))
-    found = radau_newton.solve_stages.py_func(None, None, 0.0, H, np.zeros(1), newton, 0.02)
+    found = radau_newton.solve_stages.py_func(None, None, 0.0, H, np.zeros(1), newton, 0.02, 0.6)
     assert (found.converged, found.iterations, pytest.approx(found.rate)) == ended

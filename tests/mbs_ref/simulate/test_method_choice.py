@@ -11,7 +11,7 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.integrators import integrators
 from mbs_ref.integrators.loop.leg import Leg
 from mbs_ref.settings import Settings
-from mbs_ref.simulate import simulate
+from mbs_ref.simulate import method_choice, simulate
 from mbs_ref.simulate.linearised import stiffness_at_start
 from mbs_ref.simulate.method_choice import largest_eigenvalue, stability_radius
 from mbs_ref.simulate.plan import make_plan
@@ -65,6 +65,23 @@ def test_a_stack_that_falls_before_it_rests_is_stiff_once_its_contacts_close():
     assert np.max(np.abs(run.position[-1] - other.position[-1])) < 1e-4
 
 
+@pytest.mark.parametrize(("name", "span", "made"), [
+    ("block_stack", None, 2), ("android_vertebral", None, 0), ("android_vertebral", 0.5, 2),
+])  # fmt: skip
+def test_trials_cost_a_small_share_of_the_run(monkeypatch, name, span, made):
+    """The first one is the default's; each factorisation of 288 states costs as much as 550 of its evaluations."""
+    trials = []
+
+    class Counted(method_choice._Trial):
+        def __init__(self, *values):
+            super().__init__(*values)
+            trials.append(self)
+
+    monkeypatch.setattr(method_choice, "_Trial", Counted)
+    simulate(scenes.make(name), AUTO.model_copy(update={"t_end": span, "samples": 5}))
+    assert len(trials) == made
+
+
 @pytest.mark.parametrize("name", ["pendulum", "slider_crank", "car_axis", "bouncing_ball", "flyball_governor"])
 def test_other_motions_run_as_by_default_to_the_bit(name):
     settings = AUTO.model_copy(update={"t_end": 0.5, "samples": 5})
@@ -113,7 +130,8 @@ def test_powers_find_the_fastest_eigenvalue():
 
 
 def test_the_stability_radius_of_the_classical_method():
-    assert stability_radius(integrators()["rk4"]) == pytest.approx(2.785, abs=0.06)  # Hairer and Wanner II, table IV.2
+    radius = stability_radius(integrators()["rk4"].stability)
+    assert radius == pytest.approx(2.785, abs=0.06)  # Hairer and Wanner II, table IV.2
 
 
 def test_a_record_tells_which_method_it_was():

@@ -97,7 +97,7 @@ def test_a_stiff_scene_runs_by_an_implicit_method_in_place_of_lanes():
     scene = scenes.make("block_stack")
     name = scene.bodies[-1].name
     chosen, forced = (
-        ensemble(scene, {f"{name}.velocity.x": "0+-1e-3"}, 4, t_end=0.2, method=method) for method in (None, "dop853")
+        ensemble(scene, {f"{name}.velocity.x": "0+-1e-3"}, 4, t_end=0.5, method=method) for method in (None, "dop853")
     )
     assert set(chosen.methods) == {"radau"}
     assert any(
