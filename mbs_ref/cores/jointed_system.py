@@ -174,14 +174,21 @@ class JointedSystem(ContactSystem):
 
     def jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return C_q (n_rows, n_bodies times the rates of one) in scene order, rows in the order of `rows`."""
-        self.compliance(t, y)
+        return self._jacobians([t], y[None])[0][0]
+
+    def _jacobians(self, times: Sequence[float], states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return C_q at several times and states (n_t, n_rows, ...), and the mass matrices as `mass_matrix`."""
         slot, row = np.array(self.rows(), np.int64).reshape(-1, 3).T[1:]
         count, scene_index = len(slot), np.append(self.groups.bodies.scene_index, self.n_bodies)
-        result = np.zeros((count, self.n_bodies + 1, self.RATES))
+        blocks, masses = np.empty((len(states), 2, count, self.RATES)), []
+        for out, t, y in zip(blocks, times, states, strict=True):
+            self.compliance(t, y)
+            out[:] = self.scratch.rows.jacobian[slot, :, row].swapaxes(0, 1)
+            masses.append(self.mass_matrix())
+        result = np.zeros((len(states), count, self.n_bodies + 1, self.RATES))
         for side in range(2):
-            bodies = scene_index[self.groups.slots.body[slot, side]]
-            result[np.arange(count), bodies] += self.scratch.rows.jacobian[slot, side, row]
-        return result[:, :-1].reshape(count, self.RATES * self.n_bodies)
+            result[:, np.arange(count), scene_index[self.groups.slots.body[slot, side]]] += blocks[:, side]
+        return result[:, :, :-1].reshape(len(states), count, self.RATES * self.n_bodies), np.array(masses)
 
     def right_side(self) -> np.ndarray:
         """Return gamma (n_rows,) of the rows last evaluated, in the order of `rows`."""
@@ -210,11 +217,13 @@ class JointedSystem(ContactSystem):
         """Return which rows to keep where dependent ones cannot be borne: as many as the mechanism's own rank."""
         return np.arange(len(self.rows()))
 
-    def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
-        jacobian, mass = self.jacobian(t, y), self.mass_matrix()
-        is_full = mass.ndim == 2
-        scaled = np.linalg.solve(np.linalg.cholesky(mass), jacobian.T).T if is_full else jacobian / np.sqrt(mass)
-        return scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
+    def scaled_jacobians(self, times: Sequence[float], states: np.ndarray) -> np.ndarray:
+        scaled, mass = self._jacobians(times, states)
+        if mass.ndim == 3:
+            scaled = np.linalg.solve(np.linalg.cholesky(mass), scaled.swapaxes(1, 2)).swapaxes(1, 2)
+        else:
+            scaled /= np.sqrt(mass)[:, None]
+        return scaled / np.linalg.norm(scaled, axis=2, keepdims=True)
 
     @abstractmethod
     def mass_matrix(self) -> np.ndarray:
@@ -244,36 +253,42 @@ class JointedSystem(ContactSystem):
             result[slot, row] = value
         return result
 
-    def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+    def reactions_over(
+        self, times: np.ndarray, states: np.ndarray, pivots: np.ndarray | None = None
+    ) -> dict[str, np.ndarray]:
         if not len(times):
             return {}
         of, forces = self.builder.reporting, np.empty((len(times), len(self.place), self.RATES))
+        pivots = np.empty(len(times)) if pivots is None else pivots
         each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
         for start in range(0, len(times), each):
             block = slice(start, start + each)
-            self._fill(times[block], states[block], forces[block])
+            self._fill(times[block], states[block], forces[block], pivots[block])
             turns = self.orientations(states[block])[:, of.body]
             forces[block] = self._about(self.turned(turns, of.arm), of.sign * forces[block])
         return dict(zip(of.names, forces.swapaxes(0, 1).copy(), strict=True))
 
     def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        return self._filled(times, states, np.empty((len(times), len(self.place), self.RATES)))[0]
+        """Return the smallest relative pivot (n_t,) of the closures."""
+        pivots = np.empty(len(times))
+        self._filled(times, states, np.empty((len(times), len(self.place), self.RATES)), pivots)
+        return pivots
 
-    def _fill(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> None:
+    def _fill(self, times: np.ndarray, states: np.ndarray, out: np.ndarray, pivots: np.ndarray) -> None:
         """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
-        dependent = np.flatnonzero(self._filled(times, states, out)[1] != self.n_closure_rows)
+        dependent = np.flatnonzero(self._filled(times, states, out, pivots) != self.n_closure_rows)
         for k in dependent.tolist():
             self.recall_modes(times[k])
             multiplier = self._multipliers_by_slot(times[k], states[k])
             forces_at_joints(self.builder.reporting.rows, multiplier, self.scratch.rows.jacobian, out[k])
 
-    def _filled(self, times: np.ndarray, states: np.ndarray, out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Fill out as `forces_over`; return the pivots and how many closures have (n_t,)."""
-        scratch, pivots, ranks = self.scratch, np.empty(len(times)), np.empty(len(times), dtype=np.int64)
+    def _filled(self, times: np.ndarray, states: np.ndarray, out: np.ndarray, pivots: np.ndarray) -> np.ndarray:
+        """Fill out and pivots as `forces_over`; return the rank of the closures (n_t,)."""
+        scratch, ranks = self.scratch, np.empty(len(times), dtype=np.int64)
         given = self.record, self.builder.reporting.rows, scratch.rows, scratch.closures.rank
         times, states = np.ascontiguousarray(times), np.ascontiguousarray(states)
         forces_over(self.model, self.work, *given, times, states, out, pivots, ranks)
-        return pivots, ranks
+        return ranks
 
     @abstractmethod
     def orientations(self, states: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 """A scene compiled: what every core offers to integrators, checks and reports."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from copy import copy
 from functools import cache, cached_property
@@ -256,7 +257,11 @@ class System(ABC):
 
     def scaled_jacobian(self, t: float, y: np.ndarray) -> np.ndarray:
         """Return C_q (n_rows, n) of the joints' rows, each at length 1 and mass-scaled: metres and radians compare."""
-        return np.zeros((0, 0))
+        return self.scaled_jacobians([t], y[None])[0]
+
+    def scaled_jacobians(self, times: Sequence[float], states: np.ndarray) -> np.ndarray:
+        """Return `scaled_jacobian` (n_t, n_rows, n) at several times and states."""
+        return np.zeros((len(states), 0, 0))
 
     def row_joints(self) -> list[str]:
         """Return the joint of each of these rows."""
@@ -301,10 +306,13 @@ class System(ABC):
         """Return C and C_dot of every joint by name."""
         return {}
 
-    def reactions_over(self, times: np.ndarray, states: np.ndarray) -> dict[str, np.ndarray]:
+    def reactions_over(
+        self, times: np.ndarray, states: np.ndarray, pivots: np.ndarray | None = None
+    ) -> dict[str, np.ndarray]:
         """Return the force and torque (n_t, 3 or 6) of each joint on its last body, at the joint point, in world axes.
 
-        The times are those of the last run, whose modes hold.
+        The times are those of the last run, whose modes hold. `pivots` (n_t,) receive the smallest relative pivot of
+        the closures.
         """
         return {}
 

@@ -49,12 +49,10 @@ def deeper_cause(system: System, status: Status, t: float, y: np.ndarray) -> str
     return joints + springs if status in CLOSED else springs or joints
 
 
-def weakest_joints(system: System, t: float, y: np.ndarray) -> tuple[float, list[str]]:
+def weakest_joints(system: System, scaled: np.ndarray, independent: int) -> tuple[float, list[str]]:
     """Return the smallest singular value of the scaled C_q without permanent redundancy, and the joints of its rows."""
-    joints, independent = system.row_joints(), independent_rows(system)
-    if not independent:
-        return 1.0, []
-    rows, values, _ = np.linalg.svd(system.scaled_jacobian(t, y), full_matrices=False)
+    joints = system.row_joints()
+    rows, values, _ = np.linalg.svd(scaled, full_matrices=False)
     part = np.abs(rows[:, independent - 1])
     named = [joints[k] for k in np.argsort(-part) if part[k] > SHARE * part.max()]
     return float(values[independent - 1]), list(dict.fromkeys(named))[:MOST_NAMED]
@@ -73,8 +71,11 @@ def independent_rows(system: System) -> int:
 def _weak_joints(system: System, status: Status, t: float, y: np.ndarray) -> str:
     if system.n_closure_rows == 0:
         return ""
-    smallest, names = weakest_joints(system, t, y)
-    if not names or (smallest > NEAR_SINGULAR and status not in CLOSED):
+    independent = independent_rows(system)
+    if not independent:
+        return ""
+    smallest, names = weakest_joints(system, system.scaled_jacobian(t, y), independent)
+    if smallest > NEAR_SINGULAR and status not in CLOSED:
         return ""
     return f"; joint {_listed(names)} is nearest to rank loss (smallest singular value of C_q {smallest:.2g})"
 
@@ -99,24 +100,31 @@ def _listed(names: list[str]) -> str:
     return ", ".join(repr(name) for name in names)
 
 
-def singular_passage(system: System, times: np.ndarray, states: np.ndarray) -> tuple[str, ...]:
-    """Return a note on the sample (n_t of them) where C_q is nearest to rank loss, or nothing."""
+def singular_passage(
+    system: System, times: np.ndarray, states: np.ndarray, pivots: np.ndarray | None = None
+) -> tuple[str, ...]:
+    """Return a note on the sample (n_t of them) where C_q is nearest to rank loss, or nothing.
+
+    `pivots` (n_t,) are the closures' smallest ones; without them those of some samples are computed.
+    """
     if system.n_closure_rows == 0 or not len(times):
         return ()
-    examined = np.unique(np.linspace(0, len(times) - 1, MAX_SAMPLES).round().astype(int))
-    pivots = system.pivots(times[examined], states[examined])
+    examined = np.arange(len(times))
+    if pivots is None:
+        examined = np.unique(np.linspace(0, len(times) - 1, MAX_SAMPLES).round().astype(int))
+        pivots = system.pivots(times[examined], states[examined])
     close = [examined[k] for k in np.argsort(pivots)[:MAX_CLOSE] if pivots[k] < SUSPECT]
     independent = independent_rows(system) if close else 0
     if not independent:
         return ()
-    start, *sizes = (
-        np.linalg.svd(system.scaled_jacobian(float(times[k]), states[k]), compute_uv=False)[independent - 1]
-        for k in (0, *close)
-    )
+    scaled = system.scaled_jacobians(times[[0, *close]].tolist(), states[[0, *close]])
+    # by the eigenvalues of C_q C_q^T, which are as exact above 1e-7 and cheaper
+    squares = np.linalg.eigvalsh(scaled @ scaled.swapaxes(1, 2))[:, -independent]
+    start, *sizes = np.sqrt(np.fmax(squares, 0.0)).tolist()
     if min(sizes) > NEAR * start:
         return ()
-    k = close[int(np.argmin(sizes))]
-    smallest, joints = weakest_joints(system, t := float(times[k]), states[k])
+    nearest = int(np.argmin(sizes))
+    t, (smallest, joints) = times[close[nearest]], weakest_joints(system, scaled[1 + nearest], independent)
     return (
         f"the run passes close to a singular pose at t = {t:.6g} s: the smallest singular value of C_q is "
         f"{smallest:.2g} there and {start:.2g} at the start, from joint {_listed(joints)}; branches may meet there",

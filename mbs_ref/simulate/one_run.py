@@ -35,11 +35,13 @@ class Samples(NamedTuple):
     poses: Poses
     reactions: dict[str, np.ndarray]
     contacts: dict[str, np.ndarray]
+    pivots: np.ndarray | None = None  # (n_t,) smallest relative pivot of the closures, if it was computed
 
     def at(self, place: slice) -> "Samples":
         """Return those at some outputs."""
         poses = Poses(*(part[place] for part in self.poses))
-        return Samples(poses, *({name: part[place] for name, part in forces.items()} for forces in self[1:]))
+        reactions, contacts = ({name: part[place] for name, part in forces.items()} for forces in self[1:3])
+        return Samples(poses, reactions, contacts, None if self.pivots is None else self.pivots[place])
 
 
 def all_samples(systems: list[System], plan: Plan, runs: list[Run]) -> list[Samples]:
@@ -63,8 +65,8 @@ def sampled(system: System, plan: Plan, times: np.ndarray, full: np.ndarray, pos
         return Samples(poses, {}, {})
     own = system.redundant
     own.set_baumgarte(0.0)
-    contacts = own.contact_forces(times, full) if own.scene.contacts else {}
-    return Samples(poses, own.reactions_over(times, full), contacts)
+    contacts, pivots = own.contact_forces(times, full) if own.scene.contacts else {}, np.empty(len(times))
+    return Samples(poses, own.reactions_over(times, full, pivots), contacts, pivots)
 
 
 def trajectory(
@@ -76,7 +78,8 @@ def trajectory(
     The first companion is computed unless given.
     """
     times, states, poses = run.times, run.states, samples.poses
-    status, message, estimate, remarks = run.status, run.message, None, singular_passage(system, times, states)
+    status, message, estimate = run.status, run.message, None
+    remarks = singular_passage(system, times, states, samples.pivots)
     if status in ENDED:
         remarks += unstable_passage(system, plan, times, states)
         if plan.settings.estimate == "on":
