@@ -43,7 +43,7 @@ class Links(NamedTuple):
     velocity: Annotated[Floats, "n + 1", "rates"]
     apart: Annotated[Floats, "n", "d"]  # m, from the parent's centre of mass to what the parent carries along
     turns: Annotated[Floats, "n"]  # 1 where the parent turns the body, 0 where it does not
-    freedom: Annotated[Floats, "n", 3, "rates"]  # S, a row a freedom
+    freedom: Annotated[Floats, "n", "rates"]  # S of one freedom
     bias: Annotated[Floats, "n", "rates"]  # c
 
 
@@ -52,8 +52,8 @@ class Recursion(NamedTuple):
 
     articulated: Annotated[Floats, "n + 1", "rates", "rates"]
     force: Annotated[Floats, "n + 1", "rates"]
-    answer: Annotated[Floats, "n", 3, "rates"]  # I S
-    pivot: Annotated[Floats, "n", 6]  # D = S^T I S, inverted or factored
+    answer: Annotated[Floats, "n", 3, "rates"]  # I S; of a ball the columns of H about its point
+    pivot: Annotated[Floats, "n", 6]  # D = S^T I S, inverted; of a ball J about its point, factored
     drive: Annotated[Floats, "n", "rates"]  # S^T f, then q''
     acceleration: Annotated[Floats, "n + 1", "rates"]
 

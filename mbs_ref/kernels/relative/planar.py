@@ -60,7 +60,7 @@ def _put_free(joints, links, kin, y, i):
 @inlined
 def _put_joined(joints, links, kin, y, i):
     kind, parent, q, v = joints.kind[i], joints.parent[i], joints.q[i], joints.v[i]
-    of_parent, own, free, bias = links.velocity[parent], links.velocity[i], links.freedom[i, 0], links.bias[i]
+    of_parent, own, free, bias = links.velocity[parent], links.velocity[i], links.freedom[i], links.bias[i]
     c, s, spin = kin.pose[parent, 2], kin.pose[parent, 3], of_parent[2]
     angle, speed, rate = kin.motion[parent, 3] + joints.offset[i, 0], 0.0, 0.0
     if kind == REVOLUTE:
@@ -102,7 +102,7 @@ def relative_planar_expand(model, work, y):
 @inlined
 def _condense(joints, links, rec, i):
     """Add I' and f' of a body to its parent's (see above); i's own block is left with what its joint needs."""
-    parent, a, f, free = joints.parent[i], rec.articulated[i], rec.force[i], links.freedom[i, 0]
+    parent, a, f, free = joints.parent[i], rec.articulated[i], rec.force[i], links.freedom[i]
     c0, c1 = links.bias[i, 0], links.bias[i, 1]
     a00, a10, a11, a20, a21, a22 = a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2]
     f0, f1, f2 = f[0] - a00 * c0 - a10 * c1, f[1] - a10 * c0 - a11 * c1, f[2] - a20 * c0 - a21 * c1
@@ -145,7 +145,7 @@ def _release(joints, links, rec, i):
     own[1] = of_parent[1] + of_parent[2] * links.apart[i, 0]
     own[2] = links.turns[i] * of_parent[2]
     if joints.freedoms[i] == 1:
-        u, free = rec.answer[i, 0], links.freedom[i, 0]
+        u, free = rec.answer[i, 0], links.freedom[i]
         drive = rec.pivot[i, 0] * (rec.drive[i, 0] - u[0] * own[0] - u[1] * own[1] - u[2] * own[2])
         rec.drive[i, 0] = drive
         own[0] += drive * free[0]
@@ -199,6 +199,6 @@ def relative_planar_take_velocities(model, work, y):
         if joints.kind[i] == REVOLUTE:
             y[v] = own[2] - links.velocity[parent, 2]
         elif joints.kind[i] == PRISMATIC:
-            spin, apart, free = links.velocity[parent, 2], links.apart[i], links.freedom[i, 0]
+            spin, apart, free = links.velocity[parent, 2], links.apart[i], links.freedom[i]
             y[v] = free[0] * (own[0] - links.velocity[parent, 0] + spin * apart[1])
             y[v] += free[1] * (own[1] - links.velocity[parent, 1] - spin * apart[0])

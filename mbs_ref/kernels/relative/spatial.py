@@ -78,14 +78,8 @@ def _orient(joints, kin, y, i):
     put_parameters(kin.theta[i], 0, own)
 
 
-@jit
-def _put_freedom(freedom, axis, away):
-    """Write the freedom to turn about an axis that `away` starts from."""
-    put(freedom, 0, cross(axis, away))
-    put(freedom, 3, axis)
-
-
-_column = jit(lambda a, k: (a[0, k], a[1, k], a[2, k]))
+# Return the way from a joint's point to its body's centre of mass.
+_away = jit(lambda joints, kin, i: negative(turn(kin.turned[i], joints.arm[i])))
 
 
 @inlined
@@ -93,20 +87,19 @@ def _put_joined(joints, links, kin, y, i):
     kind, parent, q, v = joints.kind[i], joints.parent[i], joints.q[i], joints.v[i]
     free, bias, spin = links.freedom[i], links.bias[i], triple(links.velocity[parent], 3)
     reach = turn(kin.turned[parent], joints.arm_of_parent[i])
-    away = negative(turn(kin.turned[i], joints.arm[i]))  # from the joint's point to the centre of mass
+    away = _away(joints, kin, i)
     own, apart, slide, bent = spin, reach, NOTHING, NOTHING
     if kind == SPHERICAL:
-        for k in range(3):
-            _put_freedom(free[k], _column(kin.turned[i], k), away)
         own = turn(kin.turned[i], triple(y, v))
     elif kind == REVOLUTE:
         axis = turn(kin.turned[i], joints.axis[i])
-        _put_freedom(free[0], axis, away)
+        put(free, 0, cross(axis, away))
+        put(free, 3, axis)
         turning = times(y[v], axis)
         own, bent, apart = plus(spin, turning), cross(spin, turning), plus(reach, away)
     elif kind == PRISMATIC:
         e = turn(kin.turned[parent], joints.axis[i])
-        put(free[0], 0, e)
+        put(free, 0, e)
         reach, slide = plus(reach, times(y[q], e)), times(y[v], e)
         apart = plus(reach, away)
     elif kind == WELD:
@@ -136,13 +129,16 @@ def relative_spatial_expand(model, work, y):
 @jit
 def _symmetric_times(a, u, out):
     """out = I u with the lower triangle of I."""
-    for r in RATES:
-        out[r] = 0.0
-    for r in RATES:
-        out[r] += a[r, r] * u[r]
-        for c in range(r):
-            out[r] += a[r, c] * u[c]
-            out[c] += a[r, c] * u[r]
+    u0, u1, u2, u3, u4, u5 = u[0], u[1], u[2], u[3], u[4], u[5]
+    a10, a20, a21, a30, a31, a32 = a[1, 0], a[2, 0], a[2, 1], a[3, 0], a[3, 1], a[3, 2]
+    a40, a41, a42, a43 = a[4, 0], a[4, 1], a[4, 2], a[4, 3]
+    a50, a51, a52, a53, a54 = a[5, 0], a[5, 1], a[5, 2], a[5, 3], a[5, 4]
+    out[0] = a[0, 0] * u0 + a10 * u1 + a20 * u2 + a30 * u3 + a40 * u4 + a50 * u5
+    out[1] = a[1, 1] * u1 + a10 * u0 + a21 * u2 + a31 * u3 + a41 * u4 + a51 * u5
+    out[2] = a[2, 2] * u2 + a20 * u0 + a21 * u1 + a32 * u3 + a42 * u4 + a52 * u5
+    out[3] = a[3, 3] * u3 + a30 * u0 + a31 * u1 + a32 * u2 + a43 * u4 + a53 * u5
+    out[4] = a[4, 4] * u4 + a40 * u0 + a41 * u1 + a42 * u2 + a43 * u3 + a54 * u5
+    out[5] = a[5, 5] * u5 + a50 * u0 + a51 * u1 + a52 * u2 + a53 * u3 + a54 * u4
 
 
 @jit
@@ -156,7 +152,7 @@ def _times(first, second):
 @inlined
 def _free_one(links, rec, i):
     """Take out one freedom: I - I S D^-1 S^T I and f - I S D^-1 S^T f."""
-    a, f, u, s = rec.articulated[i], rec.force[i], rec.answer[i, 0], links.freedom[i, 0]
+    a, f, u, s = rec.articulated[i], rec.force[i], rec.answer[i, 0], links.freedom[i]
     _symmetric_times(a, s, u)
     inverse, load = 1.0 / _times(s, u), _times(s, f)
     rec.pivot[i, 0], rec.drive[i, 0] = inverse, load
@@ -167,80 +163,101 @@ def _free_one(links, rec, i):
             a[r, c] -= share * u[c]
 
 
-@inlined
-def _free_three(links, rec, i):
-    """Take out the three freedoms of a ball."""
-    a, f, u, s = rec.articulated[i], rec.force[i], rec.answer[i], links.freedom[i]
-    for k in range(3):
-        _symmetric_times(a, s[k], u[k])
-        rec.drive[i, k] = _times(s[k], f)
-    d = ldl3(
-        _times(s[0], u[0]), _times(s[1], u[0]), _times(s[1], u[1]), _times(s[2], u[0]), _times(s[2], u[1]),
-        _times(s[2], u[2]),
-    )  # fmt: skip
-    for k in range(6):
-        rec.pivot[i, k] = d[k]
-    w0, w1, w2 = _ball_solve(d, rec.drive[i])
-    for r in RATES:
-        f[r] -= u[0, r] * w0 + u[1, r] * w1 + u[2, r] * w2
-        z0, z1, z2 = _ball_solve(d, (u[0, r], u[1, r], u[2, r]))
-        for c in range(r + 1):
-            a[r, c] -= z0 * u[0, c] + z1 * u[1, c] + z2 * u[2, c]
-
-
+# Return a column of H, and the upper left block of I as rows.
+_column_from = jit(lambda a, k: (a[3, k], a[4, k], a[5, k]))
+_mass = jit(lambda a: ((a[0, 0], a[1, 0], a[2, 0]), (a[1, 0], a[1, 1], a[2, 1]), (a[2, 0], a[2, 1], a[2, 2])))
+_row = jit(lambda columns, r: (columns[0][r], columns[1][r], columns[2][r]))
 _ball_solve = jit(lambda d, b: ldl3_solve(d[0], d[1], d[2], d[3], d[4], d[5], b[0], b[1], b[2]))
 
 
-@inlined
-def _pass_on(joints, links, rec, i):
-    """I_p += X^T I X and f_p += X^T f.
+@jit
+def _shifted(a, d, t):
+    """Return the columns of H' and the rows of J', of X^T I X = (M, H'^T; H', J').
 
-    With I = (M, H^T; H, J) and X (v, w) = (v + w x d, t w): M, H' = d x M + t H, J' = d x H'^T + t (d x H^T + t J).
+    With I = (M, H^T; H, J) and X (v, w) = (v + w x d, t w): H' = d x M + t H, J' = d x H'^T + t (d x H^T + t J).
     """
-    a, f, t, d = rec.articulated[i], rec.force[i], links.turns[i], triple(links.apart[i], 0)
-    onto, push = rec.articulated[joints.parent[i]], rec.force[joints.parent[i]]
-    m = ((a[0, 0], a[1, 0], a[2, 0]), (a[1, 0], a[1, 1], a[2, 1]), (a[2, 0], a[2, 1], a[2, 2]))
-    h0 = plus(cross(d, m[0]), times(t, _column_from(a, 0)))  # columns of d x M + t H
-    h1 = plus(cross(d, m[1]), times(t, _column_from(a, 1)))
-    h2 = plus(cross(d, m[2]), times(t, _column_from(a, 2)))
-    k = (cross(d, triple(a[3], 0)), cross(d, triple(a[4], 0)), cross(d, triple(a[5], 0)))  # columns of d x H^T
+    m, k = _mass(a), (cross(d, triple(a[3], 0)), cross(d, triple(a[4], 0)), cross(d, triple(a[5], 0)))
+    h = (
+        plus(cross(d, m[0]), times(t, _column_from(a, 0))), plus(cross(d, m[1]), times(t, _column_from(a, 1))),
+        plus(cross(d, m[2]), times(t, _column_from(a, 2))),
+    )  # fmt: skip
+    x, y, z = cross(d, _row(h, 0)), cross(d, _row(h, 1)), cross(d, _row(h, 2))
+    s = t * t
+    return h, (
+        x[0] + t * k[0][0] + s * a[3, 3], y[0] + t * k[0][1] + s * a[4, 3], y[1] + t * k[1][1] + s * a[4, 4],
+        z[0] + t * k[0][2] + s * a[5, 3], z[1] + t * k[1][2] + s * a[5, 4], z[2] + t * k[2][2] + s * a[5, 5],
+    )  # fmt: skip
+
+
+@jit
+def _receive(onto, push, m, h, j, force, torque):
+    """I += (M, H^T; H, J) and f += (force, torque), by the rows of M, the columns of H and the lower triangle of J."""
     for r in range(3):
-        g = cross(d, (h0[r], h1[r], h2[r]))
-        onto[3 + r, 0] += h0[r]
-        onto[3 + r, 1] += h1[r]
-        onto[3 + r, 2] += h2[r]
+        for c in range(3):
+            onto[3 + r, c] += h[c][r]
         for c in range(r + 1):
-            onto[r, c] += a[r, c]
-            onto[3 + r, 3 + c] += g[c] + t * k[c][r] + t * t * a[3 + r, 3 + c]
-    add(push, 0, triple(f, 0))
-    add(push, 3, plus(cross(d, triple(f, 0)), times(t, triple(f, 3))))
-
-
-# Return a column of H.
-_column_from = jit(lambda a, k: (a[3, k], a[4, k], a[5, k]))
+            onto[r, c] += m[r][c]
+    onto[3, 3] += j[0]
+    onto[4, 3] += j[1]
+    onto[4, 4] += j[2]
+    onto[5, 3] += j[3]
+    onto[5, 4] += j[4]
+    onto[5, 5] += j[5]
+    add(push, 0, force)
+    add(push, 3, torque)
 
 
 @inlined
-def _condense(joints, links, rec, i):
-    """Add I' and f' of a body to its parent's (see above); what its joint needs is stored."""
-    a, f = rec.articulated[i], rec.force[i]
+def _pass_ball(joints, links, kin, rec, i):
+    """Add to the parent what a ball leaves: a mass M - H^T J^-1 H at its point, about which H and J are here."""
+    a, f, away, parent = rec.articulated[i], rec.force[i], _away(joints, kin, i), joints.parent[i]
+    w, d, m = triple(links.bias[i], 0), triple(links.apart[i], 0), _mass(a)
+    h, j = _shifted(a, away, 1.0)
+    force = minus(triple(f, 0), (dot(m[0], w), dot(m[1], w), dot(m[2], w)))
+    torque = minus(triple(f, 3), (dot(triple(a[3], 0), w), dot(triple(a[4], 0), w), dot(triple(a[5], 0), w)))
+    torque = plus(torque, cross(away, force))
+    factors = ldl3(j[0], j[1], j[2], j[3], j[4], j[5])
+    for k in range(3):
+        put(rec.answer[i, k], 0, h[k])
+    for k in range(6):
+        rec.pivot[i, k] = factors[k]
+    put(rec.drive[i], 0, torque)
+    if parent == joints.kind.shape[0]:
+        return
+    turning = _ball_solve(factors, torque)
+    force = minus(force, (dot(h[0], turning), dot(h[1], turning), dot(h[2], turning)))
+    x, y, z = _ball_solve(factors, h[0]), _ball_solve(factors, h[1]), _ball_solve(factors, h[2])
+    m10, m20, m21 = m[1][0] - dot(h[1], x), m[2][0] - dot(h[2], x), m[2][1] - dot(h[2], y)
+    left = (m[0][0] - dot(h[0], x), m10, m20), (m10, m[1][1] - dot(h[1], y), m21), (m20, m21, m[2][2] - dot(h[2], z))
+    h = cross(d, left[0]), cross(d, left[1]), cross(d, left[2])
+    x, y, z = cross(d, _row(h, 0)), cross(d, _row(h, 1)), cross(d, _row(h, 2))
+    onto = (x[0], y[0], y[1], z[0], z[1], z[2])
+    _receive(rec.articulated[parent], rec.force[parent], left, h, onto, force, cross(d, force))
+
+
+@inlined
+def _condense(joints, links, kin, rec, i):
+    """Add I' = X^T I X and X^T f of a body to its parent's; what its joint needs is stored."""
+    if joints.kind[i] == SPHERICAL:
+        _pass_ball(joints, links, kin, rec, i)
+        return
+    a, f, parent, t, d = rec.articulated[i], rec.force[i], joints.parent[i], links.turns[i], triple(links.apart[i], 0)
     own = rec.acceleration[i]  # not in use yet
     _symmetric_times(a, links.bias[i], own)
     for r in RATES:
         f[r] -= own[r]
     if joints.freedoms[i] == 1:
         _free_one(links, rec, i)
-    elif joints.freedoms[i] == 3:
-        _free_three(links, rec, i)
-    if joints.parent[i] < joints.kind.shape[0]:
-        _pass_on(joints, links, rec, i)
+    if parent < joints.kind.shape[0]:
+        h, j = _shifted(a, d, t)
+        torque = plus(cross(d, triple(f, 0)), times(t, triple(f, 3)))
+        _receive(rec.articulated[parent], rec.force[parent], _mass(a), h, j, triple(f, 0), torque)
 
 
 @inlined
 def _release(joints, links, kin, rec, i):
     """Solve for q'' of a body's joint and its acceleration, its parent's being known."""
     own, of_parent, drive, u = rec.acceleration[i], rec.acceleration[joints.parent[i]], rec.drive[i], rec.answer[i]
-    count, free = joints.freedoms[i], links.freedom[i]
     if joints.kind[i] == FREE:
         for r in RATES:
             own[r] = rec.force[i, r]
@@ -250,17 +267,22 @@ def _release(joints, links, kin, rec, i):
         put(drive, 3, turn_back(kin.turned[i], triple(own, 3)))
         return
     alpha = triple(of_parent, 3)
-    put(own, 0, plus(triple(of_parent, 0), cross(alpha, links.apart[i])))
+    point = plus(triple(of_parent, 0), cross(alpha, links.apart[i]))
+    if joints.kind[i] == SPHERICAL:
+        carried = plus(plus(times(point[0], u[0]), times(point[1], u[1])), times(point[2], u[2]))
+        alpha = _ball_solve(rec.pivot[i], minus(triple(drive, 0), carried))
+        put(own, 0, plus(plus(point, cross(alpha, _away(joints, kin, i))), triple(links.bias[i], 0)))
+        put(own, 3, alpha)
+        put(drive, 0, turn_back(kin.turned[i], alpha))
+        return
+    put(own, 0, point)
     put(own, 3, times(links.turns[i], alpha))
-    if count == 1:
+    if joints.freedoms[i] == 1:
         drive[0] = rec.pivot[i, 0] * (drive[0] - _times(u[0], own))
-    elif count == 3:
-        rest = (drive[0] - _times(u[0], own), drive[1] - _times(u[1], own), drive[2] - _times(u[2], own))
-        put(drive, 0, _ball_solve(rec.pivot[i], rest))
+        for r in RATES:
+            own[r] += links.freedom[i, r] * drive[0]
     for r in RATES:
         own[r] += links.bias[i, r]
-        for k in range(count):
-            own[r] += free[k, r] * drive[k]
 
 
 @jit
@@ -289,7 +311,7 @@ def relative_spatial_derivative(model, work, t, y, dy):
     _load_blocks(model, work)
     for i in range(n - 1, -1, -1):
         if joints.kind[i] != FREE:
-            _condense(joints, links, rec, i)
+            _condense(joints, links, kin, rec, i)
     for i in range(n):
         _release(joints, links, kin, rec, i)
         q, v, count = joints.q[i], joints.v[i], joints.freedoms[i]
@@ -378,10 +400,10 @@ def relative_spatial_take_velocities(model, work, y):
             put(own, 3, turn(kin.turned[i], triple(full.state, bodies.v[i] + 3)))
         kind, spin = joints.kind[i], triple(of_parent, 3)
         if kind == REVOLUTE:
-            y[v] = dot(minus(triple(own, 3), spin), triple(links.freedom[i, 0], 3))
+            y[v] = dot(minus(triple(own, 3), spin), triple(links.freedom[i], 3))
         elif kind == PRISMATIC:
             carried = plus(triple(of_parent, 0), cross(spin, links.apart[i]))
-            y[v] = dot(minus(triple(own, 0), carried), triple(links.freedom[i, 0], 0))
+            y[v] = dot(minus(triple(own, 0), carried), triple(links.freedom[i], 0))
         elif kind == SPHERICAL:
             put(y, v, turn_back(kin.turned[i], triple(own, 3)))
         elif kind == FREE:
