@@ -18,7 +18,7 @@ from mbs_ref.scene import Bushing, Scene, SpatialBody, TorsionSpring, symmetric
 from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.base.taylor import Taylor
 from mbs_ref.scene.celestial import CelestialPart, Epoch, GravityGradient, Newton, at_most_one
-from mbs_ref.scene.euler_parameters import parameter_matrix, rotation_matrices
+from mbs_ref.scene.euler_parameters import conjugate, parameter_matrix, rotated
 from mbs_ref.scene.joints import SpatialPlace
 from mbs_ref.scene.scales import Scales
 from mbs_ref.scene.traits import deflecting
@@ -217,7 +217,7 @@ class SpatialSystem(JointedSystem):
         position[:, order], velocity[:, order] = states[:, _after(bodies.q, 3)], states[:, _after(bodies.v, 3)]
         turns = bodies.rigid == 1
         own, v = order[turns], bodies.v[turns] + 3
-        omega[:, own] = np.einsum("tkij,tkj->tki", rotation_matrices(theta[:, own]), states.take(_after(v, 3), axis=1))
+        omega[:, own] = rotated(theta[:, own], states[:, _after(v, 3)])
         return Poses(position, theta, velocity, omega)
 
     def states_of(self, poses: Poses) -> np.ndarray:
@@ -230,7 +230,7 @@ class SpatialSystem(JointedSystem):
         own, q, v = order[turns], bodies.q[turns] + 3, bodies.v[turns] + 3
         theta, omega = poses.orientation[:, own], poses.angular_velocity.take(own, axis=1)
         states[:, _after(q, 4)] = theta
-        states[:, _after(v, 3)] = np.einsum("tkij,tki->tkj", rotation_matrices(theta), omega)
+        states[:, _after(v, 3)] = rotated(conjugate(theta), omega)
         return states
 
     def mass_matrix(self) -> np.ndarray:
@@ -290,8 +290,11 @@ class SpatialSystem(JointedSystem):
 
     @staticmethod
     def turned(turns: np.ndarray, arms: np.ndarray) -> np.ndarray:
-        return np.einsum("...ab,...b->...a", rotation_matrices(turns), arms)
+        return rotated(turns, arms)
 
     @staticmethod
     def _about(arms: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        return np.concatenate((forces[..., :3], forces[..., 3:] - np.cross(arms, forces[..., :3])), axis=-1)
+        (x, y, z), (a, b, c) = np.moveaxis(arms, -1, 0), np.moveaxis(forces[..., :3], -1, 0)
+        for k, moment in enumerate((y * c - z * b, z * a - x * c, x * b - y * a)):
+            forces[..., 3 + k] -= moment
+        return forces

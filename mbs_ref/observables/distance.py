@@ -11,7 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from mbs_ref.scene import PointMass, Scene
-from mbs_ref.scene.euler_parameters import conjugate, product, rotation_vector
+from mbs_ref.scene.euler_parameters import conjugate, product, rotation_vector, turn_size
 from mbs_ref.scene.scales import Scales, scales_of
 
 NAMES = ("position", "orientation", "velocity", "angular velocity")
@@ -75,7 +75,7 @@ def _unmasked_components(first: Motion, second: Motion, in_space: bool | None) -
     with np.errstate(all="ignore"):  # overflow is infinitely far
         parts = [
             _size(_between(first.position, second.position, True), True),
-            _size(turn_between(first.orientation, second.orientation, in_space), in_space),
+            _turn_size(first.orientation, second.orientation, in_space),
             _size(_between(first.velocity, second.velocity, True), True),
             _size(_between(first.angular_velocity, second.angular_velocity, in_space), in_space),
         ]
@@ -152,6 +152,13 @@ def turn_between(first: np.ndarray | None, second: np.ndarray | None, in_space: 
     if in_space:
         return _between(first, second, in_space, lambda p, q: rotation_vector(product(p, conjugate(q))))
     return _between(first, second, in_space, _angle_between)
+
+
+def _turn_size(first: np.ndarray | None, second: np.ndarray | None, in_space: bool | None) -> np.ndarray | None:
+    """Return the length of `turn_between`."""
+    if in_space:
+        return _between(first, second, in_space, lambda p, q: turn_size(product(p, conjugate(q))))
+    return _size(turn_between(first, second, in_space), in_space)
 
 
 def _angle_between(first: np.ndarray, second: np.ndarray) -> np.ndarray:

@@ -23,9 +23,13 @@ def from_axis_angle(axis, angle) -> np.ndarray:
 def product(first, second) -> np.ndarray:
     """Return theta of the rotation `second` followed by `first`: A(first) A(second)."""
     p, q = floats(first), floats(second)
-    scalar = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
-    vector = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
-    return np.concatenate((scalar, vector), axis=-1)
+    result = np.empty(np.broadcast_shapes(p.shape, q.shape), np.result_type(p, q))
+    (p0, p1, p2, p3), (q0, q1, q2, q3) = np.moveaxis(p, -1, 0), np.moveaxis(q, -1, 0)
+    result[..., 0] = p0 * q0 - (p1 * q1 + p2 * q2 + p3 * q3)
+    result[..., 1] = p0 * q1 + q0 * p1 + (p2 * q3 - p3 * q2)
+    result[..., 2] = p0 * q2 + q0 * p2 + (p3 * q1 - p1 * q3)
+    result[..., 3] = p0 * q3 + q0 * p3 + (p1 * q2 - p2 * q1)
+    return result
 
 
 def conjugate(theta) -> np.ndarray:
@@ -49,6 +53,25 @@ def rotation_matrices(theta) -> np.ndarray:
     axes[..., 2, 1] = s * (e2 * e3 + e0 * e1)
     axes[..., 2, 2] = 1.0 - s * (e1**2 + e2**2)
     return axes
+
+
+def rotated(theta, vectors) -> np.ndarray:
+    """Return A(theta / |theta|) u of vectors u (..., 3), without the matrices."""
+    theta, vectors = floats(theta), floats(vectors)
+    result = np.empty((*np.broadcast_shapes(theta.shape[:-1], vectors.shape[:-1]), 3), np.result_type(theta, vectors))
+    (e0, e1, e2, e3), (x, y, z) = np.moveaxis(theta, -1, 0), np.moveaxis(vectors, -1, 0)
+    a, b, c = e2 * z - e3 * y, e3 * x - e1 * z, e1 * y - e2 * x
+    s = 2.0 / (e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3)
+    result[..., 0] = x + s * (e0 * a + e2 * c - e3 * b)
+    result[..., 1] = y + s * (e0 * b + e3 * a - e1 * c)
+    result[..., 2] = z + s * (e0 * c + e1 * b - e2 * a)
+    return result
+
+
+def turn_size(theta) -> np.ndarray:
+    """Return the angle (...) of turns in [0, pi], rad; theta need not have unit length, nor a sign."""
+    e0, e1, e2, e3 = np.moveaxis(floats(theta), -1, 0)
+    return 2.0 * np.arctan2(np.sqrt(e1 * e1 + e2 * e2 + e3 * e3), np.abs(e0))
 
 
 def from_matrix(matrix) -> np.ndarray:

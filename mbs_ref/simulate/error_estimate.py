@@ -211,7 +211,7 @@ def _tolerance_ratio(plan: Plan) -> float:
 def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
     """Return the comparisons with the needed companions, no two alike: one as a rule."""
     if _is_coarsened(system, plan, own.run):
-        coarse, first = _compared(system, plan, own, _doubled(plan), first), None
+        coarse, first = _compared(system, plan, own, first.request if first else _doubled(plan), first), None
         if coarse.status is Status.INTERRUPTED or _shows_order(own.run, coarse.other):
             return [coarse]
     begun, second, needs_second = _first_two(system, plan, own.run)
