@@ -28,6 +28,7 @@ that fails, or ran already, another method is used.
 
 import math
 import time
+from collections.abc import Generator
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -91,6 +92,9 @@ class Companion(NamedTuple):
     bounds: np.ndarray  # (n, 4), the estimate at the run's outputs that both reached
 
 
+type Asking[T] = Generator[Request, Companion, T]
+
+
 class _Comparison(NamedTuple):
     """The estimate from one companion."""
 
@@ -105,11 +109,6 @@ class _Comparison(NamedTuple):
     @property
     def has_ended(self) -> bool:
         return self.status in ENDED
-
-
-def first_companion(system: System, plan: Plan, run: Run) -> Request:
-    """Return the first companion of a run."""
-    return _doubled(plan) if _is_coarsened(system, plan, run) else _first_two(system, plan, run)[0]
 
 
 def companions(
@@ -152,20 +151,23 @@ def _bounds(
     return np.minimum(np.fmax(request.factor * gaps, least), most)[:, after]
 
 
-def _companion(system: System, own: RunWithPoses, request: Request) -> Companion:
-    """Compute a companion of a run."""
-    times = own.run.times[_outputs(request, own.run.times)]
-    other = _rerun(system, request.plan, own.run.states[0], times, request.refine)
-    return companions(system, request, [own.run], [own.poses], [other])[0]
+def estimated(system: System, plan: Plan, run: Run, poses: Poses) -> Estimate | None:
+    """Return the estimated error of a run with these poses at its output times; None if Ctrl-C ended a companion."""
+    began, steps = time.perf_counter(), estimating(system, plan, run, poses)
+    request = next(steps)
+    while True:
+        times = run.times[_outputs(request, run.times)]
+        other = _rerun(system, request.plan, run.states[0], times, request.refine)
+        try:
+            request = steps.send(companions(system, request, [run], [poses], [other])[0])
+        except StopIteration as end:
+            return end.value and replace(end.value, cost_s=time.perf_counter() - began)
 
 
-def estimated(system: System, plan: Plan, run: Run, poses: Poses, first: Companion | None = None) -> Estimate | None:
-    """Return the estimated error of a run with these poses at its output times; None if Ctrl-C ended a companion.
-
-    Companions are computed, the `first` one unless given.
-    """
-    began, scales, own = time.perf_counter(), system.scales, RunWithPoses(run, poses)
-    compared = _comparisons(system, plan, own, first)
+def estimating(system: System, plan: Plan, run: Run, poses: Poses) -> Asking[Estimate | None]:
+    """Return `estimated`, whose companions are computed by the caller: one is sent for each request that is yielded."""
+    scales, own = system.scales, RunWithPoses(run, poses)
+    compared = yield from _comparisons(system, plan, own)
     if any(one.status is Status.INTERRUPTED for one in compared):
         return None
     opening, went = _opening(system, plan, run) if plan.options.step else (np.zeros(4), np.zeros(4))
@@ -181,10 +183,10 @@ def estimated(system: System, plan: Plan, run: Run, poses: Poses, first: Compani
     estimate = Estimate(
         times=run.times, components=np.maximum.accumulate(bounds), how="; ".join(one.how for one in compared),
         size=float(np.max(sizes[:2])),
-        tolerance=(plan.settings.rtol or DEFAULT_TOLERANCE) * scale, cost_s=time.perf_counter() - began,
-        length=scales.length, time=scales.time,
+        tolerance=(plan.settings.rtol or DEFAULT_TOLERANCE) * scale,
+        cost_s=sum(one.other.run.loop_s for one in compared), length=scales.length, time=scales.time,
     )  # fmt: skip
-    if estimate.holds_until is None or _is_confirmed(system, plan, own, compared[0]):
+    if estimate.holds_until is None or (yield from _is_confirmed(system, plan, compared[0])):
         return estimate
     lost = run.times[:, None] > estimate.holds_until
     return replace(estimate, components=np.where(lost, np.fmax(estimate.components, sizes), estimate.components))
@@ -208,23 +210,23 @@ def _tolerance_ratio(plan: Plan) -> float:
     return DECADE**2 if plan.integrator.varies_order else DECADE * plan.integrator.slack
 
 
-def _comparisons(system: System, plan: Plan, own: RunWithPoses, first: Companion | None) -> list[_Comparison]:
+def _comparisons(system: System, plan: Plan, own: RunWithPoses) -> Asking[list[_Comparison]]:
     """Return the comparisons with the needed companions, no two alike: one as a rule."""
     if _is_coarsened(system, plan, own.run):
-        coarse, first = _compared(system, plan, own, first.request if first else _doubled(plan), first), None
+        coarse = yield from _compared(plan, own, _doubled(plan))
         if coarse.status is Status.INTERRUPTED or _shows_order(own.run, coarse.other):
             return [coarse]
     begun, second, needs_second = _first_two(system, plan, own.run)
-    compared = [_compared(system, plan, own, begun, first)]
+    compared = [(yield from _compared(plan, own, begun))]
     if plan.options.step and compared[0].has_ended:
-        compared[0] = _by_observed_order(system, plan, own, compared[0])
+        compared[0] = yield from _by_observed_order(system, plan, own, compared[0])
     wanted = compared[0].is_uninformative or needs_second
     middle = [second] if wanted or own.run.near_singular else []
     _, *further = {one.share: one for one in (begun, *middle, _coarser(plan), _by_another_method(plan))}.values()
     if compared[0].has_ended:
         further = further[:-1] or further  # another method, which may cost far more, only for want of any other
     while further and compared[-1].status is not Status.INTERRUPTED and (wanted or not compared[-1].has_ended):
-        compared.append(_compared(system, plan, own, further.pop(0)))
+        compared.append((yield from _compared(plan, own, further.pop(0))))
         wanted = False
     return compared
 
@@ -261,11 +263,11 @@ def _shows_order(run: Run, coarse: Companion) -> bool:
     return coarse.run.status in ENDED and is_doubled and not is_visible
 
 
-def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Comparison) -> _Comparison:
+def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Comparison) -> Asking[_Comparison]:
     """Return the comparison with the run with half of the step, its factor by the order that further runs show."""
     run, (request, finer, gaps, sizes, _) = own.run, half.other
     nominal, floor = _error_ratio(system, plan), NOISY * _roundoff(finer)
-    double = _compared(system, plan, own, _coarser(plan))
+    double = yield from _compared(plan, own, _coarser(plan))
     if double.status is Status.INTERRUPTED:
         return half._replace(status=double.status)
     shown = _shrinkage(double.other.gaps, gaps, floor)
@@ -288,7 +290,7 @@ def _by_observed_order(system: System, plan: Plan, own: RunWithPoses, half: _Com
     return half._replace(bounds=bounds, how=how)
 
 
-def _is_confirmed(system: System, plan: Plan, own: RunWithPoses, first: _Comparison) -> bool:
+def _is_confirmed(system: System, plan: Plan, first: _Comparison) -> Asking[bool]:
     """Return whether further runs show that errors decrease: for a tolerance, one that is tighter by as much again."""
     if plan.options.step or first.other.request.is_coarse or not first.has_ended:
         return first.is_confirmed
@@ -297,8 +299,8 @@ def _is_confirmed(system: System, plan: Plan, own: RunWithPoses, first: _Compari
     request = _tighter(plan, ratio**2)
     if ratio <= 1.0 or ratio * request.plan.options.rtol > 0.5 * plan.options.rtol:
         return False
-    third = _rerun(system, request.plan, own.run.states[0], own.run.times, request.refine)
-    later, _ = _distance(system, finer.times, system.poses(finer.states), third.states)
+    third = yield request
+    later, _ = _distance(system, finer.times, system.poses(finer.states), third.run.states)
     return bool(np.min(_shrinkage(gaps, later, NOISY * _roundoff(finer))) > math.sqrt(ratio))
 
 
@@ -377,11 +379,9 @@ def _richardson[T: (float, np.ndarray)](smaller: T) -> T:
     return SAFETY * smaller / (smaller - 1.0)
 
 
-def _compared(
-    system: System, plan: Plan, own: RunWithPoses, request: Request, other: Companion | None = None
-) -> _Comparison:
-    """Compare the run with a companion, which is computed unless given."""
-    other = _companion(system, own, request) if other is None else other
+def _compared(plan: Plan, own: RunWithPoses, request: Request) -> Asking[_Comparison]:
+    """Compare the run with a companion."""
+    other = yield request
     _, second, gaps, _, bounds = other
     ended = second.status in ENDED
     tighter = ended and request.plan.options.rtol < plan.options.rtol

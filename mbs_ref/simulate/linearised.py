@@ -117,12 +117,12 @@ def stiffness_at_start(scene: Scene, speed: float = 0.0) -> Stiffness:
 
 
 def _eigenvalues(system: System, t: float, y: np.ndarray) -> np.ndarray:
-    """Return those of the derivative of dy/dt by central differences; none for very large scenes."""
+    """Return those of the derivative of dy/dt by central differences; none if very many or not finite."""
     if len(y) > 6 * LARGEST:
         return np.zeros(0, complex)
     shifts = DIFFERENCE * np.eye(len(y))
-    columns = [system.derivative(t, y + shift) - system.derivative(t, y - shift) for shift in shifts]
-    return np.linalg.eigvals(np.array(columns).T / (2.0 * DIFFERENCE))
+    columns = np.array([system.derivative(t, y + shift) - system.derivative(t, y - shift) for shift in shifts])
+    return np.linalg.eigvals(columns.T / (2.0 * DIFFERENCE)) if np.isfinite(columns).all() else np.zeros(0, complex)
 
 
 def unstable_step(system: System, plan: Plan, y: np.ndarray) -> str:

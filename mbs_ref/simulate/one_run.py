@@ -16,7 +16,7 @@ from mbs_ref.scene.traits import touching
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import start_checks as checks
 from mbs_ref.simulate.diagnosis import singular_passage, unseen_forces
-from mbs_ref.simulate.error_estimate import ENDED, Companion, estimated
+from mbs_ref.simulate.error_estimate import ENDED, estimated
 from mbs_ref.simulate.legs import Run, finite_part, run_legs, start_run
 from mbs_ref.simulate.linearised import unstable_passage, unstable_step
 from mbs_ref.simulate.method_choice import after_first_steps, choose_plan, without
@@ -69,21 +69,21 @@ def sampled(system: System, plan: Plan, times: np.ndarray, full: np.ndarray, pos
     return Samples(poses, own.reactions_over(times, full, pivots), contacts, pivots)
 
 
+def is_estimated(plan: Plan, run: Run) -> bool:
+    """Return whether the error of a run is to be estimated."""
+    return run.status in ENDED and plan.settings.estimate == "on"
+
+
 def trajectory(
     system: System, plan: Plan, run: Run, notes: list[str], timing: Timing, samples: Samples,
-    first: Companion | None = None,
+    estimate: Estimate | None = None,
 ) -> Trajectory:  # fmt: skip
-    """Return the trajectory of a run; where it ended well, with the estimate of its error and notes on both.
-
-    The first companion is computed unless given.
-    """
-    times, states, poses = run.times, run.states, samples.poses
-    status, message, estimate = run.status, run.message, None
+    """Return the trajectory of a run with the estimate of its error, if that `is_estimated`, and notes on both."""
+    times, states, poses, status, message = run.times, run.states, samples.poses, run.status, run.message
     remarks = singular_passage(system, times, states, samples.pivots)
     if status in ENDED:
         remarks += unstable_passage(system, plan, times, states)
-        if plan.settings.estimate == "on":
-            estimate = estimated(system, plan, run, poses, first)
+        if is_estimated(plan, run):
             remarks += unseen_forces(system, times, poses)
             status, message, remark = _judged(run, estimate)
             remarks += (remark,) if remark else ()
@@ -223,7 +223,9 @@ def simulated(system: System, plan: Plan, y: np.ndarray, build_s: float = 0.0) -
         plan, system = without(scene, plan, run.message), system.twin()
         run, full, poses = _run(system, plan, y)
     timing = Timing(build_s=build_s, first_call_s=ready - began, loop_s=run.loop_s)
-    return trajectory(system, plan, run, notes, timing, sampled(system, plan, run.times, full, poses))
+    samples = sampled(system, plan, run.times, full, poses)
+    estimate = estimated(system, plan, run, poses) if is_estimated(plan, run) else None
+    return trajectory(system, plan, run, notes, timing, samples, estimate)
 
 
 def _run(system: System, plan: Plan, y: np.ndarray) -> tuple[Run, np.ndarray, Poses]:

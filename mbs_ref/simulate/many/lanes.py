@@ -27,12 +27,12 @@ from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import traits
 from mbs_ref.settings import Settings
-from mbs_ref.simulate.error_estimate import Companion, Request, companions, first_companion
+from mbs_ref.simulate.error_estimate import Companion, Request, companions, estimating
 from mbs_ref.simulate.legs import Counts, LegPlan, Run, planned_legs, reached, run_legs, samples, start_run
-from mbs_ref.simulate.one_run import all_samples, compiled, or_empty, simulated, trajectory
+from mbs_ref.simulate.one_run import Samples, all_samples, compiled, is_estimated, or_empty, simulated, trajectory
 from mbs_ref.simulate.plan import Plan
 from mbs_ref.simulate.start_checks import ambiguous_start, consistent_start, rank_at_start, redundancy
-from mbs_ref.trajectory import Status, Timing, Trajectory
+from mbs_ref.trajectory import Estimate, Status, Timing, Trajectory
 
 NOTE = f"integrated in {WIDTH} lanes, or alone after a failure there"
 MAX_NUMBERS = 4_000_000  # entries of states in one piece of work: 32 MB
@@ -125,12 +125,16 @@ def runs_in_lanes(bunches: Sequence[Bunch], refine: int = 1) -> list[list[Run]]:
     def run(bunch: Bunch, system: System, k: int) -> Run:
         if succeeded[k]:
             return _complete(bunch.plan, legs[-1].now[k], states[k], compliance[k], loop_s)
-        y = legs[0].states[k, 0].copy()
-        start_run(system, bunch.plan, y)
-        return run_legs(system, bunch.plan, y, refine)
+        return _alone(system, bunch.plan, legs[0].states[k, 0], refine)
 
     return [[run(bunch, *one) for one in zip(bunch.systems, range(first, last), strict=True)]
             for bunch, (first, last) in zip(bunches, _places(bunches), strict=True)]  # fmt: skip
+
+
+def _alone(system: System, plan: Plan, start: np.ndarray, refine: int) -> Run:
+    y = start.copy()
+    start_run(system, plan, y)
+    return run_legs(system, plan, y, refine)
 
 
 def _places(bunches: Sequence[Bunch]) -> list[tuple[int, int]]:
@@ -239,29 +243,47 @@ def _side_by_side(cases: list[Bunch]) -> list[list[Trajectory]]:
         runs_in_lanes([bunch._replace(starts=bunch.starts[:0], systems=[])])
     ready = (time.perf_counter() - began) / max(1, sum(len(case.starts) for case in cases))
     runs = _runs(bunches)
-    is_estimated = bool(bunches) and bunches[0].plan.settings.estimate == "on"
-    others = _companions(bunches, runs) if is_estimated else [[] for _ in bunches]
+    samples = [all_samples(one.systems, one.plan, own) for one, own in zip(bunches, runs, strict=True)]
+    estimates = _estimates(bunches, runs, samples)
     times = [Timing(build_s=case.build_s, first_call_s=ready, loop_s=0.0) for case in cases]
-    return [_trajectories(*one) for one in zip(checked, times, runs, others, strict=True)]
+    return [_trajectories(*one) for one in zip(checked, times, runs, samples, estimates, strict=True)]
 
 
-type _Others = tuple[Request, list[int], list[Run]]  # how, the places of runs in a bunch, and their companions
-
-
-def _companions(bunches: list[Bunch], runs: list[list[Run]]) -> list[list[_Others]]:
-    """Return the first companion of each run; those with the same share of the tolerance are side by side."""
-    shares: dict[str, dict[int, tuple[Request, list[int]]]] = {}
-    for k, (bunch, own) in enumerate(zip(bunches, runs, strict=True)):
-        for i, run in enumerate(own):
-            request = first_companion(bunch.system, bunch.plan, run)
-            shares.setdefault(request.share, {}).setdefault(k, (request, []))[1].append(i)
-    result: list[list[_Others]] = [[] for _ in bunches]
-    for asked in shares.values():
-        again = [bunches[k].beside(request.plan, places) for k, (request, places) in asked.items()]
-        (first, _), *_ = asked.values()
-        for (k, one), found in zip(asked.items(), _runs(again, first.refine), strict=True):
-            result[k].append((*one, found))
+def _estimates(
+    bunches: list[Bunch], runs: list[list[Run]], samples: list[list[Samples]]
+) -> list[dict[int, Estimate | None]]:
+    """Return the estimate of each run's error; companions with the same share of the tolerance are side by side."""
+    result: list[dict[int, Estimate | None]] = [{} for _ in bunches]
+    waiting = {
+        (k, i): estimating(bunch.systems[i], bunch.plan, run, samples[k][i].poses)
+        for k, bunch in enumerate(bunches) for i, run in enumerate(runs[k]) if is_estimated(bunch.plan, run)
+    }  # fmt: skip
+    asked = {place: next(one) for place, one in waiting.items()}
+    while asked:
+        requests, asked = asked, dict[tuple[int, int], Request]()
+        for (k, i), companion in _companions(bunches, runs, samples, requests):
+            try:
+                asked[k, i] = waiting[k, i].send(companion)
+            except StopIteration as end:
+                result[k][i] = end.value
     return result
+
+
+def _companions(
+    bunches: list[Bunch], runs: list[list[Run]], samples: list[list[Samples]], requests: dict[tuple[int, int], Request]
+) -> Iterator[tuple[tuple[int, int], Companion]]:
+    """Yield the companion of each run (bunch, place there) that has a request."""
+    shares: dict[str, dict[int, list[int]]] = {}
+    for (k, i), request in requests.items():
+        shares.setdefault(request.share, {}).setdefault(k, []).append(i)
+    for asked in shares.values():
+        first = [requests[k, places[0]] for k, places in asked.items()]
+        again = [bunches[k].beside(one.plan, places) for one, (k, places) in zip(first, asked.items(), strict=True)]
+        found = _runs(again, first[0].refine)
+        for request, (k, places), others in zip(first, asked.items(), found, strict=True):
+            own, poses = [runs[k][i] for i in places], [samples[k][i].poses for i in places]
+            made = companions(bunches[k].system, request, own, poses, others)
+            yield from zip(((k, i) for i in places), made, strict=True)
 
 
 def _checked(case: Bunch) -> Checked:
@@ -288,7 +310,10 @@ def _start(case: Bunch, y: np.ndarray) -> list[str] | Trajectory:
 
 
 def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
-    """Return the runs of each bunch; bunches with the same key share lanes."""
+    """Return the runs of each bunch; bunches with the same key share lanes. Other methods' runs go alone."""
+    if any(bunch.plan.integrator.name != DEFAULT for bunch in bunches):
+        return [[_alone(system, bunch.plan, y, refine) for system, y in zip(bunch.systems, bunch.starts, strict=True)]
+                for bunch in bunches]  # fmt: skip
     groups: dict[bytes, list[int]] = {}
     for k, bunch in enumerate(bunches):
         groups.setdefault(alike(bunch), []).append(k)
@@ -298,17 +323,13 @@ def _runs(bunches: list[Bunch], refine: int = 1) -> list[list[Run]]:
     return [runs[k] for k in range(len(bunches))]
 
 
-def _trajectories(checked: Checked, timing: Timing, runs: list[Run], others: list[_Others]) -> list[Trajectory]:
+def _trajectories(
+    checked: Checked, timing: Timing, runs: list[Run], samples: list[Samples], estimates: dict[int, Estimate | None]
+) -> list[Trajectory]:
     """Return the trajectories of a case, in the order of its starts."""
-    (system, plan, _, systems, _), paths = checked.bunch, dict(checked.others)
-    samples = all_samples(systems, plan, runs)
-    poses = [sample.poses for sample in samples]
-    firsts: dict[int, Companion] = {}
-    for request, places, again in others:
-        own, its = [runs[k] for k in places], [poses[k] for k in places]
-        firsts |= zip(places, companions(system, request, own, its, again), strict=True)
+    (_, plan, _, systems, _), paths = checked.bunch, dict(checked.others)
     each = enumerate(zip(checked.notes.items(), systems, runs, samples, strict=True))
     for i, ((k, notes), own, run, sample) in each:
         spent = replace(timing, loop_s=run.loop_s)
-        paths[k] = trajectory(own, plan, run, [*plan.notes, *notes], spent, sample, firsts.get(i))
+        paths[k] = trajectory(own, plan, run, [*plan.notes, *notes], spent, sample, estimates.get(i))
     return [paths[k] for k in range(len(paths))]
