@@ -14,6 +14,7 @@ from mbs_ref.kernels.border.groups import absent, floats, ints
 from mbs_ref.kernels.rigid.model import TorsionSprings, rigid_scratch
 from mbs_ref.kernels.spatial import model as arrays
 from mbs_ref.kernels.spatial.model import SpatialScratch
+from mbs_ref.kernels.spatial.orientation import write_poses
 from mbs_ref.scene import Bushing, Scene, SpatialBody, TorsionSpring, symmetric
 from mbs_ref.scene.base.part import normals
 from mbs_ref.scene.base.taylor import Taylor
@@ -210,15 +211,9 @@ class SpatialSystem(JointedSystem):
         return theta
 
     def poses(self, states: np.ndarray) -> Poses:
-        states = np.asarray(states)
-        bodies, order = self.groups.bodies, self.groups.bodies.scene_index
-        position, velocity, omega = (np.zeros((len(states), self.n_bodies, 3)) for _ in range(3))
-        theta = self.orientations(states)
-        position[:, order], velocity[:, order] = states[:, _after(bodies.q, 3)], states[:, _after(bodies.v, 3)]
-        turns = bodies.rigid == 1
-        own, v = order[turns], bodies.v[turns] + 3
-        omega[:, own] = rotated(theta[:, own], states[:, _after(v, 3)])
-        return Poses(position, theta, velocity, omega)
+        poses = Poses(*(np.empty((len(states), self.n_bodies, count)) for count in (3, 4, 3, 3)))
+        write_poses(self.groups.bodies, np.ascontiguousarray(states), *poses)
+        return poses
 
     def states_of(self, poses: Poses) -> np.ndarray:
         # nothing has slipped yet

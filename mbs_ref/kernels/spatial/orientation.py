@@ -7,7 +7,7 @@ rotation results whatever the norm; theta' = E^T omega / 2 with the world angula
 import numpy as np
 
 from mbs_ref.kernels.algebra.lanes import chosen_in_lanes, either, in_every_lane
-from mbs_ref.kernels.jit import bare, jit
+from mbs_ref.kernels.jit import bare, jit, loop_jit
 from mbs_ref.kernels.spatial.marks import dot, put, triple, turn
 
 # Return row[k : k + 4].
@@ -135,3 +135,21 @@ def scale_theta(y, q, moves):
 _scale = either(
     "_scale(moves, s)", bare(lambda moves, s: s), bare(lambda moves, s: chosen_in_lanes(moves, s, in_every_lane(1.0)))
 )
+
+
+@loop_jit
+def write_poses(bodies, states, position, theta, velocity, omega):
+    """Write the bodies' poses and rates in world axes (n_t, n_bodies, ...), in scene order; particles do not turn."""
+    turned = np.empty((3, 3))
+    for k in range(states.shape[0]):
+        for i in range(bodies.q.shape[0]):
+            y, own, q, v = states[k], bodies.scene_index[i], bodies.q[i], bodies.v[i]
+            put(position[k, own], 0, triple(y, q))
+            put(velocity[k, own], 0, triple(y, v))
+            if bodies.rigid[i] == 1:
+                put_parameters(theta[k, own], 0, parameters(y, q + 3))
+                rotation(parameters(y, q + 3), turned)
+                put(omega[k, own], 0, turn(turned, triple(y, v + 3)))
+            else:
+                put_parameters(theta[k, own], 0, (1.0, 0.0, 0.0, 0.0))
+                put(omega[k, own], 0, (0.0, 0.0, 0.0))
