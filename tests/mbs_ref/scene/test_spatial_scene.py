@@ -12,8 +12,10 @@ from mbs_ref.scene.euler_parameters import (
     from_axis_angle,
     from_matrix,
     product,
+    rotated,
     rotation_matrices,
     rotation_vector,
+    turn_size,
 )
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import InconsistentScene, simulate
@@ -126,3 +128,14 @@ def test_matrices_and_parameters_are_inverse(seed):
     theta /= np.linalg.norm(theta)
     between = product(from_matrix(rotation_matrices(theta)), conjugate(theta))
     assert np.linalg.norm(rotation_vector(between)) < 1e-14
+
+
+def test_a_turned_vector_is_that_of_the_matrix_and_a_turn_has_the_size_of_its_vector():
+    rng = np.random.default_rng(0)
+    theta, vectors = 3.0 * rng.standard_normal((4, 5, 4)), rng.standard_normal((5, 3))  # of any length
+    expected = np.einsum("...ij,...j->...i", rotation_matrices(theta), np.broadcast_to(vectors, (4, 5, 3)))
+    np.testing.assert_allclose(rotated(theta, vectors), expected, atol=1e-14)
+    np.testing.assert_allclose(turn_size(theta), np.linalg.norm(rotation_vector(theta), axis=-1), atol=1e-14)
+    assert turn_size(from_axis_angle([0.0, 0.0, 1.0], [0.3, -0.3, np.pi, 6.0])) == pytest.approx(
+        [0.3, 0.3, np.pi, 2.0 * np.pi - 6.0]
+    )

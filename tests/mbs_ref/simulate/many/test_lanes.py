@@ -12,7 +12,7 @@ from mbs_ref.cores.system import Poses
 from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene, TorsionSpring
 from mbs_ref.settings import Settings
-from mbs_ref.simulate import simulate, simulate_scenes, simulate_starts
+from mbs_ref.simulate import error_estimate, simulate, simulate_scenes, simulate_starts
 from mbs_ref.simulate.many import lanes as many_lanes
 from mbs_ref.simulate.many.lanes import NOTE, why_not_in_lanes
 from mbs_ref.trajectory import Status
@@ -213,6 +213,22 @@ def test_runs_pass_a_singular_pose_in_their_lanes(monkeypatch):
         assert np.max(np.abs(path.position - other.position)) < rtol
         energy = energies(scene, path)
         assert np.max(np.abs(energy - energy[0])) < 100.0 * rtol * np.max(np.abs(energy))
+
+
+def test_all_companions_of_a_batch_are_in_lanes(monkeypatch):
+    """Of some runs steps of twice the size show no order: a run with a tenth of the tolerance follows."""
+    scene = scenes.make("spatial_chain", links=4)
+    starts = poses(simulate(scene, Settings(t_end=0.5, samples=4 * WIDTH, rtol=1e-9, estimate="off")))
+    settings = Settings(t_end=1.0, samples=34, rtol=1e-6, reactions=False, coordinates="relative")
+    alone = [simulate(scene, settings, start=some(starts, slice(k, k + 1))) for k in range(4 * WIDTH)]
+    for module in (many_lanes, error_estimate):
+        monkeypatch.setattr(module, "run_legs", lambda *_: pytest.fail("a run left its lane"))
+    paths = simulate_starts(scene, starts, settings, threads=1, lanes=True)
+    assert 1 < sum("1/10 of the tolerance" in path.estimate.how for path in paths) < len(paths)
+    for path, other in zip(paths, alone, strict=True):
+        assert path.estimate.how == other.estimate.how
+        assert path.estimate.components == pytest.approx(other.estimate.components, rel=0.1, abs=ROUNDOFF)
+        assert path.estimate.cost_s > 0.0
 
 
 def energies(scene, path):
