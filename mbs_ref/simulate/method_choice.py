@@ -160,9 +160,9 @@ def after_first_steps(system: System, plan: Plan, y: np.ndarray) -> Plan:
 def _tried(
     system: System, plan: Plan, implicit: Plan, y: np.ndarray, allowed: float, closes: bool, trials: int
 ) -> Plan:
-    """Return the cheaper plan after some first steps; `allowed` (s) is the largest stable step, `trials` the most made.
+    """Return the cheaper plan after some first steps, in at most so many `trials`.
 
-    `closes` states whether contacts that are open at the start determine it.
+    `allowed` (s) is the largest stable step; `closes` states whether contacts that are open at the start determine it.
     """
     span, gap = float(plan.times[-1]), float(plan.times[-1]) / (len(plan.times) - 1)
     smooth = min([span, *(t for t in system.scene.breakpoints() if t > 0.0)])

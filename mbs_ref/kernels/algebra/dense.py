@@ -1,6 +1,6 @@
 """Dense vectors and matrices: norms, LU with partial pivoting, real or complex, in place; small symmetric ones.
 
-The latter are factored as L D L^T: 3x3 blocks in scalars, and small matrices in place.
+The latter are factored as L D L^T, in blocks of three whose numbers are scalars.
 """
 
 import numpy as np
@@ -97,30 +97,55 @@ def ldl3_solve(i0, i1, i2, l10, l20, l21, b0, b1, b2):
     return x0, x1, x2
 
 
-@bare
-def factor_ldl(a, n):
-    """Factor the leading n x n lower triangle in place: strict part L, diagonal 1 / D."""
-    for j in range(n):
-        inverse = 1.0 / a[j, j]
-        for i in range(j + 1, n):
-            low = a[i, j] * inverse
-            for k in range(j + 1, i + 1):
-                a[i, k] -= low * a[k, j]
-        for i in range(j + 1, n):
-            a[i, j] *= inverse
-        a[j, j] = inverse
+# Factor a 3x3 block, its lower triangle given at (k, k), as `ldl3` does; read such factors there; read a row of three.
+_factor_at = bare(lambda a, k: ldl3(
+    a[k, k], a[k + 1, k], a[k + 1, k + 1], a[k + 2, k], a[k + 2, k + 1], a[k + 2, k + 2]
+))  # fmt: skip
+factors_at = bare(lambda a, k: (
+    a[k, k], a[k + 1, k + 1], a[k + 2, k + 2], a[k + 1, k], a[k + 2, k], a[k + 2, k + 1]
+))  # fmt: skip
+_three = bare(lambda a, r, k: (a[r, k], a[r, k + 1], a[r, k + 2]))
+_product = bare(lambda x, y: x[0] * y[0] + x[1] * y[1] + x[2] * y[2])
+# Return the solution with the factors of `ldl3`.
+solve_factored = bare(lambda m, b: ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], b[0], b[1], b[2]))
 
 
 @bare
-def solve_ldl(a, n, b):
-    """Solve in place with the factors of `factor_ldl`."""
-    for i in range(1, n):
-        total = b[i]
-        for k in range(i):
-            total -= a[i, k] * b[k]
-        b[i] = total
-    for i in range(n - 1, -1, -1):
-        total = b[i] * a[i, i]
-        for k in range(i + 1, n):
-            total -= a[k, i] * b[k]
-        b[i] = total
+def put_factors(a, k, m):
+    """Write factors as `factors_at` reads them."""
+    a[k, k], a[k + 1, k + 1], a[k + 2, k + 2], a[k + 1, k], a[k + 2, k], a[k + 2, k + 1] = m
+
+
+# Factor a 3x3 block in place, and return a solution with its factors.
+factor3 = bare(lambda a: put_factors(a, 0, _factor_at(a, 0)))
+solve3 = bare(lambda a, b: solve_factored(factors_at(a, 0), b))
+
+
+@bare
+def factor6(a):
+    """Factor (A, B^T; B, C), its lower triangle given, in place: factors of A and C - B A^-1 B^T, and A^-1 B^T on top.
+
+    Blocks of three are in scalars: what is stored in between is what the compiler would have to read again.
+    """
+    m = _factor_at(a, 0)
+    b0, b1, b2 = _three(a, 3, 0), _three(a, 4, 0), _three(a, 5, 0)
+    x0, x1, x2 = solve_factored(m, b0), solve_factored(m, b1), solve_factored(m, b2)
+    rest = ldl3(
+        a[3, 3] - _product(b0, x0), a[4, 3] - _product(b1, x0), a[4, 4] - _product(b1, x1),
+        a[5, 3] - _product(b2, x0), a[5, 4] - _product(b2, x1), a[5, 5] - _product(b2, x2),
+    )  # fmt: skip
+    put_factors(a, 0, m)
+    put_factors(a, 3, rest)
+    for k in range(3):
+        a[k, 3], a[k, 4], a[k, 5] = x0[k], x1[k], x2[k]
+
+
+@bare
+def solve6(a, top, bottom):
+    """Return both halves of the solution for a right-hand side in halves, with the factors of `factor6`."""
+    y = solve_factored(factors_at(a, 0), top)
+    b0, b1, b2 = _three(a, 3, 0), _three(a, 4, 0), _three(a, 5, 0)
+    rest = bottom[0] - _product(b0, y), bottom[1] - _product(b1, y), bottom[2] - _product(b2, y)
+    z = solve_factored(factors_at(a, 3), rest)
+    x0, x1, x2 = _three(a, 0, 3), _three(a, 1, 3), _three(a, 2, 3)
+    return (y[0] - _product(x0, z), y[1] - _product(x1, z), y[2] - _product(x2, z)), z

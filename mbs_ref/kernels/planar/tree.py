@@ -3,18 +3,9 @@
 Factors L D L^T lie in the lower triangles: L below the diagonal, and 1 / D on it.
 """
 
-from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
+from mbs_ref.kernels.algebra.dense import factors_at, ldl3, ldl3_solve, put_factors
 from mbs_ref.kernels.algebra.lanes import vanishes
 from mbs_ref.kernels.jit import bare, jit, placed
-
-# Return the factors in a lower triangle as `ldl3_solve` takes them.
-_factors = bare(lambda a: (a[0, 0], a[1, 1], a[2, 2], a[1, 0], a[2, 0], a[2, 1]))
-
-
-@bare
-def _put_factors(a, m):
-    a[0, 0], a[1, 1], a[2, 2], a[1, 0], a[2, 0], a[2, 1] = m
-
 
 _solve = bare(lambda m, b0, b1, b2: ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], b0, b1, b2))
 # Return row r of a times b.
@@ -38,7 +29,7 @@ def factor_body(model, work, i, parent):
     tree, jac, count = work.tree, work.rows.jacobian[i, 0], model.slots.count[i]
     art, lift = tree.articulated[i], tree.lift[i]
     m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
-    _put_factors(art, m)
+    put_factors(art, 0, m)
     a = _solve(m, jac[0, 0], jac[0, 1], jac[0, 2])  # M^-1 J^T, one column a row of J
     b = _solve(m, jac[1, 0], jac[1, 1], jac[1, 2])
     c = _solve(m, jac[2, 0], jac[2, 1], jac[2, 2])
@@ -52,7 +43,7 @@ def factor_body(model, work, i, parent):
         _product(jac, 2, b),
         _product(jac, 2, c) + _idle(count, 2),
     )
-    _put_factors(tree.row_factor[i], s)
+    put_factors(tree.row_factor[i], 0, s)
     if parent == model.bodies.mass.shape[0]:
         return
     far, transfer, up = work.rows.jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
@@ -67,10 +58,10 @@ def factor_body(model, work, i, parent):
 def solve_free(model, work, i, parent, gamma, multiplier):
     tree, jac, far = work.tree, work.rows.jacobian[i, 0], work.rows.jacobian[i, 1]
     load, free = tree.load[i], tree.free[i]
-    f = _solve(_factors(tree.articulated[i]), load[0], load[1], load[2])
+    f = _solve(factors_at(tree.articulated[i], 0), load[0], load[1], load[2])
     free[0], free[1], free[2] = f
     rest = _product(jac, 0, f) - gamma[0], _product(jac, 1, f) - gamma[1], _product(jac, 2, f) - gamma[2]
-    u = _solve(_factors(tree.row_factor[i]), rest[0], rest[1], rest[2])
+    u = _solve(factors_at(tree.row_factor[i], 0), rest[0], rest[1], rest[2])
     multiplier[0], multiplier[1], multiplier[2] = u
     if parent != model.bodies.mass.shape[0]:
         for c in range(3):
@@ -98,7 +89,12 @@ def plus_mobility(model, work, total, i, row):
 @placed
 def pass_closure(model, work, i, here, there, count):
     tree, closures = work.tree, work.closures
-    m, s, lift, transfer = _factors(tree.articulated[i]), _factors(tree.row_factor[i]), tree.lift[i], tree.transfer[i]
+    m, s, lift, transfer = (
+        factors_at(tree.articulated[i], 0),
+        factors_at(tree.row_factor[i], 0),
+        tree.lift[i],
+        tree.transfer[i],
+    )
     joint, column = closures.joint[here], closures.column[here]
     for r in range(count):
         p0, p1, p2 = closures.passed[here, 0, r], closures.passed[here, 1, r], closures.passed[here, 2, r]

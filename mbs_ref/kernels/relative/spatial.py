@@ -6,7 +6,7 @@ ball carries its body's orientation, theta0..theta3 and omega. omega is in body 
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.algebra.dense import factor6, ldl3, solve6, solve_factored
 from mbs_ref.kernels.algebra.lanes import cos_sin, either, larger
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import inlined, jit
@@ -167,7 +167,6 @@ def _free_one(links, rec, i):
 _column_from = jit(lambda a, k: (a[3, k], a[4, k], a[5, k]))
 _mass = jit(lambda a: ((a[0, 0], a[1, 0], a[2, 0]), (a[1, 0], a[1, 1], a[2, 1]), (a[2, 0], a[2, 1], a[2, 2])))
 _row = jit(lambda columns, r: (columns[0][r], columns[1][r], columns[2][r]))
-_ball_solve = jit(lambda d, b: ldl3_solve(d[0], d[1], d[2], d[3], d[4], d[5], b[0], b[1], b[2]))
 
 
 @jit
@@ -224,9 +223,9 @@ def _pass_ball(joints, links, kin, rec, i):
     put(rec.drive[i], 0, torque)
     if parent == joints.kind.shape[0]:
         return
-    turning = _ball_solve(factors, torque)
+    turning = solve_factored(factors, torque)
     force = minus(force, (dot(h[0], turning), dot(h[1], turning), dot(h[2], turning)))
-    x, y, z = _ball_solve(factors, h[0]), _ball_solve(factors, h[1]), _ball_solve(factors, h[2])
+    x, y, z = solve_factored(factors, h[0]), solve_factored(factors, h[1]), solve_factored(factors, h[2])
     m10, m20, m21 = m[1][0] - dot(h[1], x), m[2][0] - dot(h[2], x), m[2][1] - dot(h[2], y)
     left = (m[0][0] - dot(h[0], x), m10, m20), (m10, m[1][1] - dot(h[1], y), m21), (m20, m21, m[2][2] - dot(h[2], z))
     h = cross(d, left[0]), cross(d, left[1]), cross(d, left[2])
@@ -259,18 +258,18 @@ def _release(joints, links, kin, rec, i):
     """Solve for q'' of a body's joint and its acceleration, its parent's being known."""
     own, of_parent, drive, u = rec.acceleration[i], rec.acceleration[joints.parent[i]], rec.drive[i], rec.answer[i]
     if joints.kind[i] == FREE:
-        for r in RATES:
-            own[r] = rec.force[i, r]
-        factor_ldl(rec.articulated[i], 6)
-        solve_ldl(rec.articulated[i], 6, own)
-        put(drive, 0, own)
-        put(drive, 3, turn_back(kin.turned[i], triple(own, 3)))
+        factor6(rec.articulated[i])
+        straight, turning = solve6(rec.articulated[i], triple(rec.force[i], 0), triple(rec.force[i], 3))
+        put(own, 0, straight)
+        put(own, 3, turning)
+        put(drive, 0, straight)
+        put(drive, 3, turn_back(kin.turned[i], turning))
         return
     alpha = triple(of_parent, 3)
     point = plus(triple(of_parent, 0), cross(alpha, links.apart[i]))
     if joints.kind[i] == SPHERICAL:
         carried = plus(plus(times(point[0], u[0]), times(point[1], u[1])), times(point[2], u[2]))
-        alpha = _ball_solve(rec.pivot[i], minus(triple(drive, 0), carried))
+        alpha = solve_factored(rec.pivot[i], minus(triple(drive, 0), carried))
         put(own, 0, plus(plus(point, cross(alpha, _away(joints, kin, i))), triple(links.bias[i], 0)))
         put(own, 3, alpha)
         put(drive, 0, turn_back(kin.turned[i], alpha))

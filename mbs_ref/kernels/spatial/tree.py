@@ -13,8 +13,9 @@ thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). A test forms
 matrix densely and compares.
 """
 
-from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, solve_ldl
+from mbs_ref.kernels.algebra.dense import factor3, factor6, ldl3, ldl3_solve, solve3, solve6
 from mbs_ref.kernels.jit import jit, placed
+from mbs_ref.kernels.spatial.marks import put, triple
 
 
 @placed
@@ -35,16 +36,34 @@ def start_blocks(model, work):
         art[4, 3], art[5, 3], art[5, 4] = j[3], j[4], j[5]
 
 
+_dot6 = jit(lambda a, b: a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+
+
 @jit
 def _factor_rows(jac, lift, factor, count):
-    """Factor S = J M^-1 J^T of one joint."""
-    for r in range(count):
+    """Factor S = J M^-1 J^T of one joint; of rows that it lacks, which are zero, the pivot is 1."""
+    for r in range(3):
         for s in range(r + 1):
-            total = 0.0
-            for c in range(6):
-                total += jac[r, c] * lift[s, c]
-            factor[r, s] = total
-    factor_ldl(factor, count)
+            factor[r, s] = _dot6(jac[r], lift[s])
+    if count > 3:
+        for r in range(3, 6):
+            for s in range(r + 1):
+                factor[r, s] = _dot6(jac[r], lift[s])
+    for r in range(count, 6):
+        factor[r, r] = 1.0
+    if count > 3:
+        factor6(factor)
+    else:
+        factor3(factor)
+
+
+@jit
+def _solve_rows(factor, count, b0, b1, b2, b3, b4, b5):
+    """Return S^-1 b."""
+    if count > 3:
+        top, bottom = solve6(factor, (b0, b1, b2), (b3, b4, b5))
+        return (*top, *bottom)
+    return (*solve3(factor, (b0, b1, b2)), b3, b4, b5)
 
 
 @placed
@@ -53,24 +72,26 @@ def factor_body(model, work, i, parent):
         return
     tree, jac, count = work.tree, work.rows.jacobian[i, 0], model.slots.count[i]
     art, lift = tree.articulated[i], tree.lift[i]
-    factor_ldl(art, 6)
+    factor6(art)
     for r in range(count):
-        for c in range(6):
-            lift[r, c] = jac[r, c]
-        solve_ldl(art, 6, lift[r])
+        top, bottom = solve6(art, triple(jac[r], 0), triple(jac[r], 3))
+        put(lift[r], 0, top)
+        put(lift[r], 3, bottom)
     _factor_rows(jac, lift, tree.row_factor[i], count)
     if parent == model.bodies.mass.shape[0]:
         return
     far, transfer, up = work.rows.jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
-    for r in range(count):
-        for c in range(6):
-            transfer[r, c] = far[r, c]
-    _solve_rows(tree.row_factor[i], count, transfer)
-    for k in range(count):
+    for c in range(6):
+        transfer[0, c], transfer[1, c], transfer[2, c], transfer[3, c], transfer[4, c], transfer[5, c] = _solve_rows(
+            tree.row_factor[i], count, far[0, c], far[1, c], far[2, c], far[3, c], far[4, c], far[5, c]
+        )
+    for r in range(6):
+        for c in range(r + 1):
+            up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
+    if count > 3:
         for r in range(6):
-            weight = far[k, r]
             for c in range(r + 1):
-                up[r, c] += weight * transfer[k, c]
+                up[r, c] += far[3, r] * transfer[3, c] + far[4, r] * transfer[4, c] + far[5, r] * transfer[5, c]
 
 
 @placed
@@ -79,19 +100,20 @@ def solve_free(model, work, i, parent, gamma, multiplier):
         return
     tree, jac, far = work.tree, work.rows.jacobian[i, 0], work.rows.jacobian[i, 1]
     free, count = tree.free[i], model.slots.count[i]
-    for c in range(6):
-        free[c] = tree.load[i, c]
-    solve_ldl(tree.articulated[i], 6, free)
+    top, bottom = solve6(tree.articulated[i], triple(tree.load[i], 0), triple(tree.load[i], 3))
+    put(free, 0, top)
+    put(free, 3, bottom)
+    u = _solve_rows(
+        tree.row_factor[i], count, _dot6(jac[0], free) - gamma[0], _dot6(jac[1], free) - gamma[1],
+        _dot6(jac[2], free) - gamma[2], _dot6(jac[3], free) - gamma[3], _dot6(jac[4], free) - gamma[4],
+        _dot6(jac[5], free) - gamma[5],
+    )  # fmt: skip
     for r in range(count):
-        total = -gamma[r]
-        for c in range(6):
-            total += jac[r, c] * free[c]
-        multiplier[r] = total
-    solve_ldl(tree.row_factor[i], count, multiplier)
+        multiplier[r] = u[r]
     if parent != model.bodies.mass.shape[0]:
         for r in range(count):
             for c in range(6):
-                tree.load[parent, c] -= far[r, c] * multiplier[r]
+                tree.load[parent, c] -= far[r, c] * u[r]
 
 
 @jit
@@ -137,17 +159,19 @@ def pass_closure(model, work, i, here, there, _count):
     """Condense body i under one closure, all of whose rows go through the same steps at once."""
     tree, rows, closures, count = work.tree, work.rows, work.closures, model.slots.count[i]
     joint, column = closures.joint[here], closures.column[here]
-    for c in range(6):
-        for r in range(6):
-            column[c, r] = closures.passed[here, c, r]
-    _solve_rows(tree.articulated[i], 6, column)
-    for k in range(count):
-        for r in range(6):
-            joint[k, r] = 0.0
-        for c in range(6):
-            for r in range(6):
-                joint[k, r] += rows.jacobian[i, 0, k, c] * column[c, r]
-    _solve_rows(tree.row_factor[i], count, joint)
+    passed = closures.passed[here]
+    for r in range(6):
+        top, bottom = (passed[0, r], passed[1, r], passed[2, r]), (passed[3, r], passed[4, r], passed[5, r])
+        top, bottom = solve6(tree.articulated[i], top, bottom)
+        column[0, r], column[1, r], column[2, r] = top
+        column[3, r], column[4, r], column[5, r] = bottom
+    jac = rows.jacobian[i, 0]
+    for r in range(6):
+        b = column[0, r], column[1, r], column[2, r], column[3, r], column[4, r], column[5, r]
+        joint[0, r], joint[1, r], joint[2, r], joint[3, r], joint[4, r], joint[5, r] = _solve_rows(
+            tree.row_factor[i], count, _dot6(jac[0], b), _dot6(jac[1], b), _dot6(jac[2], b), _dot6(jac[3], b),
+            _dot6(jac[4], b), _dot6(jac[5], b),
+        )  # fmt: skip
     for k in range(count):
         for c in range(6):
             for r in range(6):
@@ -157,18 +181,3 @@ def pass_closure(model, work, i, here, there, _count):
             for c in range(6):
                 for r in range(6):
                     closures.passed[there, c, r] -= rows.jacobian[i, 1, k, c] * joint[k, r]
-
-
-@placed
-def _solve_rows(a, n, b):
-    """Solve in place, for six right-hand sides at once, with the factors of `factor_ldl`."""
-    for i in range(1, n):
-        for k in range(i):
-            for r in range(6):
-                b[i, r] -= a[i, k] * b[k, r]
-    for i in range(n - 1, -1, -1):
-        for r in range(6):
-            b[i, r] *= a[i, i]
-        for k in range(i + 1, n):
-            for r in range(6):
-                b[i, r] -= a[k, i] * b[k, r]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mbs_ref.kernels.algebra.dense import factor_ldl, ldl3, ldl3_solve, lu_factor, lu_solve, solve_ldl
+from mbs_ref.kernels.algebra.dense import factor3, factor6, ldl3, ldl3_solve, lu_factor, lu_solve, solve3, solve6
 from mbs_ref.kernels.rigid.dynamics import refinements
 from mbs_ref.kernels.spatial.loads import _product, _relative
 from mbs_ref.kernels.spatial.marks import symmetric_times, turn, turn_back
@@ -44,14 +44,16 @@ def test_three_symmetric_equations_are_solved():
     np.testing.assert_allclose(a @ x, RIGHT[:3], atol=1e-13)
 
 
-@pytest.mark.parametrize("n", [1, 3, 4])
-def test_symmetric_equations_are_solved_from_the_lower_triangle(n):
-    a, x = POSITIVE.copy(), RIGHT.copy()
-    a[np.triu_indices(4, 1)] = np.nan
-    factor_ldl.py_func(a, n)
-    solve_ldl.py_func(a, n, x)
-    np.testing.assert_allclose(POSITIVE[:n, :n] @ x[:n], RIGHT[:n], atol=1e-13)
-    np.testing.assert_array_equal(x[n:], RIGHT[n:])
+def test_symmetric_equations_are_solved_from_the_lower_triangle():
+    root = np.random.default_rng(0).standard_normal((6, 6))
+    positive, right = root @ root.T + 0.1 * np.eye(6), np.arange(1.0, 7.0)
+    a = np.where(np.triu(np.ones((6, 6)), 1) == 1.0, np.nan, positive)
+    whole, part = a.copy(), a.copy()
+    factor6(whole)
+    factor3(part)
+    np.testing.assert_allclose(positive @ np.hstack(solve6(whole, right[:3], right[3:])), right, atol=1e-12)
+    np.testing.assert_allclose(positive[:3, :3] @ solve3(part, right[:3]), right[:3], atol=1e-12)
+    np.testing.assert_array_equal(part[3:], a[3:])
 
 
 @pytest.mark.parametrize(("pivot", "steps"), [(0.5, 0), (1e-4, 1), (1e-8, 1), (1e-10, 2), (1e-13, 0)])
