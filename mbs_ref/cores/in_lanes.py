@@ -83,6 +83,11 @@ def _has_lasting_rows(system: Any) -> bool:
     return not any(contact.holds for contact in system.scene.contacts) and "rheonomic" not in traits(system.scene)
 
 
+def follows_from_states(system: Any) -> bool:
+    """Return whether lanes evaluate all of a tree's loads and rows, and by the state alone."""
+    return not system.n_closure_rows and not _loads_depend(system) and _has_lasting_rows(system)
+
+
 def side_by_side(system: Any) -> SideBySide:
     """Return arrays for systems of this one's structure."""
     figures, taken, kept = room_for_lanes(len(figures_of(system))), 0, []

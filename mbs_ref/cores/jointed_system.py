@@ -11,11 +11,13 @@ import numpy as np
 
 from mbs_ref.cores.builder import Builder, Place
 from mbs_ref.cores.events import ContactSystem
+from mbs_ref.cores.in_lanes import figures_of, follows_from_states
 from mbs_ref.cores.system import RANK_TOLERANCE
 from mbs_ref.cores.user_rows import UserRow, write_user_rows
+from mbs_ref.kernels.algebra.lanes import room_for_lanes
 from mbs_ref.kernels.contact.laws import MODE_CLOSED
-from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN
-from mbs_ref.kernels.rigid.outputs import forces_at_joints, forces_over
+from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME, CONTROL_POSITION_GAIN, CONTROL_VELOCITY_GAIN, Rows
+from mbs_ref.kernels.rigid.outputs import forces_at_joints, forces_in_lanes, forces_over
 from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.taylor import Taylor
 
@@ -254,7 +256,7 @@ class JointedSystem(ContactSystem):
         return result
 
     def reactions_over(
-        self, times: np.ndarray, states: np.ndarray, pivots: np.ndarray | None = None
+        self, times: np.ndarray, states: np.ndarray, pivots: np.ndarray | None = None, in_lanes: bool = False
     ) -> dict[str, np.ndarray]:
         if not len(times):
             return {}
@@ -263,7 +265,7 @@ class JointedSystem(ContactSystem):
         each = max(1, MOST_AT_ONCE // max(1, forces[:1].size))
         for start in range(0, len(times), each):
             block = slice(start, start + each)
-            self._fill(times[block], states[block], forces[block], pivots[block])
+            self._fill(times[block], states[block], forces[block], pivots[block], in_lanes)
             turns = self.orientations(states[block])[:, of.body]
             forces[block] = self._about(self.turned(turns, of.arm), of.sign * forces[block])
         return dict(zip(of.names, forces.swapaxes(0, 1).copy(), strict=True))
@@ -274,8 +276,16 @@ class JointedSystem(ContactSystem):
         self._filled(times, states, np.empty((len(times), len(self.place), self.RATES)), pivots)
         return pivots
 
-    def _fill(self, times: np.ndarray, states: np.ndarray, out: np.ndarray, pivots: np.ndarray) -> None:
+    def _fill(self, times: np.ndarray, states: np.ndarray, out: np.ndarray, pivots: np.ndarray, in_lanes: bool) -> None:
         """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
+        if in_lanes and follows_from_states(self):
+            pivots[:], room = 1.0, self.room
+            room.figures[:] = figures_of(self)[:, None]
+            rows = next(group for group in room.kept[1] if isinstance(group, Rows))
+            y, dy = room_for_lanes(states.shape[1]), room_for_lanes(states.shape[1])
+            given = self.builder.reporting.rows, rows.multiplier, rows.jacobian, y, dy
+            forces_in_lanes(room.model, room.work, *given, np.ascontiguousarray(states), out)
+            return
         dependent = np.flatnonzero(self._filled(times, states, out, pivots) != self.n_closure_rows)
         for k in dependent.tolist():
             self.recall_modes(times[k])

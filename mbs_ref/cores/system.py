@@ -307,12 +307,12 @@ class System(ABC):
         return {}
 
     def reactions_over(
-        self, times: np.ndarray, states: np.ndarray, pivots: np.ndarray | None = None
+        self, times: np.ndarray, states: np.ndarray, pivots: np.ndarray | None = None, in_lanes: bool = False
     ) -> dict[str, np.ndarray]:
         """Return the force and torque (n_t, 3 or 6) of each joint on its last body, at the joint point, in world axes.
 
         The times are those of the last run, whose modes hold. `pivots` (n_t,) receive the smallest relative pivot of
-        the closures.
+        the closures. With `in_lanes` states are evaluated side by side where they alone determine the forces.
         """
         return {}
 

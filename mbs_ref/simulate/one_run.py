@@ -11,6 +11,7 @@ from mbs_ref.cores.choice import compile_scene
 from mbs_ref.cores.system import Poses, System
 from mbs_ref.integrators import DEFAULT
 from mbs_ref.integrators.loop.leg import progress
+from mbs_ref.kernels.algebra.lanes import WIDTH
 from mbs_ref.scene import Scene
 from mbs_ref.scene.traits import touching
 from mbs_ref.settings import Settings
@@ -55,18 +56,20 @@ def all_samples(systems: list[System], plan: Plan, runs: list[Run]) -> list[Samp
     if system.event_sources:
         each, every = zip(systems, runs, places, strict=True), Samples(poses, {}, {})
         return [sampled(own, plan, run.times, full[part], every.at(part).poses) for own, run, part in each]
-    every = sampled(system, plan, np.concatenate([run.times for run in runs]), full, poses)
+    every = sampled(system, plan, np.concatenate([run.times for run in runs]), full, poses, len(runs) >= WIDTH)
     return [every.at(place) for place in places]
 
 
-def sampled(system: System, plan: Plan, times: np.ndarray, full: np.ndarray, poses: Poses) -> Samples:
+def sampled(
+    system: System, plan: Plan, times: np.ndarray, full: np.ndarray, poses: Poses, in_lanes: bool = False
+) -> Samples:
     """Return the samples at the states `full` (n_t, n_full) of the last run, as `system.redundant` has them."""
     if not plan.settings.reactions:
         return Samples(poses, {}, {})
     own = system.redundant
     own.set_baumgarte(0.0)
     contacts, pivots = own.contact_forces(times, full) if own.scene.contacts else {}, np.empty(len(times))
-    return Samples(poses, own.reactions_over(times, full, pivots), contacts, pivots)
+    return Samples(poses, own.reactions_over(times, full, pivots, in_lanes), contacts, pivots)
 
 
 def is_estimated(plan: Plan, run: Run) -> bool:

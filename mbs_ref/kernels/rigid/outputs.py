@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mbs_ref.kernels.algebra.lanes import WIDTH, in_every_lane, in_lanes
 from mbs_ref.kernels.border.questions import contact_forces, derivative, regularity
 from mbs_ref.kernels.contact.laws import ContactModes
-from mbs_ref.kernels.jit import jit, loop_jit, strict_jit
+from mbs_ref.kernels.jit import bare_loop, jit, loop_jit, strict_jit
 from mbs_ref.kernels.rigid.model import CONTROL_MODE_TIME
 from mbs_ref.kernels.rows import copy_rows
 
@@ -88,6 +89,28 @@ def forces_over(model, work, record, joints, rows, rank, times, states, out, piv
         pivots[k], ranks[k] = regularity(work), 0
         for count in rank:
             ranks[k] += count
+
+
+@bare_loop
+def forces_in_lanes(model, work, joints, multiplier, jacobian, y, dy, states, out):
+    """Write forces as `forces_over` into out, WIDTH states at a time, where these alone determine them.
+
+    multiplier and jacobian are the rows of lanes, y and dy (n_state, WIDTH) room for states and their rates.
+    """
+    count, now, rate = states.shape[0], in_lanes(y), in_lanes(dy)
+    for k in range(0, count, WIDTH):
+        for w in range(WIDTH):
+            for c in range(states.shape[1]):
+                y[c, w] = states[min(k + w, count - 1), c]
+        derivative(model, work, in_every_lane(0.0), now, rate)
+        for w in range(min(WIDTH, count - k)):
+            for j in range(out.shape[1]):
+                slot, side, first = joints.slot[j], joints.side[j], joints.first[j]
+                for c in range(out.shape[2]):
+                    total = 0.0
+                    for row in range(first, first + joints.count[j]):
+                        total += multiplier[slot, row, w] * jacobian[slot, side, row, c, w]
+                    out[k + w, j, c] = total
 
 
 @loop_jit
