@@ -40,8 +40,7 @@ class JointedSystem(ContactSystem):
         self.scene, self.n_bodies = scene, len(scene.bodies)
         self.builder = self.BUILDER(scene)
         self.place = self.builder.place
-        groups = self.builder.groups()
-        self._set_arrays(groups, self._scratch(groups))
+        self._set_arrays(self.builder.groups())
         self._begin()
 
     def _begin(self) -> None:
@@ -49,10 +48,6 @@ class JointedSystem(ContactSystem):
         self._set_record()
         self.user_error, self.user_times = None, array("d")
         self._keep_alive = self._connect_user_forces(), self._connect_user_rows()
-
-    @abstractmethod
-    def _scratch(self, groups: Any) -> Any:
-        """Return the scratch of one run."""
 
     def twin(self) -> Self:
         other = super().twin()

@@ -98,8 +98,11 @@ class ParticleSystem(System):
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.n_bodies = len(scene.bodies)
-        self._set_arrays(build_particles(scene), particle_scratch(self.n_bodies))
+        self._set_arrays(build_particles(scene))
         self._refuse_coincidence()
+
+    def _new_scratch(self) -> Any:
+        return particle_scratch(self.n_bodies)
 
     def _refuse_coincidence(self) -> None:
         particles = self.groups.particles

@@ -41,7 +41,8 @@ class PlanarSystem(JointedSystem):
     CORE, BUILDER = "planar", _Builder
     RATES = SHARED = 3
 
-    def _scratch(self, groups: Any) -> Any:
+    def _new_scratch(self) -> Any:
+        groups = self.groups
         slots, state = len(groups.slots.body), 6 * self.n_bodies
         scratch = rigid_scratch(PlanarScratch, self.n_bodies, slots, state, groups.loops, rates=3)
         scratch.kinematics.pose[:, 2] = 1.0

@@ -134,7 +134,7 @@ class RelativeSystem(System):
         self.layout = layout_of(scene)
         self._redundant: JointedSystem = redundant or self.REDUNDANT(scene)
         joints = self.layout.arrays(self.redundant, *self._frames())
-        self._set_arrays(arrays.RelativeGroups(joints, arrays.Redundant(self._addresses())), self._empty_scratch())
+        self._set_arrays(arrays.RelativeGroups(joints, arrays.Redundant(self._addresses())))
 
     def _addresses(self) -> np.ndarray:
         return np.array([self.redundant.model.address, self.redundant.work.address], dtype=np.int64)
@@ -143,7 +143,7 @@ class RelativeSystem(System):
     def redundant(self) -> JointedSystem:
         return self._redundant
 
-    def _empty_scratch(self) -> arrays.RelativeScratch:
+    def _new_scratch(self) -> arrays.RelativeScratch:
         n, rates = len(self.layout.kind), self.redundant.RATES
         lengths = {"n": n, "n + 1": n + 1, "rates": rates, "d": self.scene.dimension}
         links = empty(arrays.Links, **lengths)

@@ -115,7 +115,8 @@ class SpatialSystem(JointedSystem):
         super().__init__(scene)
         self.groups.loops.most[:] = self._closure_ranks()
 
-    def _scratch(self, groups: Any) -> Any:
+    def _new_scratch(self) -> Any:
+        groups = self.groups
         sticking, slots, n = len(deflecting(self.scene)), len(groups.slots.body), self.n_bodies
         state = int(groups.bodies.start[0]) + 3 * (n + len(self.rigid)) + 2 * sticking
         scratch = rigid_scratch(SpatialScratch, n, slots, state, groups.loops, rates=6, n_sticking=sticking)

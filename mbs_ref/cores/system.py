@@ -12,7 +12,7 @@ import numpy as np
 from mbs_ref.cores.in_lanes import SideBySide, side_by_side
 from mbs_ref.cores.joint_graph import graph_of
 from mbs_ref.kernels import answers as core
-from mbs_ref.kernels.border.blocks import Block, address_places
+from mbs_ref.kernels.border.blocks import Block, address_places, without_log
 from mbs_ref.kernels.border.handles import QUESTIONS, Model, Work, make_handle
 from mbs_ref.scene import Scene, UserConstraint, UserForce
 from mbs_ref.scene.base.rows import Rod, SharedPoint
@@ -119,10 +119,19 @@ class System(ABC):
         """Room for systems of this one's build."""
         return side_by_side(self)
 
-    def _set_arrays(self, groups: Any, scratch: Any) -> None:
-        """Take groups and scratch that no run has changed, and copy what a run changes."""
-        self.groups, self.scratch, self._scratch_kind = groups, scratch, type(scratch)
-        self._untouched = Block([*(getattr(groups, name) for name in self.changed), *scratch])
+    def _set_arrays(self, groups: Any) -> None:
+        """Take groups that no run has changed, and copy those that a run changes."""
+        self.groups, self._before_runs = groups, [without_log(getattr(groups, name)) for name in self.changed]
+        self.scratch = self._new_scratch()
+        self._scratch_kind = type(self.scratch)
+
+    @abstractmethod
+    def _new_scratch(self) -> Any:
+        """Return the scratch of one run."""
+
+    @cached_property
+    def _untouched(self) -> Block:
+        return Block([*self._before_runs, *self._new_scratch()])
 
     @cached_property
     def scratch(self) -> Any:

@@ -21,6 +21,11 @@ def address_places(groups: type, names: tuple[str, ...]) -> np.ndarray:
     return QUESTIONS + WORDS * np.array(words, dtype=np.int64)
 
 
+def without_log(group: Any) -> Any:
+    """Return a copy of a group, but for the contents of its log, which a block does not take."""
+    return type(group)(*(array if name == "log" else array.copy() for name, array in group._asdict().items()))
+
+
 class Block:
     """Groups of arrays as they are now, of which copies are cheap: each lies in one piece of memory.
 
