@@ -23,7 +23,8 @@ def address_places(groups: type, names: tuple[str, ...]) -> np.ndarray:
 
 def without_log(group: Any) -> Any:
     """Return a copy of a group, but for the contents of its log, which a block does not take."""
-    return type(group)(*(array if name == "log" else array.copy() for name, array in group._asdict().items()))
+    parts = zip(group._fields, group, strict=True)
+    return type(group)(*(a if name == "log" or not a.size else a.copy() for name, a in parts))
 
 
 class Block:
