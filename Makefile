@@ -86,7 +86,7 @@ nightly: $(NIGHT_STAMP)  ## all tests, seeded defects, the benchmarks, the full 
 	    echo "== $$(date +%H:%M) $$*"; code=0; "$$@" || code=$$?; echo $$code > $$mark; fi; \
 	  code=$$(cat $$mark); if [ $$code -ne 0 ]; then echo "exit code $$code: $$*" >&2; \
 	    if [ $$failed -eq 0 ]; then failed=$$code; fi; fi; }; \
-	step env MBS_REF_TEST_STORE=$(NIGHT_STORE) $(NIGHT)/python -m pytest -n auto --dist worksteal -rs -m ''; \
+	step env MBS_REF_TEST_STORE=$(NIGHT_STORE) $(NIGHT)/python -m pytest -n auto --dist worksteal -rs -m '' --hypothesis-profile=default; \
 	step $(NIGHT)/python -m tests.cross_checks.truths.covering --part $(EXTREME_PART)/7; \
 	step $(NIGHT)/python -m tests.mutants.run --slow --minutes $(MUTANT_MINUTES); \
 	step $(NIGHT)/python -m pytest benchmarks -m '' --benchmark-only -p no:xdist --benchmark-json=reports/out/bench.json; \

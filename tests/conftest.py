@@ -7,7 +7,11 @@ import signal
 import tempfile
 
 import pytest
+from hypothesis import settings
 
+# The same examples in every run; `make nightly` draws new ones.
+settings.register_profile("repeated", derandomize=True)
+settings.load_profile("repeated")
 # Of BLAS, before NumPy is loaded: workers share the cores, and threads that wait for small matrices occupy them.
 os.environ["OMP_NUM_THREADS"] = "1"
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cross_checks.truths.oracle import Augmented, Moment, Solution, augmented
@@ -135,7 +135,8 @@ def _backward(dense: Augmented, acceleration: np.ndarray) -> float:
 
     Each is relative to matrix times solution plus right-hand side: the smallest relative change of the data that makes
     the answer exact (Rigal and Gaches 1967; Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., theorem
-    7.1). Near a singular pose lambda is large, and roundoff in C_q moves C_q^T lambda by eps of that.
+    7.1). Near a singular pose lambda is large, and roundoff in C_q moves C_q^T lambda by eps of that. A mechanism
+    without freedom hardly moves: what is left of its rows is eps of the forces that cancel (`_free`).
     """
     x = dense.root.T @ acceleration
     force = np.linalg.solve(dense.root, dense.force)
@@ -143,7 +144,8 @@ def _backward(dense: Augmented, acceleration: np.ndarray) -> float:
     if not len(dense.gamma):
         return float(np.linalg.norm(x - force) / size)
     gamma, largest = dense.gamma / dense.row_scale, dense.kept[0]
-    gap = np.linalg.norm(dense.scaled @ x - gamma) / (largest * np.linalg.norm(x) + np.linalg.norm(gamma) + 1.0)
+    moving = np.linalg.norm(x) + (np.linalg.norm(force) if len(x) == len(dense.kept) else 0.0)
+    gap = np.linalg.norm(dense.scaled @ x - gamma) / (largest * moving + np.linalg.norm(gamma) + 1.0)
     lam = np.linalg.lstsq(dense.scaled.T, force - x, rcond=1e-9)[0]
     rest = np.linalg.norm(x + dense.scaled.T @ lam - force) / (size + largest * np.linalg.norm(lam))
     return float(max(gap, rest))
@@ -296,6 +298,7 @@ scene_strategy = st.integers(0, 2**32 - 1).map(lambda seed: random_scene(seed, m
 
 @settings(max_examples=25, deadline=None)
 @given(scene_strategy)
+@example(random_scene(52888830, most=8))  # locked at rest, under forces of 4 kN: roundoff leaves 1e-12 m/s^2
 def test_any_reads_back_from_its_file_and_agrees(scene):
     assert loads(dumps(scene)) == scene
     found = compare(compile_scene(scene), Moment.start(scene))
