@@ -266,7 +266,6 @@ class JointedSystem(ContactSystem):
         return dict(zip(of.names, forces.swapaxes(0, 1).copy(), strict=True))
 
     def pivots(self, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Return the smallest relative pivot (n_t,) of the closures."""
         pivots = np.empty(len(times))
         self._filled(times, states, np.empty((len(times), len(self.place), self.RATES)), pivots)
         return pivots
@@ -274,18 +273,22 @@ class JointedSystem(ContactSystem):
     def _fill(self, times: np.ndarray, states: np.ndarray, out: np.ndarray, pivots: np.ndarray, in_lanes: bool) -> None:
         """Fill out (n_t, n_joints, rates) with the joints' forces on their bodies, in the modes that held then."""
         if in_lanes and follows_from_states(self):
-            pivots[:], room = 1.0, self.room
-            room.figures[:] = figures_of(self)[:, None]
-            rows = next(group for group in room.kept[1] if isinstance(group, Rows))
-            y, dy = room_for_lanes(states.shape[1]), room_for_lanes(states.shape[1])
-            given = self.builder.reporting.rows, rows.multiplier, rows.jacobian, y, dy
-            forces_in_lanes(room.model, room.work, *given, np.ascontiguousarray(states), out)
+            pivots[:] = 1.0  # without closures
+            self._fill_in_lanes(states, out)
             return
         dependent = np.flatnonzero(self._filled(times, states, out, pivots) != self.n_closure_rows)
         for k in dependent.tolist():
             self.recall_modes(times[k])
             multiplier = self._multipliers_by_slot(times[k], states[k])
             forces_at_joints(self.builder.reporting.rows, multiplier, self.scratch.rows.jacobian, out[k])
+
+    def _fill_in_lanes(self, states: np.ndarray, out: np.ndarray) -> None:
+        room = self.room
+        room.figures[:] = figures_of(self)[:, None]
+        rows = next(group for group in room.kept[1] if isinstance(group, Rows))
+        y, dy = room_for_lanes(states.shape[1]), room_for_lanes(states.shape[1])
+        given = self.builder.reporting.rows, rows.multiplier, rows.jacobian, y, dy
+        forces_in_lanes(room.model, room.work, *given, np.ascontiguousarray(states), out)
 
     def _filled(self, times: np.ndarray, states: np.ndarray, out: np.ndarray, pivots: np.ndarray) -> np.ndarray:
         """Fill out and pivots as `forces_over`; return the rank of the closures (n_t,)."""

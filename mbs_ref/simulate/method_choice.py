@@ -128,7 +128,7 @@ class _Trial:
 
 
 def _factoring(system: System, n: int) -> float:
-    """Return the multiplications to factor both matrices of the implicit method for n states: half, where q' = v."""
+    """Return the multiplications to factor both matrices of the implicit method for n states, half in the plane."""
     return FACTORS * (n / 2 if system.CORE == "planar" else n) ** 3
 
 

@@ -87,18 +87,19 @@ def ldl3(a00, a10, a11, a20, a21, a22):
 
 
 @bare
-def ldl3_solve(i0, i1, i2, l10, l20, l21, b0, b1, b2):
-    """Solve with the factors of `ldl3`."""
-    y1 = b1 - l10 * b0
-    y2 = b2 - l20 * b0 - l21 * y1
+def ldl3_solve(factors, b):
+    """Solve for three numbers with the factors of `ldl3`."""
+    i0, i1, i2, l10, l20, l21 = factors
+    y1 = b[1] - l10 * b[0]
+    y2 = b[2] - l20 * b[0] - l21 * y1
     x2 = y2 * i2
     x1 = y1 * i1 - l21 * x2
-    x0 = b0 * i0 - l10 * x1 - l20 * x2
+    x0 = b[0] * i0 - l10 * x1 - l20 * x2
     return x0, x1, x2
 
 
 # Factor a 3x3 block, its lower triangle given at (k, k), as `ldl3` does; read such factors there; read a row of three.
-_factor_at = bare(lambda a, k: ldl3(
+ldl3_at = bare(lambda a, k: ldl3(
     a[k, k], a[k + 1, k], a[k + 1, k + 1], a[k + 2, k], a[k + 2, k + 1], a[k + 2, k + 2]
 ))  # fmt: skip
 factors_at = bare(lambda a, k: (
@@ -106,8 +107,6 @@ factors_at = bare(lambda a, k: (
 ))  # fmt: skip
 _three = bare(lambda a, r, k: (a[r, k], a[r, k + 1], a[r, k + 2]))
 _product = bare(lambda x, y: x[0] * y[0] + x[1] * y[1] + x[2] * y[2])
-# Return the solution with the factors of `ldl3`.
-solve_factored = bare(lambda m, b: ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], b[0], b[1], b[2]))
 
 
 @bare
@@ -117,8 +116,8 @@ def put_factors(a, k, m):
 
 
 # Factor a 3x3 block in place, and return a solution with its factors.
-factor3 = bare(lambda a: put_factors(a, 0, _factor_at(a, 0)))
-solve3 = bare(lambda a, b: solve_factored(factors_at(a, 0), b))
+factor3 = bare(lambda a: put_factors(a, 0, ldl3_at(a, 0)))
+solve3 = bare(lambda a, b: ldl3_solve(factors_at(a, 0), b))
 
 
 @bare
@@ -127,9 +126,9 @@ def factor6(a):
 
     Blocks of three are in scalars: what is stored in between is what the compiler would have to read again.
     """
-    m = _factor_at(a, 0)
+    m = ldl3_at(a, 0)
     b0, b1, b2 = _three(a, 3, 0), _three(a, 4, 0), _three(a, 5, 0)
-    x0, x1, x2 = solve_factored(m, b0), solve_factored(m, b1), solve_factored(m, b2)
+    x0, x1, x2 = ldl3_solve(m, b0), ldl3_solve(m, b1), ldl3_solve(m, b2)
     rest = ldl3(
         a[3, 3] - _product(b0, x0), a[4, 3] - _product(b1, x0), a[4, 4] - _product(b1, x1),
         a[5, 3] - _product(b2, x0), a[5, 4] - _product(b2, x1), a[5, 5] - _product(b2, x2),
@@ -143,9 +142,9 @@ def factor6(a):
 @bare
 def solve6(a, top, bottom):
     """Return both halves of the solution for a right-hand side in halves, with the factors of `factor6`."""
-    y = solve_factored(factors_at(a, 0), top)
+    y = ldl3_solve(factors_at(a, 0), top)
     b0, b1, b2 = _three(a, 3, 0), _three(a, 4, 0), _three(a, 5, 0)
     rest = bottom[0] - _product(b0, y), bottom[1] - _product(b1, y), bottom[2] - _product(b2, y)
-    z = solve_factored(factors_at(a, 3), rest)
+    z = ldl3_solve(factors_at(a, 3), rest)
     x0, x1, x2 = _three(a, 0, 3), _three(a, 1, 3), _three(a, 2, 3)
     return (y[0] - _product(x0, z), y[1] - _product(x1, z), y[2] - _product(x2, z)), z

@@ -3,11 +3,10 @@
 Factors L D L^T lie in the lower triangles: L below the diagonal, and 1 / D on it.
 """
 
-from mbs_ref.kernels.algebra.dense import factors_at, ldl3, ldl3_solve, put_factors
+from mbs_ref.kernels.algebra.dense import factors_at, ldl3, ldl3_at, ldl3_solve, put_factors
 from mbs_ref.kernels.algebra.lanes import vanishes
 from mbs_ref.kernels.jit import bare, jit, placed
 
-_solve = bare(lambda m, b0, b1, b2: ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], b0, b1, b2))
 # Return row r of a times b.
 _product = bare(lambda a, r, b: a[r, 0] * b[0] + a[r, 1] * b[1] + a[r, 2] * b[2])
 # Return the pivot of an unused row, which keeps S regular; 0 for a row in use.
@@ -28,11 +27,9 @@ def start_blocks(model, work):
 def factor_body(model, work, i, parent):
     tree, jac, count = work.tree, work.rows.jacobian[i, 0], model.slots.count[i]
     art, lift = tree.articulated[i], tree.lift[i]
-    m = ldl3(art[0, 0], art[1, 0], art[1, 1], art[2, 0], art[2, 1], art[2, 2])
+    m = ldl3_at(art, 0)
     put_factors(art, 0, m)
-    a = _solve(m, jac[0, 0], jac[0, 1], jac[0, 2])  # M^-1 J^T, one column a row of J
-    b = _solve(m, jac[1, 0], jac[1, 1], jac[1, 2])
-    c = _solve(m, jac[2, 0], jac[2, 1], jac[2, 2])
+    a, b, c = ldl3_solve(m, jac[0]), ldl3_solve(m, jac[1]), ldl3_solve(m, jac[2])  # columns of M^-1 J^T
     for r in range(3):
         lift[r, 0], lift[r, 1], lift[r, 2] = a[r], b[r], c[r]
     s = ldl3(
@@ -48,7 +45,7 @@ def factor_body(model, work, i, parent):
         return
     far, transfer, up = work.rows.jacobian[i, 1], tree.transfer[i], tree.articulated[parent]
     for c in range(3):
-        transfer[0, c], transfer[1, c], transfer[2, c] = _solve(s, far[0, c], far[1, c], far[2, c])
+        transfer[0, c], transfer[1, c], transfer[2, c] = ldl3_solve(s, (far[0, c], far[1, c], far[2, c]))
     for r in range(3):
         for c in range(r + 1):
             up[r, c] += far[0, r] * transfer[0, c] + far[1, r] * transfer[1, c] + far[2, r] * transfer[2, c]
@@ -58,10 +55,10 @@ def factor_body(model, work, i, parent):
 def solve_free(model, work, i, parent, gamma, multiplier):
     tree, jac, far = work.tree, work.rows.jacobian[i, 0], work.rows.jacobian[i, 1]
     load, free = tree.load[i], tree.free[i]
-    f = _solve(factors_at(tree.articulated[i], 0), load[0], load[1], load[2])
+    f = ldl3_solve(factors_at(tree.articulated[i], 0), load)
     free[0], free[1], free[2] = f
     rest = _product(jac, 0, f) - gamma[0], _product(jac, 1, f) - gamma[1], _product(jac, 2, f) - gamma[2]
-    u = _solve(factors_at(tree.row_factor[i], 0), rest[0], rest[1], rest[2])
+    u = ldl3_solve(factors_at(tree.row_factor[i], 0), rest)
     multiplier[0], multiplier[1], multiplier[2] = u
     if parent != model.bodies.mass.shape[0]:
         for c in range(3):
@@ -89,12 +86,8 @@ def plus_mobility(model, work, total, i, row):
 @placed
 def pass_closure(model, work, i, here, there, count):
     tree, closures = work.tree, work.closures
-    m, s, lift, transfer = (
-        factors_at(tree.articulated[i], 0),
-        factors_at(tree.row_factor[i], 0),
-        tree.lift[i],
-        tree.transfer[i],
-    )
+    lift, transfer = tree.lift[i], tree.transfer[i]
+    m, s = factors_at(tree.articulated[i], 0), factors_at(tree.row_factor[i], 0)
     joint, column = closures.joint[here], closures.column[here]
     for r in range(count):
         p0, p1, p2 = closures.passed[here, 0, r], closures.passed[here, 1, r], closures.passed[here, 2, r]
@@ -104,8 +97,8 @@ def pass_closure(model, work, i, here, there, count):
         if there >= 0:
             for c in range(3):
                 closures.passed[there, c, r] -= transfer[0, c] * w0 + transfer[1, c] * w1 + transfer[2, c] * w2
-        v = _solve(m, p0, p1, p2)
-        u = _solve(s, w0, w1, w2)
+        v = ldl3_solve(m, (p0, p1, p2))
+        u = ldl3_solve(s, (w0, w1, w2))
         for c in range(3):
             joint[c, r] = u[c]
             column[c, r] = v[c] - _product(lift, c, u)

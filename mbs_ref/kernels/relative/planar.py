@@ -7,7 +7,7 @@ Root to leaf, q'' = D^-1 S^T (f - I c - I X a_p). Source: Featherstone, Rigid Bo
 here in world axes about the centres of mass, as the redundant cores have them.
 """
 
-from mbs_ref.kernels.algebra.dense import ldl3, ldl3_solve
+from mbs_ref.kernels.algebra.dense import ldl3_at, ldl3_solve
 from mbs_ref.kernels.algebra.lanes import cos_sin, either
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import bare, inlined, jit
@@ -137,8 +137,7 @@ def _release(joints, links, rec, i):
     """Solve for q'' of a body's joint and its acceleration, its parent's being known."""
     own, of_parent, a, f = rec.acceleration[i], rec.acceleration[joints.parent[i]], rec.articulated[i], rec.force[i]
     if joints.kind[i] == FREE:
-        m = ldl3(a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2])
-        own[0], own[1], own[2] = ldl3_solve(m[0], m[1], m[2], m[3], m[4], m[5], f[0], f[1], f[2])
+        own[0], own[1], own[2] = ldl3_solve(ldl3_at(a, 0), f)
         rec.drive[i, 0], rec.drive[i, 1], rec.drive[i, 2] = own[0], own[1], own[2]
         return
     own[0] = of_parent[0] - of_parent[2] * links.apart[i, 1]

@@ -6,7 +6,7 @@ ball carries its body's orientation, theta0..theta3 and omega. omega is in body 
 
 import numpy as np
 
-from mbs_ref.kernels.algebra.dense import factor6, ldl3, solve6, solve_factored
+from mbs_ref.kernels.algebra.dense import factor6, ldl3, ldl3_solve, solve6
 from mbs_ref.kernels.algebra.lanes import cos_sin, either, larger
 from mbs_ref.kernels.border import questions as ask
 from mbs_ref.kernels.jit import inlined, jit
@@ -223,9 +223,9 @@ def _pass_ball(joints, links, kin, rec, i):
     put(rec.drive[i], 0, torque)
     if parent == joints.kind.shape[0]:
         return
-    turning = solve_factored(factors, torque)
+    turning = ldl3_solve(factors, torque)
     force = minus(force, (dot(h[0], turning), dot(h[1], turning), dot(h[2], turning)))
-    x, y, z = solve_factored(factors, h[0]), solve_factored(factors, h[1]), solve_factored(factors, h[2])
+    x, y, z = ldl3_solve(factors, h[0]), ldl3_solve(factors, h[1]), ldl3_solve(factors, h[2])
     m10, m20, m21 = m[1][0] - dot(h[1], x), m[2][0] - dot(h[2], x), m[2][1] - dot(h[2], y)
     left = (m[0][0] - dot(h[0], x), m10, m20), (m10, m[1][1] - dot(h[1], y), m21), (m20, m21, m[2][2] - dot(h[2], z))
     h = cross(d, left[0]), cross(d, left[1]), cross(d, left[2])
@@ -269,7 +269,7 @@ def _release(joints, links, kin, rec, i):
     point = plus(triple(of_parent, 0), cross(alpha, links.apart[i]))
     if joints.kind[i] == SPHERICAL:
         carried = plus(plus(times(point[0], u[0]), times(point[1], u[1])), times(point[2], u[2]))
-        alpha = solve_factored(rec.pivot[i], minus(triple(drive, 0), carried))
+        alpha = ldl3_solve(rec.pivot[i], minus(triple(drive, 0), carried))
         put(own, 0, plus(plus(point, cross(alpha, _away(joints, kin, i))), triple(links.bias[i], 0)))
         put(own, 3, alpha)
         put(drive, 0, turn_back(kin.turned[i], alpha))

@@ -13,7 +13,7 @@ thus exact and leaves the 6 x 6 block diag(m I, J) of (R'', alpha). A test forms
 matrix densely and compares.
 """
 
-from mbs_ref.kernels.algebra.dense import factor3, factor6, ldl3, ldl3_solve, solve3, solve6
+from mbs_ref.kernels.algebra.dense import factor3, factor6, factors_at, ldl3, ldl3_solve, put_factors, solve3, solve6
 from mbs_ref.kernels.jit import jit, placed
 from mbs_ref.kernels.spatial.marks import put, triple
 
@@ -25,7 +25,7 @@ def start_blocks(model, work):
         art = tree.articulated[i]
         j = kin.inertia[i]
         if bodies.alone[i] == 1:
-            art[3, 3], art[4, 3], art[4, 4], art[5, 3], art[5, 4], art[5, 5] = ldl3(j[0], j[3], j[1], j[4], j[5], j[2])
+            put_factors(art, 3, ldl3(j[0], j[3], j[1], j[4], j[5], j[2]))
             continue
         for r in range(6):
             for c in range(r + 1):
@@ -121,9 +121,7 @@ def _accelerate_alone(mass, art, load, out):
     """a = f / m, alpha = J^-1 tau of a body without joints."""
     for c in range(3):
         out[c] = load[c] / mass
-    out[3], out[4], out[5] = ldl3_solve(
-        art[3, 3], art[4, 3], art[4, 4], art[5, 3], art[5, 4], art[5, 5], load[3], load[4], load[5]
-    )
+    put(out, 3, ldl3_solve(factors_at(art, 3), triple(load, 3)))
 
 
 @placed

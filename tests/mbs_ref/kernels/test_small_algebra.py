@@ -40,7 +40,7 @@ def test_a_singular_matrix_is_told():
 
 def test_three_symmetric_equations_are_solved():
     a = POSITIVE[:3, :3]
-    x = ldl3_solve.py_func(*ldl3.py_func(a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2]), *RIGHT[:3])
+    x = ldl3_solve.py_func(ldl3.py_func(a[0, 0], a[1, 0], a[1, 1], a[2, 0], a[2, 1], a[2, 2]), RIGHT)
     np.testing.assert_allclose(a @ x, RIGHT[:3], atol=1e-13)
 
 

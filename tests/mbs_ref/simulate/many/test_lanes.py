@@ -231,6 +231,25 @@ def test_all_companions_of_a_batch_are_in_lanes(monkeypatch):
         assert path.estimate.cost_s > 0.0
 
 
+def test_a_companion_by_another_method_runs_alone(monkeypatch):
+    def by_another(system, plan, run):
+        request = error_estimate._by_another_method(plan)
+        return request, request, False
+
+    monkeypatch.setattr(error_estimate, "SECOND_METHOD", "radau")
+    monkeypatch.setattr(error_estimate, "_is_coarsened", lambda *_: False)
+    monkeypatch.setattr(error_estimate, "_first_two", by_another)
+    scene = loop()
+    starts = poses(simulate(scene, Settings(t_end=1.0, samples=3, rtol=1e-9, estimate="off")))
+    for k, path in enumerate(simulate_starts(scene, starts, SHORT, threads=1, lanes=True)):
+        alone = simulate(
+            scene, SHORT.model_copy(update={"coordinates": "cartesian"}), start=some(starts, slice(k, k + 1))
+        )
+        assert is_beside(path)
+        assert "radau instead of dop853" in path.estimate.how
+        assert path.estimate.components == pytest.approx(alone.estimate.components, rel=0.1, abs=ROUNDOFF)
+
+
 def energies(scene, path):
     """Return kinetic and potential energy (J) of planar bodies at every output (n_t,)."""
     mass, inertia = (np.array([getattr(body, name) for body in scene.bodies]) for name in ("mass", "inertia"))
