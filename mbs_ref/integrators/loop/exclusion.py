@@ -243,11 +243,15 @@ def _second_difference(left, middle, right, c):
 
 @bare
 def _is_smooth(left, middle, right, c, half, bend, before):
-    """Return whether a function bends evenly: as its rates at both ends tell, or less than in the wider interval."""
-    if bend == 0.0:
+    """Return whether a function bends evenly: less than in the wider interval, or as its rates at both ends tell.
+
+    The rates are those of the interpolated velocities. Where these are not quite the derivative of the interpolated
+    positions, they tell another bend, at any width.
+    """
+    if bend == 0.0 or (before < np.inf and bend <= SHRINKS * before):
         return True
     if left[RATE, c] == 0.0 or right[RATE, c] == 0.0:
-        return before < np.inf and bend <= SHRINKS * before
+        return False
     apart = middle[VALUE, c] - 0.5 * (left[VALUE, c] + right[VALUE, c])
     return abs(apart - 0.25 * half * (left[RATE, c] - right[RATE, c])) <= 0.5 * SHRINKS * bend
 
