@@ -15,8 +15,8 @@ Proportionality to the tolerance requires a constant order. For methods of varia
 two decades tighter, and the estimate is at least that tolerance. For methods that accept steps with an error beyond the
 tolerance, it is tighter by the same factor. The violation of the constraints is measured, since both runs may share it.
 
-Where outputs end nearly all steps of an explicit method, a companion with steps of twice the size costs half of the
-run: only every second output ends a step, and tolerances are 2^p times as large. Then e = d / (2^p - 1). If tolerances
+Where outputs end nearly all steps of an explicit method, and declared breakpoints none, a companion with steps of twice
+the size costs half of the run: only every second output ends a step, and tolerances are 2^p times as large. Then e = d / (2^p - 1). If tolerances
 limit its steps, or it takes more than half as many, the tighter companion follows.
 
 If the companion takes no more steps, or the difference is negligible, the tolerance does not control the steps with the
@@ -233,10 +233,12 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses) -> Asking[list[_
 
 def _is_coarsened(system: System, plan: Plan, run: Run) -> bool:
     """Return whether the companion of a run has steps of twice the size, because outputs determine the steps."""
-    options, unknown = plan.options, run.near_singular or any(isinstance(x, UserForce) for x in system.scene.loads)
+    options, scene = plan.options, system.scene
+    unknown = run.near_singular or any(isinstance(load, UserForce) for load in scene.loads)
+    unknown = unknown or bool(scene.breakpoints())  # steps that these end are the same in both runs
     controlled = bool(plan.integrator.stability) and not options.step and not options.dense and not unknown
     within = len(run.times) > 2 and TIGHTEST <= options.rtol <= COARSEST / 2.0**plan.integrator.order
-    return controlled and within and not system.event_sources and not touching(system.scene) and _is_cut(run)
+    return controlled and within and not system.event_sources and not touching(scene) and _is_cut(run)
 
 
 def _is_cut(run: Run) -> bool:

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from cross_checks.extremes.parts import rod_chain
 from cross_checks.truths import truth_for
 from cross_checks.truths.of import sky
+from cross_checks.truths.oracle.random_scenes import random_scene
 from mbs_ref import scenes
 from mbs_ref.observables.distance import largest, relative
 from mbs_ref.scene import (
@@ -173,6 +174,14 @@ def test_outputs_that_end_every_step_are_judged_by_steps_of_twice_the_size(coord
     assert path.rhs_calls <= 12 * path.steps + 12  # as many as stages: a slope at a step's end serves the next step
     assert "twice the size" in of(path).how
     assert error(scene, path) <= of(path).value <= 30.0 * error(scene, path)
+
+
+@pytest.mark.parametrize("seed", [140, 207, 213, 739])
+def test_steps_that_declared_breakpoints_end_are_not_taken_for_doubled_ones(seed):
+    scene = random_scene(seed, most=3)
+    path = simulate(scene, Settings(method="dop853", rtol=1e-6, t_end=8.0 * scene.duration, reactions=False))
+    assert scene.breakpoints()
+    assert error(scene, path) <= of(path).value
 
 
 @pytest.mark.parametrize(("method", "stiffness"), [("generalized_alpha", 1e7), ("radau", 1e12)])
