@@ -16,8 +16,8 @@ two decades tighter, and the estimate is at least that tolerance. For methods th
 tolerance, it is tighter by the same factor. The violation of the constraints is measured, since both runs may share it.
 
 Where outputs end nearly all steps of an explicit method, and declared breakpoints none, a companion with steps of twice
-the size costs half of the run: only every second output ends a step, and tolerances are 2^p times as large. Then e = d / (2^p - 1). If tolerances
-limit its steps, or it takes more than half as many, the tighter companion follows.
+the size costs half of the run: only every second output ends a step, and tolerances are 2^p times as large. Then
+e = d / (2^p - 1). If tolerances limit its steps, or it takes more than half as many, the tighter companion follows.
 
 If the companion takes no more steps, or the difference is negligible, the tolerance does not control the steps with the
 largest errors; a third run is then two decades tighter. So is the second one of a run that projected its stages close
