@@ -27,6 +27,7 @@ from mbs_ref.cores.series import small_system
 from mbs_ref.cores.system import System
 from mbs_ref.integrators import DEFAULT, SERIES, STIFF, integrators
 from mbs_ref.integrators.loop.leg import Integrator, progress
+from mbs_ref.kernels.powers import growth_of_powers
 from mbs_ref.scene import Scene
 from mbs_ref.settings import Settings
 from mbs_ref.simulate.linearised import fastest_contact
@@ -36,7 +37,6 @@ from mbs_ref.trajectory import Status
 AUTO = "auto"
 POWERS = 12  # power iterations
 TINY = 1e-6  # of 1 / span: a smaller |lambda| counts as this
-NUDGE = 1e-6  # of the state's units: difference step of the linearisation
 TRIALS = (0.02, 0.05, 0.1)  # shares of the run after which the implicit method is tried
 LATER = (0.2, 0.4)  # further shares if contacts that close limit the steps
 FEWEST = 10  # least number of the default's steps before a trial
@@ -205,16 +205,12 @@ def largest_eigenvalue(system: System, units: np.ndarray, y: np.ndarray) -> floa
 
     For complex pairs the growth oscillates, hence the mean.
     """
-    f = system.derivative(0.0, y) / units
-    direction = np.random.default_rng(0).standard_normal(len(y))
-    growth = []
-    length = math.sqrt(direction @ direction)
-    for _ in range(POWERS):
-        if not 0.0 < length < np.inf:
-            return 0.0
-        nudge, before = NUDGE / length, length
-        direction = (system.derivative(0.0, y + nudge * direction * units) / units - f) / nudge
-        length = math.sqrt(direction @ direction)
-        growth.append(length / before)
-    late = np.array(growth[POWERS // 2 :])
-    return float(np.exp(np.mean(np.log(late)))) if np.all((late > 0.0) & (late < np.inf)) else 0.0
+    growth = np.empty(POWERS)
+    growth_of_powers(system.model, system.work, y, units, _any_direction(len(y)).copy(), growth)
+    late = growth[POWERS // 2 :].tolist()
+    return math.prod(late) ** (1.0 / len(late)) if all(0.0 < factor < np.inf for factor in late) else 0.0
+
+
+@cache
+def _any_direction(count: int) -> np.ndarray:
+    return np.random.default_rng(0).standard_normal(count)

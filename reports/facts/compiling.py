@@ -13,6 +13,7 @@ from mbs_ref.files import package_data
 from mbs_ref.kernels.jit import cache_folder
 from mbs_ref.scene.traits import Coordinates
 from mbs_ref.simulate import simulate_scenes
+from mbs_ref.simulate.method_choice import AUTO
 from reports.facts.stored import keep, recall
 
 CORES = package_data(__name__, "cores.toml")  # scene, coordinates, ...
@@ -62,9 +63,10 @@ def run_in_lanes() -> None:
 def run_methods(engine: str, scene: str, coordinates: Coordinates, every_method: bool) -> None:
     """Run the first hundredth of a scene by an engine's default method, or by every method that takes it."""
     built, solver = scenes.make(scene), engines.get(engine)
-    for method in solver.methods() if every_method else (solver.method(None),):
-        if not solver.refusal(built, method):
-            solver.run(built, _settings(method.name, method.kind, built.duration, coordinates))
+    methods = solver.methods() if every_method else (solver.method(None),)
+    chosen = [(method.name, method.kind) for method in methods if not solver.refusal(built, method)]
+    for name, kind in (*chosen, (AUTO, "adaptive")) if engine == SOLVER else chosen:
+        solver.run(built, _settings(name, kind, built.duration, coordinates))
 
 
 def _settings(method: str, kind: str, duration: float, coordinates: Coordinates) -> Settings:
