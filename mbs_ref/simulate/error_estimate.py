@@ -88,7 +88,7 @@ class Companion(NamedTuple):
     request: Request
     run: Run
     gaps: np.ndarray  # (n, 4) at the companion's outputs that both reached, over the scene's scales
-    sizes: np.ndarray  # (4,) how far the two motions go
+    sizes: np.ndarray  # (4,) how far the two motions go at most
     bounds: np.ndarray  # (n, 4), the estimate at the run's outputs that both reached
 
 
@@ -395,7 +395,7 @@ def _compared(plan: Plan, own: RunWithPoses, request: Request) -> Asking[_Compar
 
 
 def _distance(system: System, times: np.ndarray, path: Poses, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the distances of runs (..., n, 4) over their common outputs, and how far they go (..., 4).
+    """Return the distances of runs (..., n, 4) over their common outputs, and how far they go at most (..., 4).
 
     `path` holds one run or several, (n_runs, n_t, ...), and `others` the states of their companions.
     """
@@ -404,10 +404,9 @@ def _distance(system: System, times: np.ndarray, path: Poses, others: np.ndarray
     common = (slice(None),) * len(lead) + (slice(count),)
     poses = system.poses(others[common].reshape(-1, others.shape[-1]))
     first = Poses(*(part[common] for part in path))
-    second = Poses(*(part.reshape(*lead, count, *part.shape[1:]) for part in poses))
-    both = (np.stack(pair) for pair in zip(first, second, strict=True))
-    sizes = motion_size(system.scene, system.scales, tuple(both), times[:count])
-    return _gaps(system, first, second), np.max(sizes, axis=0)
+    gaps = _gaps(system, first, Poses(*(part.reshape(*lead, count, *part.shape[1:]) for part in poses)))
+    further = np.max(gaps, axis=-2, where=np.isfinite(gaps), initial=0.0)
+    return gaps, motion_size(system.scene, system.scales, first, times[:count]) + further
 
 
 def _gaps(system: System, first: Poses, second: Poses) -> np.ndarray:
