@@ -29,7 +29,7 @@ LIMITS: dict[str, dict[str, Any]] = {
     "reports.commands.run.simulate": {"MOST_NAMED": 6, "MOST_TIMES": 12},
     "reports.site.gallery": {"TARGETS": (0.001, 1e-06), "WORK": 50000, "TRUTH_WORK": 300000, "SECONDS": 4.0},
     "benchmarks.history": {"EFFECT": 1.05, "CHANCE": 0.01, "SHUFFLES": 500, "LEAST": 4},
-    "benchmarks.calibration": {"LARGEST": 12, "SAMPLES": 21, "MAX_STEPS": 50000},
+    "benchmarks.calibration": {"LARGEST": 12, "SAMPLES": (5, 21, 101), "MAX_STEPS": 50000},
     "benchmarks.method_table": {
         "ASKED": (0.0001, 1e-06, 1e-08, 1e-10), "TIGHT": 1e-13, "ROUNDOFF": 1e-12, "LOST": 0.01, "SLOW": 2.0,
         "TURNS": 5, "FEW": 4, "FAR": 4.0,

@@ -214,9 +214,9 @@ def _examined(left, middle, right, bends, error, place, width, h):
     for c in range(left.shape[1]):
         if _is_far(left, right, c, width * h):
             continue
-        bend = _second_difference(left, middle, right, c)
         half, turn = 0.5 * width * h, max(left[TURN, c], right[TURN, c]) * width * h
-        if turn > SMOOTH_TURN or not _is_smooth(left, middle, right, c, half, bend, bends[c]):
+        bend = _bend(left, middle, right, c, half, bends[c])
+        if turn > SMOOTH_TURN or bend == np.inf:
             return OPEN
         unsure = 16.0 * (place * (1.0 - place)) ** 2 * error[c]
         lowest = middle[VALUE, c]
@@ -242,18 +242,20 @@ def _second_difference(left, middle, right, c):
 
 
 @bare
-def _is_smooth(left, middle, right, c, half, bend, before):
-    """Return whether a function bends evenly: less than in the wider interval, or as its rates at both ends tell.
+def _bend(left, middle, right, c, half, before):
+    """Return how far a smooth function can fall below three of its values; inf where it may not be smooth.
 
-    The rates are those of the interpolated velocities. Where these are not quite the derivative of the interpolated
-    positions, they tell another bend, at any width.
+    Its second difference is to be what its rates at both ends tell, or less than `before`, that of the wider interval:
+    rates are those of the interpolated velocities, which may not quite be the derivative of the interpolated positions.
+    A second difference may be small by chance. Without rates it counts as at least a quarter of that before.
     """
-    if bend == 0.0 or (before < np.inf and bend <= SHRINKS * before):
-        return True
-    if left[RATE, c] == 0.0 or right[RATE, c] == 0.0:
-        return False
+    bend, r0, r1 = _second_difference(left, middle, right, c), left[RATE, c], right[RATE, c]
+    if bend == 0.0:
+        return 0.0
     apart = middle[VALUE, c] - 0.5 * (left[VALUE, c] + right[VALUE, c])
-    return abs(apart - 0.25 * half * (left[RATE, c] - right[RATE, c])) <= 0.5 * SHRINKS * bend
+    if r0 != 0.0 and r1 != 0.0 and abs(apart - 0.25 * half * (r0 - r1)) <= 0.5 * SHRINKS * bend:
+        return bend
+    return max(bend, SHRINKS**2 * before) if before < np.inf and bend <= SHRINKS * before else np.inf
 
 
 @bare

@@ -412,7 +412,10 @@ def test_progress_on_a_terminal_shows_how_much_is_done(monkeypatch):
 
 
 def test_kernels_are_compiled_by_the_first_hundredth_of_runs(monkeypatch):
-    """A method of fixed steps has two in it, an adaptive one a tolerance; one that refuses the scene is left out."""
+    """A method of fixed steps has two in it, an adaptive one a tolerance; one that refuses the scene is left out.
+
+    The solver chooses a method itself once, too.
+    """
     from reports.facts import compiling
 
     kinds = {"rk4": "fixed", "dop853": "adaptive", "radau": "adaptive", "euler": "fixed"}
@@ -426,6 +429,7 @@ def test_kernels_are_compiled_by_the_first_hundredth_of_runs(monkeypatch):
     for every in (True, False):
         compiling.run_methods("mbs_ref", "pendulum", "relative", every)
         wanted = [one for one in methods if one is not methods[2]] if every else [methods[1]]
+        wanted.append(SimpleNamespace(name="auto", kind="adaptive"))
         assert [settings.method for _, settings in ran] == [one.name for one in wanted]
         for (scene, settings), one in zip(ran, wanted, strict=True):
             assert settings.t_end == pytest.approx(0.01 * scene.duration)
