@@ -221,6 +221,8 @@ def _comparisons(system: System, plan: Plan, own: RunWithPoses) -> Asking[list[_
     if plan.options.step and compared[0].has_ended:
         compared[0] = yield from _by_observed_order(system, plan, own, compared[0])
     wanted = compared[0].is_uninformative or needs_second
+    if compared[0].has_ended and not wanted:
+        return compared
     middle = [second] if wanted or own.run.near_singular else []
     _, *further = {one.share: one for one in (begun, *middle, _coarser(plan), _by_another_method(plan))}.values()
     if compared[0].has_ended:

@@ -6,7 +6,7 @@ velocities makes the mean velocity the one that moves the positions from end to 
 An interval is halved until each function is excluded in it
 - by a bound on its rate: a function cannot fall to zero in the time that its speed would need, as in conservative
   advancement (Mirtich, Impulse-based dynamic simulation, 1996, sec. 2.3);
-- or by its second differences, once they shrink as those of a smooth function do.
+- or by its second differences, once its rates confirm them, or they shrink as those of a smooth function do.
 Neither holds for bodies that turn far: their intervals are halved until the turn is less than a radian.
 What the quartic term changes in a function bounds the interpolant's error. Where a function is smaller than that, the
 step is to end there, so that the method itself decides. Where that error is as large as the functions, as in a step
