@@ -5,6 +5,7 @@ from collections import Counter
 from statistics import median
 from typing import Any
 
+from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import OURS, SILENT, Verdict
 from cross_checks.records.numbers import count, duration, of_scene, short
 from cross_checks.records.plots import add_series, lines, new_figure, style_of, to_data
@@ -13,7 +14,8 @@ from reports.facts.report_data import MIDDLE, ReportData, Section, entries, leas
 from reports.page.slug import engine_file, scene_file
 
 DIGITS = 15  # of an error that fills its bar
-LEVELS = tuple(10.0 ** (-0.5 * k) for k in range(2, 25))  # errors at which costs are compared
+# Errors at which costs are compared: no engine was to go below the last.
+LEVELS = tuple(10.0 ** (-0.5 * k) for k in range(2, round(-2.0 * math.log10(min(TARGETS))) + 1))
 
 
 def context(data: ReportData) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cross_checks.judge.bounds import TARGETS
 from cross_checks.judge.vocabulary import Cell, Verdict
 from cross_checks.records.record import Error, Record
 from reports.facts.report_data import ReportData
@@ -54,6 +55,16 @@ def test_costs_are_medians_over_the_scenes_that_an_engine_models(data):
     assert lines["mujoco"][1e-6] == pytest.approx(1.0)
     assert min(lines["mujoco"]) == 1e-6
     assert "exudyn" not in lines or not lines["exudyn"], "half of its scenes are missed at every error"
+
+
+def test_no_line_goes_beyond_the_smallest_error_that_engines_were_to_reach(data):
+    """What a dearer method reaches there by chance is not an engine's cost."""
+    finest = min(TARGETS)
+    beyond = [record("mujoco", scene, 100.0, 1e-3 * finest) for scene in ("pendulum", "double_pendulum")]
+    lines = frontier_plot(replace(data, records=(*data.records, *beyond)))["data"]
+    assert {trace["meta"]["engine"]: min(trace["y"]) for trace in lines if trace["y"]} == {
+        "mujoco": pytest.approx(finest)
+    }
 
 
 def test_a_cell_shows_the_smallest_error_and_the_cost_at_1e_6(data):
