@@ -76,27 +76,30 @@ def _combine(weights, slopes, h, out):
 
 
 @jit
-def error_norm(model, work, tableau, h, y, stages, restore, rtol, atol):
+def error_norm(model, work, tableau, h, y, stages, restore, pivot, rtol, atol):
     """Return the scaled error; with a second estimate as in DOP853 (Hairer, Norsett, Wanner I, sec. II.10).
 
-    With `restore` only the error along the constraints counts: projection removes the rest, which near a
-    singular pose is roundoff magnified by eps / sigma^3.
+    With `restore` projection removes the error off the constraints. It counts as far as it is not harmless at the
+    closure pivot of the worst stage: it may lead to another branch, or is magnified roundoff.
     """
-    main = _estimate(model, work, tableau.error, h, y, stages, restore, rtol, atol)
+    least = harmless(pivot, rtol) if restore else -1.0
+    main = _estimate(model, work, tableau.error, h, y, stages, least, rtol, atol)
     if tableau.error_low.shape[0] == 0:
         return main
-    low = _estimate(model, work, tableau.error_low, h, y, stages, restore, rtol, atol)
+    low = _estimate(model, work, tableau.error_low, h, y, stages, least, rtol, atol)
     scale = main * main + 0.01 * low * low
     return 0.0 if scale == 0.0 else main * main / np.sqrt(scale)  # NaN must stay NaN, and be rejected
 
 
 @jit
-def _estimate(model, work, weights, h, y, stages, restore, rtol, atol):
-    """Return the scaled norm of one estimate."""
+def _estimate(model, work, weights, h, y, stages, least, rtol, atol):
+    """Return the scaled norm of one estimate; off the constraints only what exceeds `least` counts, or all if -1."""
     _combine(weights, stages.slopes, h, stages.scratch)
-    if restore:
-        tangent(model, work, stages.scratch)
-    return weighted_norm(stages.scratch, y, stages.new, rtol, atol)
+    whole = weighted_norm(stages.scratch, y, stages.new, rtol, atol)
+    if least < 0.0:
+        return whole
+    tangent(model, work, stages.scratch)
+    return np.maximum(weighted_norm(stages.scratch, y, stages.new, rtol, atol), whole - least)
 
 
 @jit
@@ -181,6 +184,8 @@ def between_code() -> int:
 # next to such a pose.
 NOISY_PIVOT = 2e-17  # over rtol, to the power 2/3
 NOISY_STAGE = 1e-19  # likewise for a stage inside a step, whose weight is smaller
+MAGNIFIED = 100.0  # times what harms the accuracy: roundoff off the constraints that is left out of a step's error ...
+WAY = 1e-2  # ... as is this share of the way to the singular pose, beyond which projection finds another branch
 SINGULAR_PIVOT = 1e-17  # over rtol
 SHARPEST = 1e-11  # rtol
 TIGHTEST = 1e-13  # rtol that double precision can meet
@@ -208,6 +213,8 @@ def is_too_near(pivot, stage_pivot, rtol, avoided, adaptive):
     return (noisy and avoided < PATIENT_AVOIDED) or (adaptive and pivot < SINGULAR_PIVOT / needed)
 
 
+# Return how many tolerances of error off the constraints are harmless at a relative closure pivot.
+harmless = jit(lambda pivot, rtol: (WAY * np.sqrt(pivot) + MAGNIFIED * NOISY_PIVOT / (pivot * np.sqrt(pivot))) / rtol)
 # Return the step (s) in place of one that is not to end at this pivot, or had a stage too close to a singular pose.
 shortened = jit(lambda h, pivot, rtol: h * (AVOID if is_noisy(pivot, NOISY_PIVOT, rtol) else AVOID_STAGE))
 # Return the step (s) that accuracy allows, where no singular pose is near: `natural`, if one was stored.
@@ -251,7 +258,7 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
             if not projects:  # else where projection puts the step's end, once it is accepted
                 derivative(model, work, attempt.t_new, stages.new, stages.slopes[last])
                 run.rhs_calls += 1
-            error = error_norm(model, work, tableau, attempt.h, y, stages, restore, options.rtol, options.atol)
+            error = error_norm(model, work, tableau, attempt.h, y, stages, restore, pivot, options.rtol, options.atol)
             error = stepping.doubted(run, error, tableau.order)
             accepted, run.h = stepping.resized(
                 error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, rejected

@@ -19,6 +19,7 @@ from mbs_ref.integrators.loop.explicit import (
     MOST_AVOIDED,
     NEAR_SINGULAR,
     STAGE_ITERATIONS,
+    harmless,
     is_too_near,
     resumed,
     shortened,
@@ -134,10 +135,11 @@ def _restore(model, work, t, new, spare, now):
 
 
 @bare
-def _square_sum(model, work, weights, rtol, atol, y, new, spare, slopes, now, restores):
+def _square_sum(model, work, weights, rtol, atol, y, new, spare, slopes, now, restores, pivot):
     """Return for an estimate of the error the sum of squares over the state, each entry in its tolerance.
 
-    Of lanes near a singular pose only the error along the constraints counts. The last slope is not in use yet.
+    Of lanes near a singular pose an error off the constraints that is harmless at the stages' `pivot` does not count.
+    The last slope is not in use yet.
     """
     count, last = weights.shape[0], slopes[weights.shape[0]]
     for k in range(y.shape[0]):
@@ -146,15 +148,23 @@ def _square_sum(model, work, weights, rtol, atol, y, new, spare, slopes, now, re
             if weights[j] != 0.0:
                 total = total + weights[j] * slopes[j, k]
         last[k] = now[STEP] * total
-    if restores:
-        for k in range(y.shape[0]):
-            spare[k] = last[k]
-        tangent(model, work, spare)
-        for k in range(y.shape[0]):
-            last[k] = chosen_in_lanes(now[RESTORED], spare[k], last[k])
-    square = 0.0 * now[STEP]
+    whole = _squared(last, rtol, atol, y, new)
+    if not restores:
+        return whole
     for k in range(y.shape[0]):
-        scaled = last[k] / (atol[k] + rtol * larger(abs(y[k]), abs(new[k])))
+        spare[k] = last[k]
+    tangent(model, work, spare)
+    along = _squared(spare, rtol, atol, y, new)
+    off = larger(np.sqrt(whole) - np.sqrt(1.0 * y.shape[0]) * harmless(pivot, rtol), 0.0 * along)
+    return chosen_in_lanes(now[RESTORED], larger(off * off, along) + 0.0 * along, whole)  # NaN must stay NaN
+
+
+@bare
+def _squared(error, rtol, atol, y, new):
+    """Return the sum of squares of an error, each entry in its tolerance."""
+    square = 0.0 * error[0]
+    for k in range(y.shape[0]):
+        scaled = error[k] / (atol[k] + rtol * larger(abs(y[k]), abs(new[k])))
         square = square + scaled * scaled
     return square
 
@@ -269,7 +279,7 @@ def _try(model, work, tableau, options, atol, y, new, spare, slopes, now, restor
         _restore(model, work, t, new, spare, now)
         now[LAST] = chosen_in_lanes(now[RESTORED], regularity(work), now[LAST])
     for place, weights in ((MAIN, tableau.error), (LOW, tableau.error_low)):
-        now[place] = _square_sum(model, work, weights, options.rtol, atol, y, new, spare, slopes, now, restores)
+        now[place] = _square_sum(model, work, weights, options.rtol, atol, y, new, spare, slopes, now, restores, pivot)
     if options.project:
         now[LEFT] = project(model, work, t, new, now[TOLERANCE], stepping.PROJECTION_ITERATIONS)
     derivative(model, work, t, new, slopes[count])

@@ -105,7 +105,7 @@ def test_two_estimates_make_one_error_as_in_dop853(monkeypatch):
     """DOP853's ERR^2 / sqrt(ERR^2 + 0.01 ERR2^2) (Hairer, Norsett, Wanner I, sec. II.10)."""
     monkeypatch.setattr(explicit, "_estimate", lambda model, work, weights, *given: weights[0])
     tableau = SimpleNamespace(error=np.array([3.0]), error_low=np.array([4.0]))
-    found = explicit.error_norm.py_func(None, None, tableau, 0.1, None, None, False, None, None)
+    found = explicit.error_norm.py_func(None, None, tableau, 0.1, None, None, False, 1.0, None, None)
     assert found == pytest.approx(9.0 / np.sqrt(9.0 + 0.01 * 16.0))
 
 

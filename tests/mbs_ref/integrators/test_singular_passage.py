@@ -9,9 +9,10 @@ import pytest
 
 from cross_checks.truths import truth_for
 from mbs_ref import scenes
-from mbs_ref.scene import GROUND, PlanarBody, Revolute, Scene
+from mbs_ref.scene import GROUND, PlanarBody, PointDrive, Revolute, Scene
+from mbs_ref.scene.signals import Polynomial
 from mbs_ref.settings import Settings
-from mbs_ref.simulate import simulate
+from mbs_ref.simulate import simulate, simulate_scenes
 from mbs_ref.trajectory import Status, Trajectory
 
 G = 9.81  # m/s^2
@@ -132,3 +133,26 @@ def test_a_method_that_drifts_stops_where_the_drift_would_choose_the_branch(meth
     assert run.status is Status.SINGULAR
     truth = simulate(scene, Settings(method="dop853", rtol=1e-11, estimate="off"), run.times)
     assert np.abs(run.position - truth.position).max() < 0.05
+
+
+def reach(start: float) -> Scene:
+    """An arm of 1 m at an angle (rad) on a pin, whose tip is driven from rest along x by 1 m/s^2, up to x = 1 m."""
+    tip = math.cos(start), math.sin(start)
+    arm = PlanarBody(name="arm", mass=1.0, inertia=0.1, position=(0.5 * tip[0], 0.5 * tip[1]), angle=start)
+    pin = Revolute(name="pin", body_a=GROUND, body_b="arm", point=(0.0, 0.0))
+    drive = PointDrive(name="drive", body="arm", point=tip, direction=(1.0, 0.0), level="acceleration",
+                       motion=Polynomial(coefficients=(1.0,)))  # fmt: skip
+    return Scene(name="reach", gravity=(0.0, 0.0), bodies=(arm,), joints=(pin, drive), duration=1.0)
+
+
+@pytest.mark.parametrize("close", [0.9, 0.99, 0.999, 0.9999])
+@pytest.mark.parametrize("start", [0.8, 2.0, 2.6])
+def test_projection_close_to_the_end_of_a_reach_finds_no_mirrored_pose(start, close):
+    """The tip is at x = cos(angle) = cos(start) + t^2 / 2."""
+    settings = Settings(method="dop853", t_end=math.sqrt(2.0 * (close - math.cos(start))), samples=2, reactions=False)
+    for rtol in (1e-4, 1e-6, 1e-8, 1e-11):
+        one = settings.model_copy(update={"rtol": rtol})
+        runs = [simulate(reach(start), one.model_copy(update={"outputs": outputs})) for outputs in ("landed", "dense")]
+        for run in (*runs, *simulate_scenes([reach(start)] * 2, one, threads=1, lanes=True)):
+            assert run.ok, run.message
+            assert run.orientation[-1, 0] == pytest.approx(math.acos(close), abs=1e-9)
