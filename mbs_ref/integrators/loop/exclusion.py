@@ -245,9 +245,10 @@ def _second_difference(left, middle, right, c):
 def _bend(left, middle, right, c, half, before):
     """Return how far a smooth function can fall below three of its values; inf where it may not be smooth.
 
-    Its second difference is to be what its rates at both ends tell, or less than `before`, that of the wider interval:
-    rates are those of the interpolated velocities, which may not quite be the derivative of the interpolated positions.
-    A second difference may be small by chance. Without rates it counts as at least a quarter of that before.
+    It is smooth where its second difference is the one that its rates at both ends mean, or half of `before`, that of
+    the wider interval, at most. Rates are of the interpolated velocities, which are not quite the derivative of the
+    interpolated positions. Without their agreement the second difference, which may be small by chance, counts as a
+    quarter of that before at least.
     """
     bend, r0, r1 = _second_difference(left, middle, right, c), left[RATE, c], right[RATE, c]
     if bend == 0.0:

@@ -79,8 +79,8 @@ def _combine(weights, slopes, h, out):
 def error_norm(model, work, tableau, h, y, stages, restore, pivot, rtol, atol):
     """Return the scaled error; with a second estimate as in DOP853 (Hairer, Norsett, Wanner I, sec. II.10).
 
-    With `restore` projection removes the error off the constraints. It counts as far as it is not harmless at the
-    closure pivot of the worst stage: it may lead to another branch, or is magnified roundoff.
+    With `restore` projection removes the error off the constraints, which counts only as far as it exceeds what is
+    `harmless` at the closure pivot of the worst stage: projection of a larger one may find another branch.
     """
     least = harmless(pivot, rtol) if restore else -1.0
     main = _estimate(model, work, tableau.error, h, y, stages, least, rtol, atol)
@@ -93,7 +93,7 @@ def error_norm(model, work, tableau, h, y, stages, restore, pivot, rtol, atol):
 
 @jit
 def _estimate(model, work, weights, h, y, stages, least, rtol, atol):
-    """Return the scaled norm of one estimate; off the constraints only what exceeds `least` counts, or all if -1."""
+    """Return the scaled norm of one estimate; off the constraints what exceeds `least` counts, or all if that is -1."""
     _combine(weights, stages.slopes, h, stages.scratch)
     whole = weighted_norm(stages.scratch, y, stages.new, rtol, atol)
     if least < 0.0:
@@ -184,8 +184,9 @@ def between_code() -> int:
 # next to such a pose.
 NOISY_PIVOT = 2e-17  # over rtol, to the power 2/3
 NOISY_STAGE = 1e-19  # likewise for a stage inside a step, whose weight is smaller
-MAGNIFIED = 100.0  # times what harms the accuracy: roundoff off the constraints that is left out of a step's error ...
-WAY = 1e-2  # ... as is this share of the way to the singular pose, beyond which projection finds another branch
+# A step's error off the constraints does not count up to so many times the roundoff that harms the accuracy, and this
+# share of the way to the singular pose, beyond which projection finds another branch.
+MAGNIFIED, WAY = 100.0, 1e-2
 SINGULAR_PIVOT = 1e-17  # over rtol
 SHARPEST = 1e-11  # rtol
 TIGHTEST = 1e-13  # rtol that double precision can meet
