@@ -241,7 +241,6 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
     if code == leg.RUNNING and adaptive and run.h == 0.0:
         run.h = stepping.first_step(model, work, run.t, y, stages.slopes[0], tableau.order, options, span)
         run.rhs_calls += 1
-        run.fresh = 1
     if not adaptive:
         run.h = options.step
     while code == leg.RUNNING and run.steps < budget:
@@ -260,7 +259,6 @@ def advance_explicit(model, work, tableau, options, run, y, outputs):
                 derivative(model, work, attempt.t_new, stages.new, stages.slopes[last])
                 run.rhs_calls += 1
             error = error_norm(model, work, tableau, attempt.h, y, stages, restore, pivot, options.rtol, options.atol)
-            error = stepping.doubted(run, error, tableau.order)
             accepted, run.h = stepping.resized(
                 error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, rejected
             )

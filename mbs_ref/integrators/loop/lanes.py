@@ -194,7 +194,6 @@ def begin_all(options, runs, first, last, times, order):
         if runs.code[i] == leg.RUNNING:
             run.h = stepping.first_step(model, work, run.t, y, slope, order, options, run.span)
             run.rhs_calls += 1
-            run.fresh = 1
             runs.pivot[i] = regularity(work)
 
 
@@ -322,7 +321,7 @@ def _avoid(options, run, side, attempt, outputs, w):
 @bare
 def _resize(tableau, run, side, attempt, w):
     """Propose the next step of lane w by this one's error; return whether that is borne, and how the run stands."""
-    error = stepping.doubted(run, _error(side.now[MAIN, w], side.now[LOW, w], side.y.shape[0]), tableau.order)
+    error = _error(side.now[MAIN, w], side.now[LOW, w], side.y.shape[0])
     was_rejected = side.rejected[w] == 1
     is_borne, run.h = stepping.resized(
         error, tableau.error_order, attempt.h, attempt.proposed, attempt.lands, was_rejected

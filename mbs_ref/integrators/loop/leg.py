@@ -76,7 +76,6 @@ PROGRESS = np.dtype((np.record, [
     ("event_source", np.int64),  # of the last event
     ("switches", np.int64),  # between a method's families
     ("near_singular", np.int64),  # explicit steps so close to a singular pose that their stages are projected
-    ("fresh", np.int64),  # 1 where no step has been accepted since the leg's start or an event
     ("needs_tangent", np.int64),  # 1 once corrections with the mass matrix alone have failed
 ]))  # fmt: skip
 Progress = np.record

@@ -66,11 +66,6 @@ def first_step(model, work, t, y, dy, order, options, span):
     return min(100.0 * h0, min(h1, span))
 
 
-# Return a step's error. The first one since a start or an event counts as if the step had twice its size: its estimate
-# is small by chance where a force begins at zero, which leaves half of a series' terms.
-doubted = jit(lambda run, error, order: error * 2.0**order if run.fresh == 1 else error)
-
-
 @jit
 def resized(error, error_order, h, proposed, lands, rejected):
     """Return whether a step's error is borne, and the next step (s)."""
@@ -191,7 +186,6 @@ def accept(model, work, options, run, attempt, verdict, y, trial, table, outputs
         y[k] = trial[k]
     run.t = attempt.t_new
     run.steps += 1
-    run.fresh = 1 if verdict == EVENT else 0
     if attempt.lands and is_cut(attempt.proposed, attempt.h):
         run.cut += 1
     if verdict == EVENT:

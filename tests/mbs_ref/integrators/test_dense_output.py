@@ -9,7 +9,6 @@ import pytest
 from scipy.special import ellipj
 
 from mbs_ref import scenes
-from mbs_ref.observables.distance import relative
 from mbs_ref.scene import GROUND, PointMass, Scene, SpringDamper
 from mbs_ref.settings import Settings
 from mbs_ref.simulate import simulate
@@ -102,12 +101,3 @@ def test_who_has_no_interpolant_says_so():
     path = dense(scenes.make("pleiades"), method="auto", t_end=0.1)
     assert path.method == "dop853"
     assert "no interpolant" in path.reason
-
-
-@pytest.mark.parametrize("rtol", [1e-7, 1e-8, 1e-9])
-def test_the_first_step_into_a_contact_errs_no_more_than_the_tolerance(rtol):
-    """A force that begins at zero leaves half of the terms that the estimate of a step's error compares."""
-    scene = scenes.make("painleve_rod")
-    settings = Settings(method="dop853", outputs="dense", t_end=0.014, samples=3, estimate="off", reactions=False)
-    run, fine = (simulate(scene, settings.model_copy(update={"rtol": r, "atol": r})) for r in (rtol, 1e-13))
-    assert relative(scene, run, fine).max() < rtol
